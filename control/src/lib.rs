@@ -1,0 +1,2 @@
+//! Stiff virtual walls in fixed point.
+#![no_std]

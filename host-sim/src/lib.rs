@@ -1,0 +1,9 @@
+//! Simulated haptic devices, scenes, experiments and reports around the Touchstone control law.
+//!
+//! A run goes `scene -> plan -> loop -> record -> report`; each has its module.
+
+pub mod error;
+pub mod plant;
+pub mod report;
+pub mod run;
+pub mod scene;

@@ -1,0 +1,1 @@
+//! The mechanical side: device and hand between two ticks.

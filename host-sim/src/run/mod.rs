@@ -1,0 +1,3 @@
+//! Runs a scene: the plan, the loop, what it records and how it is judged.
+
+pub mod record;

@@ -1,0 +1,1 @@
+//! Cross-crate tests of Touchstone; see the files beside this folder.
