@@ -1,0 +1,120 @@
+//! What must hold between the fields of a scene.
+
+use super::Scene;
+use super::draft::Problem;
+use super::motion::tap;
+use super::operator::{FASTEST_MOTION_HZ, Grip, MotionSpec};
+use super::schema::MOTION_KIND;
+use super::units::tidy;
+
+/// The first contradiction in a scene whose fields are all in range by themselves.
+pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
+    friction(scene)
+        .or_else(|| grip(scene))
+        .or_else(|| motion(scene))
+        .or_else(|| duration(scene))
+}
+
+fn friction(scene: &Scene) -> Option<Problem> {
+    let friction = scene.device.friction.as_ref()?;
+    let (kinetic, break_away) = (friction.kinetic_n_m, friction.static_n_m());
+    (break_away < kinetic).then(|| {
+        Problem::new(
+            "device.friction.static_n_m",
+            format!("must be at least kinetic_n_m, is {break_away} below {kinetic}"),
+            format!("write static_n_m = {} or leave it out", tidy(kinetic)),
+        )
+    })
+}
+
+fn grip(scene: &Scene) -> Option<Problem> {
+    let operator = &scene.operator;
+    match (operator.grip, &operator.hand) {
+        (Grip::Custom, None) => {
+            let fix = "add a table [operator.hand], or give light, medium or firm";
+            Some(Problem::new(
+                "operator.grip",
+                "a custom grip needs the hand's values",
+                fix,
+            ))
+        }
+        (Grip::Custom, Some(_)) | (_, None) => None,
+        (grip, Some(_)) => {
+            let problem = format!(
+                "the grip {} contradicts the table [operator.hand]",
+                grip.name()
+            );
+            Some(Problem::new(
+                "operator.grip",
+                problem,
+                "remove one of the two",
+            ))
+        }
+    }
+}
+
+fn motion(scene: &Scene) -> Option<Problem> {
+    let motion = &scene.operator.motion;
+    if scene.operator.hand().is_none() && *motion != MotionSpec::None {
+        let problem = format!(
+            "nobody holds the device, so nobody can do the motion {}",
+            motion.name()
+        );
+        return Some(Problem::new(
+            MOTION_KIND,
+            problem,
+            "give operator.grip = \"medium\", or the motion none",
+        ));
+    }
+    match motion {
+        MotionSpec::Tap(tap) => {
+            let frequency = 1.0 / tap::length_s(tap);
+            (frequency > FASTEST_MOTION_HZ).then(|| {
+                // Frequency is proportional to velocity over approach; round up to a thousandth.
+                let approach = (tap.approach_rad * frequency / FASTEST_MOTION_HZ * 1e3).ceil() / 1e3;
+                Problem::new(
+                    "operator.motion.velocity_rad_per_s",
+                    format!(
+                        "{} rad/s from {} rad outside is a tap of {frequency:.1} Hz, no hand moves above {FASTEST_MOTION_HZ} Hz",
+                        tap.velocity_rad_per_s, tap.approach_rad
+                    ),
+                    format!("lower it, or give approach_rad = {} or more", tidy(approach)),
+                )
+            })
+        }
+        MotionSpec::Recorded(recorded) => (!recorded.file.is_file()).then(|| {
+            let problem = format!("no file {}", recorded.file.display());
+            Problem::new(
+                "operator.motion.file",
+                problem,
+                "give the path of a CSV file, relative to the scene's folder",
+            )
+        }),
+        MotionSpec::None | MotionSpec::RampAndHold(_) | MotionSpec::PressWiggleRelease(_) => None,
+    }
+}
+
+fn duration(scene: &Scene) -> Option<Problem> {
+    let end = match &scene.operator.motion {
+        // The release may be cut short: nothing is judged in it.
+        motion @ (MotionSpec::RampAndHold(_) | MotionSpec::PressWiggleRelease(_)) => {
+            motion.hold_window_s()?.1
+        }
+        MotionSpec::Tap(tap) => tap.start_s + tap::length_s(tap),
+        MotionSpec::None | MotionSpec::Recorded(_) => return None,
+    };
+    let end = (end * 1e6).round() / 1e6;
+    (scene.timing.duration_s < end).then(|| {
+        Problem::new(
+            "timing.duration_s",
+            format!(
+                "{} s is too short for the motion, which needs {end} s",
+                scene.timing.duration_s
+            ),
+            format!(
+                "give duration_s = {} or more, or shorten the motion",
+                tidy((end * 1e3).ceil() / 1e3)
+            ),
+        )
+    })
+}

@@ -1,0 +1,156 @@
+//! What the hand moves and how it is measured, timed and stopped: device, encoder, timing, wall.
+
+use serde::{Deserialize, Serialize};
+
+/// A knob with one degree of freedom: `inertia · x'' + damping · x' + friction = torques`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Device {
+    /// Moment of inertia, kg·m², above 0. Default 1e-4.
+    pub inertia_kg_m2: f64,
+    /// Viscous damping, N·m·s/rad, 0 or more. Default 3e-4.
+    pub damping_n_m_s_per_rad: f64,
+    /// Angle at the start, rad. Absent: the device starts where the hand's rest point starts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial_angle_rad: Option<f64>,
+    /// Velocity at the start, rad/s, positive into the wall. Default 0.
+    pub initial_velocity_rad_per_s: f64,
+    /// Largest torque that the drive delivers, N·m, above 0. Absent: no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque_limit_n_m: Option<f64>,
+    /// Smallest step of the torque that the amplifier makes, N·m, above 0. Absent: no steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplifier_step_n_m: Option<f64>,
+    /// Dry friction. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Friction>,
+}
+
+impl Default for Device {
+    fn default() -> Self {
+        Device {
+            // The thesis gives no inertia. Chosen between a bare gimbal motor (2e-6 to 2e-5) and a measured student
+            // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
+            inertia_kg_m2: 1e-4,
+            // The thesis found 5e-4 by feel with a finger on the knob, so that value holds the finger's damping too.
+            // This much in the device and 3.4e-4 in a medium fingertip come near it.
+            damping_n_m_s_per_rad: 3e-4,
+            initial_angle_rad: None,
+            initial_velocity_rad_per_s: 0.0,
+            torque_limit_n_m: None,
+            amplifier_step_n_m: None,
+            friction: None,
+        }
+    }
+}
+
+/// Coulomb friction with a higher break-away torque.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Friction {
+    /// Torque while sliding, N·m, 0 or more. Default 1e-3.
+    pub kinetic_n_m: f64,
+    /// Torque that a resting device bears before it slides, N·m, at least the kinetic one. Absent: equal to it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub static_n_m: Option<f64>,
+}
+
+impl Friction {
+    /// Break-away torque, N·m: the one given, else the kinetic torque.
+    pub fn static_n_m(&self) -> f64 {
+        self.static_n_m.unwrap_or(self.kinetic_n_m)
+    }
+}
+
+impl Default for Friction {
+    fn default() -> Self {
+        // Small direct-drive motors have 0.5 to 3 mN·m (sweep it: no maker publishes it).
+        Friction {
+            kinetic_n_m: 1e-3,
+            static_n_m: None,
+        }
+    }
+}
+
+/// A position sensor with steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Encoder {
+    /// Steps in one turn, above 0. Default 40,000.
+    pub counts_per_rev: f64,
+}
+
+impl Encoder {
+    /// One step, rad.
+    pub fn step_rad(&self) -> f64 {
+        std::f64::consts::TAU / self.counts_per_rev
+    }
+}
+
+impl Default for Encoder {
+    fn default() -> Self {
+        // An optical disc of 10,000 lines, read at four edges a line. A 14-bit magnetic sensor has 16,384.
+        Encoder {
+            counts_per_rev: 40_000.0,
+        }
+    }
+}
+
+/// When the law runs, how long, and how late its command comes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Timing {
+    /// Control rate, Hz, 1 to 1,000,000. Default 1000.
+    pub rate_hz: u32,
+    /// Simulated time, s, above 0, at most a day. Default 3.
+    pub duration_s: f64,
+    /// Time from a sample to its command on the motor, s, 0 to 1; it may be a fraction of a period or several.
+    /// Default 0.
+    pub computational_delay_s: f64,
+}
+
+impl Timing {
+    /// Control period `T`, s.
+    pub fn period_s(&self) -> f64 {
+        1.0 / f64::from(self.rate_hz)
+    }
+
+    /// Number of ticks in the run, at least 1.
+    pub fn ticks(&self) -> u64 {
+        ((self.duration_s * f64::from(self.rate_hz)).round() as u64).max(1)
+    }
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Timing {
+            // Both devices of the thesis.
+            rate_hz: 1000,
+            // The default press (2.5 s) and half a second to see that the released device comes to rest.
+            duration_s: 3.0,
+            // The thesis' bounds are those without delay.
+            computational_delay_s: 0.0,
+        }
+    }
+}
+
+/// The virtual wall: everything beyond the surface is inside.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Wall {
+    /// Undeformed surface `x_s`, rad. Default 0.5.
+    pub surface_rad: f64,
+    /// Stiffness to display, `k_de`, N·m/rad, above 0. Default 5.
+    pub k_desired_n_m_per_rad: f64,
+}
+
+impl Default for Wall {
+    fn default() -> Self {
+        Wall {
+            // Thesis Fig. 5.1.
+            surface_rad: 0.5,
+            // The hardest wall of the thesis' comparison, §5.1: five times the critical stiffness.
+            k_desired_n_m_per_rad: 5.0,
+        }
+    }
+}

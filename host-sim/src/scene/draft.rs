@@ -1,0 +1,348 @@
+//! From text to scene: a flat list of fields that knows where each was written, overrides upon it, and one check of
+//! all.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use toml::Value;
+use toml::de::{DeTable, DeValue};
+
+use super::operator::{Grip, Hand};
+use super::origin::{Origin, Place};
+use super::schema::{self, Field, Kind, MOTION_KIND};
+use super::unknown::{explain, join, list};
+use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
+use super::{Scene, check};
+use crate::error::{Error, Result};
+
+/// Something wrong with one field or table.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Problem {
+    /// Field or table, dotted.
+    pub path: String,
+    /// What is wrong.
+    pub problem: String,
+    /// How to mend it.
+    pub fix: String,
+}
+
+impl Problem {
+    pub fn new(
+        path: impl Into<String>,
+        problem: impl Into<String>,
+        fix: impl Into<String>,
+    ) -> Self {
+        Problem {
+            path: path.into(),
+            problem: problem.into(),
+            fix: fix.into(),
+        }
+    }
+}
+
+/// A scene before its check: fields by their dotted paths.
+#[derive(Debug, Clone)]
+pub(crate) struct Draft {
+    pub fields: BTreeMap<String, Value>,
+    /// Tables that were written, empty ones too: `[encoder]` alone asks for an encoder.
+    pub tables: BTreeSet<String>,
+    pub origin: Origin,
+}
+
+impl Draft {
+    /// Reads TOML text. Only its form is checked here.
+    pub fn from_toml(text: &str, file: &Path) -> Result<Self> {
+        let table = DeTable::parse(text).map_err(|error| syntax_error(text, file, &error))?;
+        let mut draft = Draft {
+            fields: BTreeMap::new(),
+            tables: BTreeSet::new(),
+            origin: Origin::of_file(file),
+        };
+        draft.take("", table.get_ref(), &|offset| line_of(text, offset));
+        if let Some(stem) = file.file_stem() {
+            draft
+                .fields
+                .entry("name".into())
+                .or_insert_with(|| Value::String(stem.to_string_lossy().into_owned()));
+        }
+        // A recording stands beside its scene, wherever the program is started.
+        if let (Some(Value::String(recording)), Some(folder)) =
+            (draft.fields.get_mut("operator.motion.file"), file.parent())
+        {
+            *recording = folder.join(&*recording).to_string_lossy().into_owned();
+        }
+        if draft.has_table("operator.hand") && !draft.fields.contains_key("operator.grip") {
+            draft.fields.insert(
+                "operator.grip".into(),
+                Value::String(Grip::Custom.name().into()),
+            );
+        }
+        Ok(draft)
+    }
+
+    /// The fields of a scene, each with the place it came from.
+    pub fn from_scene(scene: &Scene) -> Self {
+        let mut draft = Draft {
+            fields: BTreeMap::new(),
+            tables: BTreeSet::new(),
+            origin: scene.origin.clone(),
+        };
+        let table = toml::Table::try_from(scene)
+            .expect("a scene is a plain tree of tables, numbers, words and flags");
+        draft.take_values("", table);
+        draft
+    }
+
+    fn take(&mut self, table: &str, values: &DeTable<'_>, line: &dyn Fn(usize) -> usize) {
+        for (key, value) in values {
+            let path = join(table, key.get_ref());
+            self.origin.put(&path, Place::Line(line(key.span().start)));
+            match value.get_ref() {
+                DeValue::Table(inner) => {
+                    self.tables.insert(path.clone());
+                    self.take(&path, inner, line);
+                }
+                leaf => {
+                    self.fields.insert(path, leaf_value(leaf));
+                }
+            }
+        }
+    }
+
+    fn take_values(&mut self, table: &str, values: toml::Table) {
+        for (key, value) in values {
+            let path = join(table, &key);
+            match value {
+                Value::Table(inner) => {
+                    self.tables.insert(path.clone());
+                    self.take_values(&path, inner);
+                }
+                leaf => {
+                    self.fields.insert(path, leaf);
+                }
+            }
+        }
+    }
+
+    /// Whether the table was written, by its heading or through a field in it.
+    pub fn has_table(&self, table: &str) -> bool {
+        let inside = |path: &String| {
+            path.strip_prefix(table)
+                .is_some_and(|rest| rest.starts_with('.'))
+        };
+        self.tables.contains(table) || self.fields.keys().any(inside)
+    }
+
+    /// Takes the table and all its fields away.
+    pub fn remove_table(&mut self, table: &str) {
+        let inside = |path: &String| {
+            path == table
+                || path
+                    .strip_prefix(table)
+                    .is_some_and(|rest| rest.starts_with('.'))
+        };
+        self.tables.retain(|path| !inside(path));
+        self.fields.retain(|path, _| !inside(path));
+    }
+
+    /// Gives the hand the values of the present grip, so that one of them can be changed.
+    pub fn spell_out_hand(&mut self) {
+        let grip = self
+            .fields
+            .get("operator.grip")
+            .and_then(Value::as_str)
+            .unwrap_or("none");
+        let preset = [Grip::Light, Grip::Medium, Grip::Firm]
+            .into_iter()
+            .find(|preset| preset.name() == grip);
+        let hand = preset.and_then(Grip::hand).unwrap_or_else(Hand::default);
+        let values = toml::Table::try_from(hand).expect("a hand is a table of numbers");
+        self.take_values("operator.hand", values);
+        self.fields.insert(
+            "operator.grip".into(),
+            Value::String(Grip::Custom.name().into()),
+        );
+    }
+
+    /// The motion's kind as it was written, known or not; a scene without a motion has `none`.
+    pub fn motion(&self) -> Option<&str> {
+        match self.fields.get(MOTION_KIND) {
+            Some(Value::String(kind)) => Some(kind),
+            Some(_) => None,
+            None => (!self.has_table("operator.motion")).then_some("none"),
+        }
+    }
+
+    /// Checks everything and makes the scene. Of several problems the one that stands first is reported.
+    pub fn build(mut self) -> Result<Scene> {
+        let mut problems = self.problems();
+        // Overrides first, then line by line; on one line the outermost.
+        problems
+            .sort_by_cached_key(|problem| (self.origin.place(&problem.path), problem.path.len()));
+        if let Some(Problem { path, problem, fix }) = problems.into_iter().next() {
+            return Err(self.origin.error(&path, problem, fix));
+        }
+        for (path, value) in &mut self.fields {
+            let number = matches!(
+                schema::at(path),
+                Some(Field {
+                    kind: Kind::Number(_),
+                    ..
+                })
+            );
+            if let (true, Value::Integer(whole)) = (number, &*value) {
+                *value = Value::Float(*whole as f64);
+            }
+        }
+        let mut scene: Scene = self.nested().try_into().map_err(|error: toml::de::Error| {
+            self.origin.error(
+                "",
+                error.message().lines().next().unwrap_or("not a scene"),
+                "compare with a shipped scene",
+            )
+        })?;
+        scene.origin = self.origin;
+        match check::scene(&scene) {
+            Some(Problem { path, problem, fix }) => Err(scene.origin.error(&path, problem, fix)),
+            None => Ok(scene),
+        }
+    }
+
+    /// All that is wrong with single fields.
+    fn problems(&self) -> Vec<Problem> {
+        // A motion of unknown kind is reported itself; which fields it should have is then unknown too.
+        let motion = self
+            .motion()
+            .filter(|motion| choices(MOTION_KIND).contains(motion));
+        let mut problems = Vec::new();
+        for table in self.tables.iter().filter(|table| !schema::is_table(table)) {
+            match schema::at(table) {
+                Some(field) => problems.push(wrong_type(field, "a table")),
+                None => {
+                    let (problem, fix) =
+                        explain(table, motion, Some(&Value::Table(toml::Table::new())));
+                    problems.push(Problem::new(table, problem, fix));
+                }
+            }
+        }
+        for (path, value) in &self.fields {
+            let known =
+                schema::at(path).filter(|field| motion.is_none_or(|motion| field.suits(motion)));
+            match known {
+                Some(field) => problems.extend(wrong_value(field, value)),
+                None if schema::is_table(path) => {
+                    let names = schema::inside(path);
+                    let fix = format!("write a table [{path}] with {}", names.join(", "));
+                    problems.push(Problem::new(
+                        path,
+                        format!("must be a table, is {}", shown(value)),
+                        fix,
+                    ));
+                }
+                None => {
+                    let (problem, fix) = explain(path, motion, Some(value));
+                    problems.push(Problem::new(path, problem, fix));
+                }
+            }
+        }
+        if self.has_table("operator.motion") && !self.fields.contains_key(MOTION_KIND) {
+            problems.push(Problem::new(
+                MOTION_KIND,
+                "missing",
+                format!("give {}", list(choices(MOTION_KIND))),
+            ));
+        }
+        if motion == Some("recorded") && !self.fields.contains_key("operator.motion.file") {
+            problems.push(Problem::new(
+                "operator.motion.file",
+                "missing",
+                "give the recording, a CSV file with time and angle",
+            ));
+        }
+        problems
+    }
+
+    /// The fields as nested tables.
+    fn nested(&self) -> toml::Table {
+        let mut top = toml::Table::new();
+        for table in &self.tables {
+            inner(&mut top, table);
+        }
+        for (path, value) in &self.fields {
+            let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
+            inner(&mut top, table).insert(name.to_owned(), value.clone());
+        }
+        top
+    }
+}
+
+/// The table at a dotted path, made where it is missing.
+fn inner<'a>(top: &'a mut toml::Table, path: &str) -> &'a mut toml::Table {
+    path.split('.')
+        .filter(|part| !part.is_empty())
+        .fold(top, |table, part| {
+            let entry = table
+                .entry(part)
+                .or_insert_with(|| Value::Table(toml::Table::new()));
+            entry
+                .as_table_mut()
+                .expect("no field has the path of a table: that was checked")
+        })
+}
+
+/// Line of a byte offset, from 1.
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.as_bytes()[..offset.min(text.len())]
+        .iter()
+        .filter(|byte| **byte == b'\n')
+        .count()
+}
+
+/// An error of the TOML itself.
+fn syntax_error(text: &str, file: &Path, error: &toml::de::Error) -> Error {
+    let offset = error.span().map_or(0, |span| span.start);
+    let line = line_of(text, offset);
+    let (key, value) = text
+        .lines()
+        .nth(line - 1)
+        .and_then(|line| line.split_once('='))
+        .unwrap_or_default();
+    let (key, value) = (key.trim(), value.split('#').next().unwrap_or("").trim());
+    let plain = |more: &str| {
+        value
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || more.contains(c))
+    };
+    // The two slips that TOML's own words explain least.
+    let (problem, fix) = if value.starts_with(|c: char| c.is_ascii_alphabetic()) && plain("-_./") {
+        (
+            "text without quotes".to_owned(),
+            format!("write {key} = \"{value}\""),
+        )
+    } else if value.contains(',') && value.replacen(',', ".", 1).parse::<f64>().is_ok() {
+        (
+            "a comma in a number".to_owned(),
+            format!("write {key} = {}", value.replacen(',', ".", 1)),
+        )
+    } else {
+        let problem = format!(
+            "not valid TOML: {}",
+            error.message().lines().collect::<Vec<_>>().join(", ")
+        );
+        (
+            problem,
+            "write key = value lines under [table] headings, text in quotes".to_owned(),
+        )
+    };
+    Error::File {
+        file: file.to_owned(),
+        line,
+        field: if key.is_empty() {
+            "scene".to_owned()
+        } else {
+            key.to_owned()
+        },
+        problem,
+        fix,
+    }
+}

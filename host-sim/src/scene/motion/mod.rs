@@ -1,0 +1,100 @@
+//! The hand's rest point as a function of time.
+
+mod press;
+mod recording;
+mod resample;
+pub(super) mod tap;
+#[cfg(test)]
+mod tests;
+
+pub use recording::Recording;
+pub use resample::{Curve, SMOOTHING_HZ};
+
+use super::{APPROACH_RAD, MotionSpec, Scene};
+use crate::error::Result;
+use press::Press;
+use tap::TapPath;
+
+/// The hand's moving rest point `r(t)`: the end of the hand's spring that the person, not the device, decides upon.
+///
+/// All shapes are smooth: `r` has a continuous slope, and its content lies within what a hand can do (some 10 Hz).
+#[derive(Debug, Clone)]
+pub struct Motion {
+    shape: Shape,
+    note: Option<String>,
+}
+
+#[derive(Debug, Clone)]
+enum Shape {
+    Still(f64),
+    Press(Press),
+    Tap(TapPath),
+    Recorded(Curve),
+}
+
+impl Motion {
+    /// Prepares the motion of a scene; reads the recording where there is one.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the recording, see [`Recording::read`]; a press or tap without a hand.
+    pub fn from_scene(scene: &Scene) -> Result<Motion> {
+        let surface = scene.wall.surface_rad;
+        let hand = || {
+            scene.operator.hand().ok_or_else(|| {
+                scene.error(
+                    "operator.motion.kind",
+                    "nobody holds the device",
+                    "give operator.grip = \"medium\"",
+                )
+            })
+        };
+        let mut note = None;
+        let shape = match &scene.operator.motion {
+            MotionSpec::None => Shape::Still(
+                scene
+                    .device
+                    .initial_angle_rad
+                    .unwrap_or(surface - APPROACH_RAD),
+            ),
+            MotionSpec::RampAndHold(spec) => {
+                Shape::Press(Press::ramp_and_hold(spec, &hand()?, &scene.wall))
+            }
+            MotionSpec::PressWiggleRelease(spec) => {
+                Shape::Press(Press::wiggle(spec, &hand()?, &scene.wall))
+            }
+            MotionSpec::Tap(spec) => {
+                Shape::Tap(TapPath::new(spec, &hand()?, &scene.device, surface))
+            }
+            MotionSpec::Recorded(spec) => {
+                let recording = Recording::read(&spec.file)?;
+                let curve = recording.placed(surface, spec);
+                note = Some(recording.note(surface, spec, &curve));
+                Shape::Recorded(curve)
+            }
+        };
+        Ok(Motion { shape, note })
+    }
+
+    /// Rest point at a time, rad. Evaluated once per tick.
+    pub fn rest_rad(&self, time_s: f64) -> f64 {
+        match &self.shape {
+            Shape::Still(angle) => *angle,
+            Shape::Press(press) => press.rest_rad(time_s),
+            Shape::Tap(tap) => tap.rest_rad(time_s),
+            Shape::Recorded(curve) => curve.at(time_s),
+        }
+    }
+
+    /// What was chosen for a recording, in one line for people; `None` for the other motions.
+    pub fn note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+}
+
+/// Minimum-jerk step from 0 to 1 while `share` goes from 0 to 1: how people move from rest to rest.
+///
+/// Its first and second derivatives vanish at both ends.
+pub(super) fn minimum_jerk(share: f64) -> f64 {
+    let s = share.clamp(0.0, 1.0);
+    s * s * s * (10.0 + s * (6.0 * s - 15.0))
+}

@@ -1,0 +1,86 @@
+//! Presses: move in, push with a given torque, perhaps wiggle, hold, let go.
+
+use std::f64::consts::TAU;
+
+use super::minimum_jerk;
+use crate::scene::{Hand, PressWiggleRelease, RampAndHold, Wall};
+
+/// Rest point of a press.
+///
+/// Device, pad and hand are springs in series between wall and rest point, so a static torque `τ` needs the rest
+/// point `τ·(1/k_de + 1/k_pad + 1/k_hand)` beyond the surface. With a soft hand that is several radians: the rest
+/// point is where the person pulls to, not where the hand gets to.
+#[derive(Debug, Clone)]
+pub(super) struct Press {
+    outside_rad: f64,
+    inside_rad: f64,
+    start_s: f64,
+    ramp_s: f64,
+    wiggle_s: f64,
+    hold_s: f64,
+    release_s: f64,
+    wiggle_rad: f64,
+    wiggle_hz: f64,
+}
+
+/// Rest point's shift for one newton metre of static torque against a wall that displays its desired stiffness,
+/// rad/(N·m).
+fn shift_per_n_m(hand: &Hand, wall: &Wall) -> f64 {
+    hand.compliance_rad_per_n_m() + 1.0 / wall.k_desired_n_m_per_rad
+}
+
+impl Press {
+    pub fn ramp_and_hold(spec: &RampAndHold, hand: &Hand, wall: &Wall) -> Self {
+        Press {
+            outside_rad: wall.surface_rad - spec.approach_rad,
+            inside_rad: wall.surface_rad + spec.push_torque_n_m * shift_per_n_m(hand, wall),
+            start_s: spec.start_s,
+            ramp_s: spec.ramp_s,
+            wiggle_s: 0.0,
+            hold_s: spec.hold_s,
+            release_s: spec.release_s,
+            wiggle_rad: 0.0,
+            wiggle_hz: 0.0,
+        }
+    }
+
+    pub fn wiggle(spec: &PressWiggleRelease, hand: &Hand, wall: &Wall) -> Self {
+        let shift = shift_per_n_m(hand, wall);
+        Press {
+            outside_rad: wall.surface_rad - spec.approach_rad,
+            inside_rad: wall.surface_rad + spec.push_torque_n_m * shift,
+            start_s: spec.start_s,
+            ramp_s: spec.ramp_s,
+            wiggle_s: spec.wiggle_s,
+            hold_s: spec.hold_s,
+            release_s: spec.release_s,
+            wiggle_rad: spec.wiggle_amplitude_n_m * shift,
+            wiggle_hz: spec.wiggle_frequency_hz,
+        }
+    }
+
+    pub fn rest_rad(&self, time_s: f64) -> f64 {
+        let pressed = time_s - self.start_s - self.ramp_s;
+        let released = pressed - self.wiggle_s - self.hold_s;
+        let way = self.inside_rad - self.outside_rad;
+        if pressed < 0.0 {
+            self.outside_rad + way * minimum_jerk((time_s - self.start_s) / self.ramp_s)
+        } else if released < 0.0 {
+            self.inside_rad + self.wiggle_at(pressed)
+        } else {
+            self.inside_rad - way * minimum_jerk(released / self.release_s)
+        }
+    }
+
+    /// A sine that swells and fades over half a period each (less where the time is short), so that its slope has no
+    /// steps.
+    fn wiggle_at(&self, time_s: f64) -> f64 {
+        if time_s >= self.wiggle_s || self.wiggle_rad == 0.0 {
+            return 0.0;
+        }
+        let swell = (0.5 / self.wiggle_hz).min(0.5 * self.wiggle_s);
+        let envelope =
+            minimum_jerk(time_s / swell) * minimum_jerk((self.wiggle_s - time_s) / swell);
+        self.wiggle_rad * envelope * (TAU * self.wiggle_hz * time_s).sin()
+    }
+}

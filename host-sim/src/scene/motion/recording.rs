@@ -1,0 +1,309 @@
+//! Recordings of a hand: CSV with a time and an angle column, units from the header.
+
+use std::path::{Path, PathBuf};
+
+use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
+use crate::error::{Error, Result};
+use crate::scene::Recorded;
+use crate::scene::units::{self, Dimension, UNITS};
+
+/// A recorded motion in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    file: PathBuf,
+    times_s: Vec<f64>,
+    angles_rad: Vec<f64>,
+}
+
+/// One of the two columns that are used.
+struct Column {
+    index: usize,
+    name: String,
+    si: f64,
+}
+
+impl Recording {
+    /// Reads a recording.
+    ///
+    /// The file is CSV with a header line; lines that begin with `#` are skipped. One column's name must end in a
+    /// unit of time (`time_s`, `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`,
+    /// `theta_mrad`, `turn_rev`); other columns are ignored. Times must rise; their steps need not be equal and the
+    /// first need not be 0: time counts from it.
+    ///
+    /// # Errors [`Error::Io`] where the file cannot be read, [`Error::File`] with line and column for everything in
+    /// it: no or an ambiguous column, fewer than two rows, a missing or non-finite number, times that do not rise,
+    /// more than 3.6 million steps.
+    pub fn read(file: &Path) -> Result<Recording> {
+        let text = std::fs::read_to_string(file).map_err(|error| {
+            let (problem, fix) = match error.kind() {
+                std::io::ErrorKind::NotFound => (
+                    "no such file".to_owned(),
+                    "give the path of a CSV file with time and angle",
+                ),
+                std::io::ErrorKind::InvalidData => (
+                    "is not text in UTF-8".to_owned(),
+                    "export the recording as CSV in UTF-8",
+                ),
+                _ => (error.to_string(), "give a readable file"),
+            };
+            Error::Io {
+                path: file.to_owned(),
+                problem,
+                fix: fix.to_owned(),
+            }
+        })?;
+        Recording::parse(&text, file)
+    }
+
+    /// Reads a recording from text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn parse(text: &str, file: &Path) -> Result<Recording> {
+        let error = |line: usize, field: &str, problem: String, fix: &str| Error::File {
+            file: file.to_owned(),
+            line,
+            field: field.to_owned(),
+            problem,
+            fix: fix.to_owned(),
+        };
+        // A byte-order mark is not part of the first column's name.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut rows = reader.records();
+        let not_csv = |cause: csv::Error| {
+            let line = cause
+                .position()
+                .map_or(1, |position| position.line() as usize);
+            error(
+                line,
+                "row",
+                format!("not valid CSV: {cause}"),
+                "separate the columns by commas",
+            )
+        };
+        let Some(header) = rows.next().transpose().map_err(not_csv)? else {
+            return Err(error(
+                1,
+                "header",
+                "the file is empty".into(),
+                "give a header such as time_s,angle_deg and a row a sample",
+            ));
+        };
+        let header_line = line_of(text, &header);
+        if header.len() == 1 && header[0].contains([';', '\t']) {
+            let problem = "the columns are not separated by commas".into();
+            return Err(error(
+                header_line,
+                "header",
+                problem,
+                "separate them by commas, with a point in the numbers",
+            ));
+        }
+        let column = |dimension, what| {
+            find(&header, dimension, what)
+                .map_err(|(problem, fix)| error(header_line, what, problem, &fix))
+        };
+        let (time, angle) = (
+            column(Dimension::Time, "time")?,
+            column(Dimension::Angle, "angle")?,
+        );
+        let (mut times_s, mut angles_rad) = (Vec::new(), Vec::new());
+        let (mut first, mut previous) = (None, f64::NEG_INFINITY);
+        for row in rows {
+            let row = row.map_err(not_csv)?;
+            let line = line_of(text, &row);
+            let cell = |column: &Column| {
+                cell(&row, column).map_err(|(problem, fix)| error(line, &column.name, problem, fix))
+            };
+            let (t, x) = (cell(&time)?, cell(&angle)?);
+            if t <= previous {
+                let problem = format!("{t} comes after {previous}, but times must rise");
+                return Err(error(
+                    line,
+                    &time.name,
+                    problem,
+                    "sort the rows by time and remove repeated ones",
+                ));
+            }
+            previous = t;
+            times_s.push((t - *first.get_or_insert(t)) * time.si);
+            angles_rad.push(x * angle.si);
+        }
+        if times_s.len() < 2 {
+            let problem = format!(
+                "{} row of numbers is no motion",
+                ["no", "one"][times_s.len()]
+            );
+            return Err(error(
+                header_line + times_s.len(),
+                &time.name,
+                problem,
+                "give two rows or more, one a sample",
+            ));
+        }
+        let recording = Recording {
+            file: file.to_owned(),
+            times_s,
+            angles_rad,
+        };
+        let steps = recording.length_s() / step_s(recording.interval_s());
+        if steps > MOST_STEPS {
+            let problem = format!(
+                "the recording takes {} s, too long to smooth in steps of at most 1 ms",
+                recording.length_s()
+            );
+            return Err(error(
+                header_line,
+                &time.name,
+                problem,
+                "check the unit of time, or cut the recording to an hour",
+            ));
+        }
+        Ok(recording)
+    }
+
+    /// Length, s.
+    pub fn length_s(&self) -> f64 {
+        self.times_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// Median interval between samples, s.
+    pub fn interval_s(&self) -> f64 {
+        median_interval_s(&self.times_s)
+    }
+
+    /// Sample times from 0, s.
+    pub fn times_s(&self) -> &[f64] {
+        &self.times_s
+    }
+
+    /// Angles, rad.
+    pub fn angles_rad(&self) -> &[f64] {
+        &self.angles_rad
+    }
+
+    /// Mean over time (trapezoids), so that unequal intervals do not shift it, rad.
+    pub fn mean_rad(&self) -> f64 {
+        let areas = self
+            .times_s
+            .windows(2)
+            .zip(self.angles_rad.windows(2))
+            .map(|(t, x)| 0.5 * (x[0] + x[1]) * (t[1] - t[0]));
+        areas.sum::<f64>() / self.length_s()
+    }
+
+    /// The smoothed rest point `surface + offset + scale·(angle - mean)`.
+    pub(super) fn placed(&self, surface_rad: f64, spec: &Recorded) -> Curve {
+        let mean = self.mean_rad();
+        let rest: Vec<f64> = self
+            .angles_rad
+            .iter()
+            .map(|angle| surface_rad + spec.offset_rad + spec.scale * (angle - mean))
+            .collect();
+        Curve::smooth(&self.times_s, &rest)
+    }
+
+    /// What was chosen, in one line.
+    pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
+        let (low, high) = curve.range();
+        format!(
+            "{}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
+             from {:.3} to {:.3} rad, inside the wall {:.0} % of the time",
+            self.file.display(),
+            self.times_s.len(),
+            self.length_s(),
+            1.0 / self.interval_s(),
+            surface_rad,
+            spec.offset_rad,
+            spec.scale,
+            self.mean_rad(),
+            low,
+            high,
+            100.0 * curve.share_above(surface_rad),
+        )
+    }
+}
+
+/// Line of a row. The reader notes where it began to look, which is before any comments and empty lines.
+fn line_of(text: &str, row: &csv::StringRecord) -> usize {
+    let Some(position) = row.position() else {
+        return 1;
+    };
+    let skipped = |line: &&str| line.trim_end().is_empty() || line.starts_with('#');
+    let rest = text.get(position.byte() as usize..).unwrap_or("");
+    position.line() as usize + rest.lines().take_while(skipped).count()
+}
+
+/// The one column whose name ends in a unit of this dimension.
+fn find(
+    header: &csv::StringRecord,
+    dimension: Dimension,
+    what: &str,
+) -> std::result::Result<Column, (String, String)> {
+    let accepted: Vec<String> = UNITS
+        .iter()
+        .filter(|unit| unit.dimension == dimension)
+        .map(|unit| format!("_{}", unit.suffix))
+        .collect();
+    let accepted = accepted.join(", ");
+    let mut found = header.iter().enumerate().filter_map(|(index, name)| {
+        // `Angle [deg]` and `angle (deg)` are as clear as `angle_deg`.
+        let plain = name
+            .to_lowercase()
+            .replace(|c: char| !c.is_alphanumeric(), "_");
+        let unit =
+            units::at_end_of(plain.trim_matches('_')).filter(|unit| unit.dimension == dimension)?;
+        Some(Column {
+            index,
+            name: name.to_owned(),
+            si: unit.si,
+        })
+    });
+    let names = header.iter().collect::<Vec<_>>().join(", ");
+    match (found.next(), found.next()) {
+        (Some(column), None) => Ok(column),
+        (Some(one), Some(other)) => Err((
+            format!("both {} and {} look like it", one.name, other.name),
+            "keep one of the two columns".to_owned(),
+        )),
+        (None, _) => {
+            let article = if what.starts_with('a') { "an" } else { "a" };
+            let problem = format!("no column with {article} {what} unit among {names}");
+            Err((
+                problem,
+                format!("end the column's name in one of {accepted}"),
+            ))
+        }
+    }
+}
+
+/// The finite number in a cell.
+fn cell(
+    row: &csv::StringRecord,
+    column: &Column,
+) -> std::result::Result<f64, (String, &'static str)> {
+    let Some(text) = row.get(column.index) else {
+        return Err((
+            format!("missing, the row has {} columns", row.len()),
+            "complete or remove the row",
+        ));
+    };
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err((
+            format!("{text} is not a finite number"),
+            "remove the row or fill the gap",
+        )),
+        Err(_) if text.is_empty() => Err(("is empty".to_owned(), "complete or remove the row")),
+        Err(_) => Err((
+            format!("\"{text}\" is not a number"),
+            "write numbers such as 0.25 or 2.5e-1",
+        )),
+    }
+}

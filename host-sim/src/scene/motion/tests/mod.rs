@@ -1,0 +1,5 @@
+//! Tests of the hand's motions and of recordings.
+
+mod recordings;
+mod resampling;
+mod shapes;

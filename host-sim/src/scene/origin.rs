@@ -1,0 +1,87 @@
+//! Where the values of a scene were written, so that an error found late still names file and line.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+
+/// Where one field or table was written.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Place {
+    /// On the command line, as the user wrote it: `--set key=value`.
+    Option(String),
+    /// In the scene's file, line from 1.
+    Line(usize),
+}
+
+/// The file that a scene came from and the place of every field in it.
+#[derive(Debug, Clone, Default)]
+pub struct Origin {
+    file: Option<PathBuf>,
+    places: BTreeMap<String, Place>,
+}
+
+/// Where a value was written is no part of what a scene means: any two origins are equal.
+impl PartialEq for Origin {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Origin {
+    /// Nothing recorded yet for this file.
+    pub(crate) fn of_file(file: &Path) -> Self {
+        Origin {
+            file: Some(file.to_owned()),
+            places: BTreeMap::new(),
+        }
+    }
+
+    /// The file, as the user named it; `None` for a scene made in code.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// Records where `path` was written. A field on the command line is looked up by itself, not by its table.
+    pub(crate) fn put(&mut self, path: &str, place: Place) {
+        self.places.insert(path.to_owned(), place);
+    }
+
+    /// Place of the field or of the innermost table around it that was written; the first line where nothing was.
+    pub(crate) fn place(&self, path: &str) -> Place {
+        let mut path = path;
+        loop {
+            if let Some(place) = self.places.get(path) {
+                return place.clone();
+            }
+            match path.rsplit_once('.') {
+                Some((table, _)) => path = table,
+                None => return Place::Line(1),
+            }
+        }
+    }
+
+    /// The error for a field, by its dotted path: names file and line, or the option that set the field.
+    pub fn error(&self, path: &str, problem: impl Into<String>, fix: impl Into<String>) -> Error {
+        let (problem, fix) = (problem.into(), fix.into());
+        match (self.place(path), &self.file) {
+            (Place::Option(option), _) => Error::Option {
+                option,
+                problem,
+                fix,
+            },
+            (Place::Line(line), Some(file)) => Error::File {
+                file: file.clone(),
+                line,
+                field: path.to_owned(),
+                problem,
+                fix,
+            },
+            (Place::Line(_), None) => Error::Option {
+                option: path.to_owned(),
+                problem,
+                fix,
+            },
+        }
+    }
+}

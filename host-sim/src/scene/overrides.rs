@@ -1,0 +1,167 @@
+//! `--set key=value`: one field changed from the command line.
+
+use toml::Value;
+
+use super::Scene;
+use super::draft::Draft;
+use super::origin::Place;
+use super::schema::{self, Field, Kind, MOTION_KIND};
+use super::unknown::{explain, list, nearest, wrong_unit};
+use crate::error::{Error, Result};
+
+/// Word that takes an optional field or table away: `--set encoder=none`.
+const NOTHING: &str = "none";
+
+impl Scene {
+    /// The scene with fields changed, each as `key=value`, the last word on a field winning; checked once, after all
+    /// of them.
+    ///
+    /// A key is a dotted path as in the file (`device.inertia_kg_m2`) or the end of one (`k_v_n_m_per_rad`,
+    /// `filter.mass_kg_m2`) if no other field ends so. Text needs no quotes. `none` takes an optional field or table
+    /// away. A new grip replaces `[operator.hand]`; a single value of `operator.hand` changes the present grip into a
+    /// custom one; a new kind of motion keeps the fields that both kinds have.
+    ///
+    /// # Errors [`Error::Option`] for an unknown or ambiguous key and for a value that the scene's check refuses.
+    pub fn with_overrides<S: AsRef<str>>(&self, sets: &[S]) -> Result<Scene> {
+        let mut draft = Draft::from_scene(self);
+        for set in sets {
+            let set = set.as_ref();
+            let option = format!("--set {set}");
+            let Some((key, value)) = set.split_once('=') else {
+                let fix = "write --set KEY=VALUE, e.g. --set wall.k_desired_n_m_per_rad=20".into();
+                return Err(Error::Option {
+                    option,
+                    problem: "no value".into(),
+                    fix,
+                });
+            };
+            apply(&mut draft, key.trim(), value.trim(), option)?;
+        }
+        draft.build()
+    }
+
+    /// The scene with one field changed by an option of its own: `with_option("law.kind", "tdpa", "--law tdpa")`.
+    ///
+    /// `option` is what the user wrote; errors quote it. Otherwise as [`with_overrides`](Scene::with_overrides).
+    ///
+    /// # Errors
+    /// As [`with_overrides`](Scene::with_overrides).
+    pub fn with_option(&self, key: &str, value: &str, option: &str) -> Result<Scene> {
+        let mut draft = Draft::from_scene(self);
+        apply(&mut draft, key, value, option.to_owned())?;
+        draft.build()
+    }
+}
+
+fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()> {
+    let error = |problem: String, fix: String| Error::Option {
+        option: option.clone(),
+        problem,
+        fix,
+    };
+    let path = resolve(draft, key, value).map_err(|(problem, fix)| error(problem, fix))?;
+    let Some(field) = schema::at(&path) else {
+        // A whole table: it can only be taken away.
+        let optional = schema::OPTIONAL_TABLES
+            .iter()
+            .any(|(table, _)| *table == path);
+        if value != NOTHING || !optional {
+            let names: Vec<String> = schema::inside(&path)
+                .iter()
+                .map(|name| format!("{path}.{name}"))
+                .collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            return Err(error(
+                format!("{path} is a table"),
+                format!("set a field of it: {}", list(&names)),
+            ));
+        }
+        draft.remove_table(&path);
+        return Ok(());
+    };
+    if value == NOTHING && field.absent.is_some() {
+        draft.fields.remove(&path);
+        return Ok(());
+    }
+    let value = parse(field, value);
+    if path == "operator.grip" && value.as_str() != Some("custom") {
+        draft.remove_table("operator.hand");
+    }
+    if path.starts_with("operator.hand.") && !draft.has_table("operator.hand") {
+        draft.spell_out_hand();
+    }
+    if let (MOTION_KIND, Some(kind)) = (&*path, value.as_str()) {
+        draft
+            .fields
+            .retain(|path, _| schema::at(path).is_none_or(|field| field.suits(kind)));
+    }
+    draft.fields.insert(path.clone(), value);
+    draft.origin.put(&path, Place::Option(option));
+    Ok(())
+}
+
+/// The full path of a key: itself, or the only path that ends so.
+fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String, (String, String)> {
+    if schema::at(key).is_some() || schema::is_table(key) {
+        return Ok(key.to_owned());
+    }
+    let ends = |path: &str| {
+        path.strip_suffix(key)
+            .is_some_and(|rest| rest.ends_with('.'))
+    };
+    let fields: Vec<&str> = schema::FIELDS
+        .iter()
+        .map(|field| field.path)
+        .filter(|path| ends(path))
+        .collect();
+    let tables: Vec<&str> = schema::OPTIONAL_TABLES
+        .iter()
+        .map(|(table, _)| *table)
+        .filter(|path| ends(path))
+        .collect();
+    match [fields, tables].concat()[..] {
+        [path] => Ok(path.to_owned()),
+        [] => Err(unknown(draft, key, value)),
+        ref several => Err((
+            "several fields end so".into(),
+            format!("write {}", list(several)),
+        )),
+    }
+}
+
+/// Problem and fix for a key that fits no field.
+fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
+    let value = value.parse::<f64>().ok().map(Value::Float);
+    if key
+        .rsplit_once('.')
+        .is_some_and(|(table, _)| schema::is_table(table))
+    {
+        return explain(key, draft.motion(), value.as_ref());
+    }
+    // An end of a path: compare with the ends of all paths.
+    let all: Vec<&Field> = schema::FIELDS.iter().collect();
+    if let Some(answer) = wrong_unit(key, &all, value.as_ref()) {
+        return answer;
+    }
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let names: Vec<&str> = all.iter().map(|field| field.name()).collect();
+    let fix = match nearest(name, &names) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "see the scene's fields with --print".to_owned(),
+    };
+    ("unknown field".into(), fix)
+}
+
+/// The value as TOML; for text and words, as it stands.
+fn parse(field: &Field, text: &str) -> Value {
+    let toml = text.parse::<Value>().ok();
+    match (field.kind, toml) {
+        (Kind::Text | Kind::Choice(_), Some(Value::String(quoted))) => Value::String(quoted),
+        (Kind::Text | Kind::Choice(_), _) => Value::String(text.to_owned()),
+        (_, Some(value)) => value,
+        // `.5` and the like are numbers to everyone but TOML; what is none is refused with its text.
+        (_, None) => text
+            .parse()
+            .map_or_else(|_| Value::String(text.to_owned()), Value::Float),
+    }
+}

@@ -1,0 +1,312 @@
+//! Shipped scenes, printing, and the agreement of types and schema.
+
+use std::collections::BTreeSet;
+
+use super::draft::Draft;
+use super::schema::{FIELDS, Kind};
+use super::*;
+use crate::run::record::LawKind;
+
+/// A scene that names everything, for each motion, with values unlike the defaults.
+fn full_scenes() -> Vec<Scene> {
+    let motions = [
+        MotionSpec::None,
+        MotionSpec::RampAndHold(RampAndHold {
+            hold_s: 1.25,
+            ..RampAndHold::default()
+        }),
+        MotionSpec::Tap(Tap {
+            velocity_rad_per_s: 1.0 / 3.0,
+            ..Tap::default()
+        }),
+        MotionSpec::PressWiggleRelease(PressWiggleRelease {
+            wiggle_frequency_hz: 3.5,
+            ..PressWiggleRelease::default()
+        }),
+        // Any file that is there will do: its content is not read here.
+        MotionSpec::Recorded(Recorded {
+            scale: -2.0,
+            offset_rad: 0.1,
+            ..Recorded::new(env!("CARGO_MANIFEST_PATH").into())
+        }),
+    ];
+    let with = |motion| Scene {
+        name: "all \"of\" it".into(),
+        description: "two\nlines".into(),
+        device: Device {
+            inertia_kg_m2: 1.0 / 3.0,
+            initial_angle_rad: Some(-0.1),
+            torque_limit_n_m: Some(1e-12),
+            amplifier_step_n_m: Some(1e300),
+            friction: Some(Friction {
+                kinetic_n_m: 0.0,
+                static_n_m: Some(0.1),
+            }),
+            ..Device::default()
+        },
+        encoder: Some(Encoder {
+            counts_per_rev: 16_384.0,
+        }),
+        timing: Timing {
+            rate_hz: 12_345,
+            computational_delay_s: 1.7e-3,
+            ..Timing::default()
+        },
+        law: Law {
+            kind: LawKind::SfaContinuous,
+            first_contact: Some(FirstContact::KeepForce),
+            filter: Filter {
+                mass_kg_m2: 2e-5,
+                ..Filter::default()
+            },
+            ..Law::default()
+        },
+        operator: Operator {
+            grip: Grip::Custom,
+            hand: Some(Hand {
+                inertia_kg_m2: 1e-5,
+                ..Hand::default()
+            }),
+            motion,
+        },
+        ..Scene::default()
+    };
+    motions.into_iter().map(with).collect()
+}
+
+#[test]
+fn every_printed_scene_reads_back_as_itself() {
+    let shipped = names().into_iter().map(|name| Scene::load(name).unwrap());
+    for scene in shipped.chain(full_scenes()).chain([Scene {
+        name: "bare".into(),
+        ..Scene::default()
+    }]) {
+        let text = scene.to_toml();
+        let again = parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(again, scene, "\n{text}");
+    }
+}
+
+#[test]
+fn printing_names_every_field_or_says_what_its_absence_means() {
+    let text = Scene::load("press-hold").unwrap().to_toml();
+    for field in FIELDS.iter().filter(|field| field.suits("ramp-and-hold")) {
+        let listed =
+            text.contains(field.name()) || text.contains(&format!("# [{}] absent", field.table()));
+        assert!(listed, "{} is missing from\n{text}", field.path);
+    }
+    for line in [
+        "# [encoder] absent: exact position",
+        "# torque_limit_n_m absent: no limit",
+        "inertia_kg_m2 = 0.0001                       # the device's moment of inertia in kg·m²",
+        "rate_hz = 1000                               # the control rate in Hz",
+    ] {
+        assert!(
+            text.lines().any(|printed| printed == line),
+            "{line} is missing from\n{text}"
+        );
+    }
+}
+
+#[test]
+fn types_and_schema_name_the_same_fields() {
+    let mut typed = BTreeSet::new();
+    for scene in full_scenes() {
+        let draft = Draft::from_scene(&scene);
+        let motion = scene.operator.motion.name();
+        let fields: BTreeSet<&str> = FIELDS
+            .iter()
+            .filter(|field| field.suits(motion))
+            .map(|field| field.path)
+            .collect();
+        assert_eq!(
+            draft
+                .fields
+                .keys()
+                .map(String::as_str)
+                .collect::<BTreeSet<_>>(),
+            fields,
+            "motion {motion}"
+        );
+        typed.extend(draft.fields.into_keys());
+    }
+    assert_eq!(typed.len(), FIELDS.len());
+}
+
+#[test]
+fn every_number_ends_in_its_unit() {
+    let without = FIELDS.iter().filter(|field| {
+        matches!(field.kind, Kind::Number(_) | Kind::Whole(..)) && field.stem().is_none()
+    });
+    let names: Vec<&str> = without.map(|field| field.name()).collect();
+    assert_eq!(
+        names,
+        [
+            "counts_per_rev",
+            "limit_a_of_penetration",
+            "limit_b_of_force",
+            "step_c_of_ideal",
+            "scale"
+        ]
+    );
+    assert!(
+        FIELDS
+            .iter()
+            .all(|field| field.unit.is_empty() || !field.unit_shown().is_empty())
+    );
+}
+
+#[test]
+fn every_word_of_a_choice_is_understood() {
+    let scenes = full_scenes();
+    for field in FIELDS {
+        let Kind::Choice(words) = field.kind else {
+            continue;
+        };
+        // A grip or motion by its word alone needs companions, which other tests give it.
+        for word in words
+            .iter()
+            .filter(|_| !field.path.starts_with("operator."))
+        {
+            let scene = scenes[0]
+                .with_overrides(&[format!("{}={word}", field.path)])
+                .unwrap_or_else(|error| panic!("{error}"));
+            let value = Draft::from_scene(&scene).fields[field.path].clone();
+            assert_eq!(value.as_str(), Some(*word));
+        }
+    }
+    let motions: Vec<&str> = scenes
+        .iter()
+        .map(|scene| scene.operator.motion.name())
+        .collect();
+    assert_eq!(
+        Kind::Choice(&motions.leak()[..]),
+        schema::at(schema::MOTION_KIND).unwrap().kind
+    );
+    let grips = [
+        Grip::None,
+        Grip::Light,
+        Grip::Medium,
+        Grip::Firm,
+        Grip::Custom,
+    ]
+    .map(Grip::name);
+    assert_eq!(
+        Kind::Choice(&Vec::from(grips).leak()[..]),
+        schema::at("operator.grip").unwrap().kind
+    );
+}
+
+#[test]
+fn a_bare_scene_has_the_defaults_and_no_effects() {
+    let scene = parse("").unwrap();
+    assert_eq!(
+        scene,
+        Scene {
+            name: "s".into(),
+            ..Scene::default()
+        }
+    );
+    assert_eq!(
+        (
+            &scene.encoder,
+            &scene.device.friction,
+            scene.operator.hand()
+        ),
+        (&None, &None, None)
+    );
+    assert_eq!(scene.hold_window_s(), None);
+    assert_eq!(
+        (scene.timing.ticks(), scene.timing.period_s()),
+        (3000, 1e-3)
+    );
+    // A table alone asks for the effect with its defaults.
+    assert_eq!(
+        parse("[encoder]").unwrap().encoder,
+        Some(Encoder {
+            counts_per_rev: 40_000.0
+        })
+    );
+    // A hand without a grip is a custom one, and what it leaves out is the medium hand's.
+    let operator = parse("[operator.hand]\ninertia_kg_m2 = 1e-5")
+        .unwrap()
+        .operator;
+    assert_eq!(operator.grip, Grip::Custom);
+    assert_eq!(
+        operator.hand(),
+        Some(Hand {
+            inertia_kg_m2: 1e-5,
+            ..Grip::Medium.hand().unwrap()
+        })
+    );
+}
+
+#[test]
+fn the_medium_grip_is_the_published_one_at_15_mm() {
+    let hand = Grip::Medium.hand().unwrap();
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+    assert!(
+        close(hand.pad_stiffness_n_m_per_rad, 0.1575)
+            && close(hand.pad_damping_n_m_s_per_rad, 3.375e-4)
+    );
+    assert!(close(hand.inertia_kg_m2, 6.75e-5) && close(hand.damping_n_m_s_per_rad, 6.75e-4));
+    assert!(close(hand.stiffness_n_m_per_rad, 0.0225));
+}
+
+#[test]
+fn the_first_contact_rule_is_the_laws_own_unless_given() {
+    let rule = |kind| {
+        Law {
+            kind,
+            ..Law::default()
+        }
+        .first_contact()
+    };
+    assert_eq!(rule(LawKind::Sfa), FirstContact::KeepForce);
+    assert_eq!(rule(LawKind::EnhancedSfa), FirstContact::ZeroOffset);
+    let given = Law {
+        kind: LawKind::Sfa,
+        first_contact: Some(FirstContact::ZeroOffset),
+        ..Law::default()
+    };
+    assert_eq!(given.first_contact(), FirstContact::ZeroOffset);
+}
+
+#[test]
+fn shipped_scenes_are_what_their_names_say() {
+    let scene = |name| Scene::load(name).unwrap();
+    assert!(
+        names()
+            .into_iter()
+            .all(|name| scene(name).name == name && !scene(name).description.is_empty())
+    );
+    let knob = scene("thesis-knob");
+    assert_eq!(
+        (
+            knob.device.torque_limit_n_m,
+            knob.wall.k_desired_n_m_per_rad
+        ),
+        (Some(0.5), 5.0)
+    );
+    assert_eq!(
+        (knob.encoder.map(|e| e.counts_per_rev), knob.operator.grip),
+        (Some(40_000.0), Grip::Medium)
+    );
+    assert_eq!(scene("free-release").operator, Operator::default());
+    assert!(scene("free-release").device.initial_angle_rad > Some(0.5));
+    assert!(
+        scene("low-stiffness").wall.k_desired_n_m_per_rad
+            < scene("low-stiffness").law.k_v_n_m_per_rad
+    );
+    for name in ["tap", "press-wiggle-release"] {
+        assert_eq!(scene(name).operator.motion.name(), name);
+    }
+    assert_eq!(
+        scene("press-hold").operator.motion,
+        MotionSpec::RampAndHold(RampAndHold::default())
+    );
+    assert_eq!(
+        scene("press-hold").hold_window_s(),
+        Some((0.1 + 0.5 + 0.75, 0.1 + 0.5 + 1.5))
+    );
+}

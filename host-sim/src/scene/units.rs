@@ -1,0 +1,153 @@
+//! Units as they stand in names of scene fields and of CSV columns: `inertia_kg_m2`, `angle_deg`.
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dimension {
+    Angle,
+    Time,
+    Velocity,
+    Torque,
+    Stiffness,
+    Damping,
+    Inertia,
+    Frequency,
+}
+
+/// One way to write a unit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Unit {
+    /// As it ends a name.
+    pub suffix: &'static str,
+    /// As it is shown to people.
+    pub shown: &'static str,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// Its size in SI units.
+    pub si: f64,
+}
+
+const fn unit(dimension: Dimension, suffix: &'static str, shown: &'static str, si: f64) -> Unit {
+    Unit {
+        suffix,
+        shown,
+        dimension,
+        si,
+    }
+}
+
+const TAU: f64 = std::f64::consts::TAU;
+const DEGREE: f64 = TAU / 360.0;
+
+/// All units that are understood. The SI unit of each dimension comes first.
+pub(crate) const UNITS: &[Unit] = &[
+    unit(Dimension::Angle, "rad", "rad", 1.0),
+    unit(Dimension::Angle, "mrad", "mrad", 1e-3),
+    unit(Dimension::Angle, "deg", "°", DEGREE),
+    unit(Dimension::Angle, "rev", "rev", TAU),
+    unit(Dimension::Time, "s", "s", 1.0),
+    unit(Dimension::Time, "ms", "ms", 1e-3),
+    unit(Dimension::Time, "us", "µs", 1e-6),
+    unit(Dimension::Velocity, "rad_per_s", "rad/s", 1.0),
+    unit(Dimension::Velocity, "mrad_per_s", "mrad/s", 1e-3),
+    unit(Dimension::Velocity, "deg_per_s", "°/s", DEGREE),
+    unit(Dimension::Velocity, "rev_per_s", "rev/s", TAU),
+    unit(Dimension::Velocity, "rpm", "rpm", TAU / 60.0),
+    unit(Dimension::Torque, "n_m", "N·m", 1.0),
+    unit(Dimension::Torque, "nm", "N·m", 1.0),
+    unit(Dimension::Torque, "mn_m", "mN·m", 1e-3),
+    unit(Dimension::Torque, "mnm", "mN·m", 1e-3),
+    unit(Dimension::Torque, "n_cm", "N·cm", 1e-2),
+    unit(Dimension::Torque, "n_mm", "N·mm", 1e-3),
+    unit(Dimension::Stiffness, "n_m_per_rad", "N·m/rad", 1.0),
+    unit(Dimension::Stiffness, "nm_per_rad", "N·m/rad", 1.0),
+    unit(Dimension::Stiffness, "mn_m_per_rad", "mN·m/rad", 1e-3),
+    unit(Dimension::Stiffness, "n_mm_per_rad", "N·mm/rad", 1e-3),
+    unit(Dimension::Stiffness, "n_m_per_deg", "N·m/°", 1.0 / DEGREE),
+    unit(
+        Dimension::Stiffness,
+        "mn_m_per_deg",
+        "mN·m/°",
+        1e-3 / DEGREE,
+    ),
+    unit(Dimension::Damping, "n_m_s_per_rad", "N·m·s/rad", 1.0),
+    unit(Dimension::Damping, "nms_per_rad", "N·m·s/rad", 1.0),
+    unit(Dimension::Damping, "mn_m_s_per_rad", "mN·m·s/rad", 1e-3),
+    unit(Dimension::Damping, "n_mm_s_per_rad", "N·mm·s/rad", 1e-3),
+    unit(Dimension::Damping, "n_m_s_per_deg", "N·m·s/°", 1.0 / DEGREE),
+    unit(Dimension::Inertia, "kg_m2", "kg·m²", 1.0),
+    unit(Dimension::Inertia, "g_m2", "g·m²", 1e-3),
+    unit(Dimension::Inertia, "kg_cm2", "kg·cm²", 1e-4),
+    unit(Dimension::Inertia, "g_cm2", "g·cm²", 1e-7),
+    unit(Dimension::Inertia, "kg_mm2", "kg·mm²", 1e-6),
+    unit(Dimension::Inertia, "g_mm2", "g·mm²", 1e-9),
+    unit(Dimension::Frequency, "hz", "Hz", 1.0),
+    unit(Dimension::Frequency, "khz", "kHz", 1e3),
+];
+
+/// The unit with this very suffix.
+pub(crate) fn by_suffix(suffix: &str) -> Option<&'static Unit> {
+    UNITS.iter().find(|unit| unit.suffix == suffix)
+}
+
+/// The unit that ends `name`, which may be nothing but the unit; the longest that fits.
+///
+/// `None` too where a rate (`…_per_s2`) or the like ends in what looks like a plain unit.
+pub(crate) fn at_end_of(name: &str) -> Option<&'static Unit> {
+    let ends = |suffix: &str| {
+        name.strip_suffix(suffix)
+            .is_some_and(|stem| stem.is_empty() || stem.ends_with('_'))
+    };
+    let unit = UNITS
+        .iter()
+        .filter(|unit| ends(unit.suffix))
+        .max_by_key(|unit| unit.suffix.len())?;
+    let stem = &name[..name.len() - unit.suffix.len()];
+    (!stem.ends_with("per_")).then_some(unit)
+}
+
+/// Whether every word of a name's end could belong to a unit, known here or not (`lb_in2`, `n_per_mm`).
+pub(crate) fn looks_like_unit(end: &str) -> bool {
+    const WORDS: &[&str] = &[
+        "n", "mn", "un", "kn", "nm", "mnm", "ncm", "nms", "kgf", "lb", "lbf", "oz", "ozf", "in",
+        "in2", "ft", "m", "mm", "cm", "um", "m2", "cm2", "mm2", "kg", "g", "mg", "s", "ms", "us",
+        "ns", "sec", "seconds", "min", "minutes", "rad", "mrad", "urad", "radians", "deg",
+        "degrees", "rev", "turn", "turns", "rpm", "hz", "khz", "counts", "percent", "per",
+    ];
+    end.split('_').all(|word| WORDS.contains(&word))
+}
+
+/// `value` as the shortest number that TOML reads back, after taking off the rounding of a unit's factor (12 digits
+/// are kept).
+pub(crate) fn tidy(value: f64) -> String {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_unit_at_the_end_counts() {
+        let suffix = |name| at_end_of(name).map(|unit| unit.suffix);
+        assert_eq!(suffix("time_s"), Some("s"));
+        assert_eq!(suffix("t_ms"), Some("ms"));
+        assert_eq!(suffix("deg"), Some("deg"));
+        assert_eq!(suffix("speed_deg_per_s"), Some("deg_per_s"));
+        assert_eq!(suffix("k_n_m_per_rad"), Some("n_m_per_rad"));
+        assert_eq!(
+            suffix("acceleration_m_per_s"),
+            None,
+            "a linear rate is no time"
+        );
+        assert_eq!(suffix("status"), None);
+        assert_eq!(suffix("time"), None);
+    }
+
+    #[test]
+    fn factors_do_not_leave_rounding_behind() {
+        assert_eq!(tidy(100.0 * by_suffix("g_cm2").unwrap().si), "1e-5");
+        assert_eq!(tidy(180.0 * by_suffix("deg").unwrap().si), "3.14159265359");
+        assert_eq!(tidy(1000.0), "1000.0");
+    }
+}

@@ -1,0 +1,108 @@
+//! One value against its field: type, word, range.
+
+use toml::Value;
+use toml::de::DeValue;
+
+use super::draft::Problem;
+use super::schema::{self, Field, Kind};
+use super::unknown::{list, nearest};
+
+/// The words that a field allows.
+pub(crate) fn choices(path: &str) -> &'static [&'static str] {
+    match schema::at(path) {
+        Some(Field {
+            kind: Kind::Choice(words),
+            ..
+        }) => words,
+        _ => &[],
+    }
+}
+
+/// What is wrong with the value of a field, if anything.
+pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
+    match (field.kind, value) {
+        (Kind::Text, Value::String(_)) | (Kind::Flag, Value::Boolean(_)) => None,
+        (Kind::Choice(words), Value::String(word)) => {
+            (!words.contains(&word.as_str())).then(|| {
+                let fix = match nearest(word, words) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => format!("give {}", list(words)),
+                };
+                Problem::new(field.path, format!("unknown value {}", shown(value)), fix)
+            })
+        }
+        (Kind::Whole(least, most), Value::Integer(whole)) => (!(least..=most).contains(whole))
+            .then(|| {
+                let problem = format!("must be between {least} and {most}, is {whole}");
+                Problem::new(
+                    field.path,
+                    problem,
+                    format!("give {}", field.about_with_unit()),
+                )
+            }),
+        (Kind::Number(range), Value::Integer(_) | Value::Float(_)) => {
+            let number = value
+                .as_float()
+                .or_else(|| value.as_integer().map(|whole| whole as f64))
+                .expect("a number");
+            let problem = if !number.is_finite() {
+                format!("must be a finite number, is {number}")
+            } else if !range.holds(number) {
+                format!("must be {}, is {number}", range.words())
+            } else {
+                return None;
+            };
+            Some(Problem::new(
+                field.path,
+                problem,
+                format!("give {}", field.about_with_unit()),
+            ))
+        }
+        (_, value) => Some(wrong_type(field, &shown(value))),
+    }
+}
+
+/// A value of another type than the field's.
+pub(crate) fn wrong_type(field: &Field, is: &str) -> Problem {
+    let must = match field.kind {
+        Kind::Text => "text in quotes".to_owned(),
+        Kind::Flag => "true or false".to_owned(),
+        Kind::Choice(words) => format!("one of {}, in quotes", words.join(", ")),
+        Kind::Whole(..) => "a whole number".to_owned(),
+        Kind::Number(_) => "a number".to_owned(),
+    };
+    Problem::new(
+        field.path,
+        format!("must be {must}, is {is}"),
+        format!("give {}", field.about_with_unit()),
+    )
+}
+
+/// A value as it stands in a message, on one line and not too long.
+pub(crate) fn shown(value: &Value) -> String {
+    match value {
+        Value::String(text) if text.len() > 40 || text.contains('\n') => "a long text".to_owned(),
+        Value::String(text) => format!("\"{text}\""),
+        Value::Array(_) => "a list".to_owned(),
+        Value::Datetime(_) => "a date or time".to_owned(),
+        Value::Table(_) => "a table".to_owned(),
+        plain => plain.to_string(),
+    }
+}
+
+/// A leaf as a plain value. An integer beyond 64 bits becomes a float, so that range or type is what is reported.
+pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
+    match leaf {
+        DeValue::String(text) => Value::String(text.to_string()),
+        DeValue::Integer(whole) => match i64::from_str_radix(whole.as_str(), whole.radix()) {
+            Ok(value) => Value::Integer(value),
+            Err(_) => Value::Float(whole.as_str().parse().unwrap_or(f64::INFINITY)),
+        },
+        // A float too large for 64 bits is read as infinite and refused as such.
+        DeValue::Float(number) => Value::Float(number.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(flag) => Value::Boolean(*flag),
+        DeValue::Datetime(time) => Value::Datetime(*time),
+        // What is in it does not matter: no field takes a list.
+        DeValue::Array(_) | DeValue::Table(_) => Value::Array(Vec::new()),
+    }
+}
