@@ -1,2 +1,57 @@
-//! Stiff virtual walls in fixed point.
-#![no_std]
+//! Stiff virtual walls in fixed point: energy observers, passivity control, successive force augmentation.
+//!
+//! The tick, the same in firmware, simulator and proofs:
+//!
+//! ```text
+//! sample -> penetration -> observer -> law -> saturation -> command
+//! ```
+//!
+//! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual
+//! mass, [`Controller`] for how settings become a running law. The arithmetic below is in [`number`] and, for what the
+//! proofs are about, in [`magnitude`].
+//!
+//! | word | meaning | unit (1-DoF / 3-DoF) |
+//! |---|---|---|
+//! | HIP | haptic interaction point, the position `x` the user moves | rad / m |
+//! | surface | `x_s`, the undeformed wall | rad / m |
+//! | penetration | `e = x - x_s`, positive inside | rad / m |
+//! | force | `f`, positive = pushes the HIP out; the device is commanded `-f` along `+x` | N·m / N |
+//! | offset | `O`, the artificial extra deformation of SFA | rad / m |
+//! | `k_de`, `k_di` | desired and displayed stiffness, `k_di = f/e` | N·m/rad / N/m |
+//! | `k_v` | the soft, inherently stable spring of SFA | N·m/rad / N/m |
+//! | `k_c` | critical stiffness `2 c_i/T` | N·m/rad / N/m |
+//! | energy | positive = absorbed from the user by the virtual object | J |
+//! | tick | one control period `T` | s |
+//!
+//! ```
+//! use touchstone_control::{Controller, Fixed32, Position, Settings, Si};
+//!
+//! let settings = Settings { k_desired: Si::lit("5"), ..Settings::default() };
+//! let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
+//! let e = Position(fixed::types::I8F24::lit("0.01")); // 10 mrad inside
+//! let f = wall.tick(e);
+//! assert_eq!(f.0, fixed::types::I8F24::lit("0.05") - fixed::types::I8F24::DELTA); // 50 mN·m, towards zero
+//! ```
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+// The float reference takes square roots, which `core` does not have; it never runs where `std` is missing.
+#[cfg(feature = "float")]
+extern crate std;
+
+pub mod controller;
+pub mod filter;
+pub mod law;
+pub mod magnitude;
+pub mod number;
+pub mod observer;
+pub mod quantity;
+pub mod settings;
+pub mod validate;
+
+pub use controller::Controller;
+pub use number::{Fixed8, Fixed16, Fixed32, Number};
+pub use observer::ObserverForm;
+pub use quantity::{Compliance, Energy, Force, Position, Ratio, Stiffness, Tension};
+pub use settings::{FilterSettings, FirstContact, LawKind, OffsetUpdate, Regulate, Settings, Si};
+pub use validate::{Field, SettingsError, Warning};

@@ -1,0 +1,237 @@
+//! From settings to a running law: coefficients computed once, state beside them, one `tick`.
+
+use crate::filter::VirtualMass;
+use crate::law::{
+    Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sfa, SfaState, Spring,
+    SpringState, Tdpa, TdpaState, View,
+};
+use crate::settings::{LawKind, OffsetUpdate, Regulate, Settings, Si};
+use crate::validate::{Field, SettingsError, gain, ratio};
+use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
+
+/// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Controller<N: Number> {
+    /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
+    Spring(Spring<N>, SpringState<N>),
+    /// Time-domain passivity approach.
+    Tdpa(Tdpa<N>, TdpaState<N>),
+    /// Force bounding approach.
+    Fba(Fba<N>, FbaState<N>),
+    /// Successive force augmentation, original or continuous.
+    Sfa(Sfa<N>, SfaState<N>),
+    /// Enhanced successive force augmentation.
+    Enhanced(EnhancedSfa<N>, EnhancedState<N>),
+}
+
+/// `a / b` towards zero for `b > 0`, saturating.
+fn over(a: Si, b: Si) -> Si {
+    if b <= Si::ZERO {
+        Si::MAX
+    } else {
+        a.saturating_div(b)
+    }
+}
+
+/// `floor(sqrt(x))` of an SI value, 32 fractional bits kept as 32.
+fn root(x: Si) -> Si {
+    // sqrt(bits · 2^-32) = sqrt(bits · 2^32) · 2^-32
+    let bits = x.max(Si::ZERO).to_bits().unsigned_abs();
+    let wide = u128::from(bits) << 32;
+    Si::from_bits(i64::try_from(wide.isqrt()).unwrap_or(i64::MAX))
+}
+
+impl<N: Number> Controller<N> {
+    /// Validates the settings and computes the coefficients of their law.
+    ///
+    /// # Errors
+    /// A setting out of its range, or a coefficient that does not fit the number format.
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        let derived = settings.derived();
+        let stiffness = |field, value| gain::<N>(field, value).map(Stiffness);
+        let desired = stiffness(Field::KDesired, settings.k_desired)?;
+        let limit =
+            N::signal(settings.force_limit)
+                .map(Force)
+                .ok_or(SettingsError::OutOfFormat {
+                    field: Field::ForceLimit,
+                    value: settings.force_limit,
+                    format: N::NAME,
+                })?;
+        let device_damping = || stiffness(Field::DeviceDamping, derived.device_damping_per_tick);
+        let energy_cap = energy_cap::<N>();
+        let spring = |damping| {
+            Self::Spring(
+                Spring {
+                    desired,
+                    damping,
+                    limit,
+                },
+                SpringState::default(),
+            )
+        };
+        Ok(match settings.law {
+            LawKind::Spring => spring(Stiffness::zero()),
+            LawKind::SpringDamper => spring(stiffness(
+                Field::VirtualDamping,
+                derived.virtual_damping_per_tick,
+            )?),
+            LawKind::Tdpa => {
+                let device_damping = if settings.count_device_damping {
+                    device_damping()?
+                } else {
+                    Stiffness::zero()
+                };
+                let law = Tdpa {
+                    desired,
+                    observer: settings.observer,
+                    device_damping,
+                    limit,
+                    energy_cap,
+                };
+                Self::Tdpa(law, TdpaState::default())
+            }
+            LawKind::Fba => {
+                let four = Si::const_from_int(4);
+                let bound = root(derived.device_damping_per_tick.saturating_mul(four));
+                let law = Fba {
+                    desired,
+                    device_damping: device_damping()?,
+                    bound: stiffness(Field::DeviceDamping, bound)?,
+                    limit,
+                    energy_cap,
+                };
+                Self::Fba(law, FbaState::default())
+            }
+            LawKind::Sfa => Self::sfa(settings, OffsetUpdate::TurnInward, desired, limit)?,
+            LawKind::SfaContinuous => Self::sfa(settings, OffsetUpdate::Inward, desired, limit)?,
+            LawKind::EnhancedSfa if settings.is_plain_spring() => spring(Stiffness::zero()),
+            LawKind::EnhancedSfa => Self::enhanced(settings, desired, limit, energy_cap)?,
+        })
+    }
+
+    fn sfa(
+        settings: &Settings,
+        update: OffsetUpdate,
+        desired: Stiffness<N>,
+        limit: Force<N>,
+    ) -> Result<Self, SettingsError> {
+        let derived = settings.derived();
+        // (2.14a) with k_c below k_v would pull the offset the wrong way: such a device needs no augmentation.
+        let step = over(derived.k_critical, settings.k_soft)
+            .saturating_sub(Si::ONE)
+            .max(Si::ZERO);
+        let law = Sfa {
+            desired,
+            soft: Stiffness(gain::<N>(Field::KSoft, settings.k_soft)?),
+            gain: Ratio(ratio::<N>(Field::DeviceDamping, step)?),
+            compliance: Compliance(ratio::<N>(Field::KSoft, over(Si::ONE, settings.k_soft))?),
+            update,
+            first_contact: settings.first_contact,
+            limit,
+        };
+        Ok(Self::Sfa(law, SfaState::default()))
+    }
+
+    fn enhanced(
+        settings: &Settings,
+        desired: Stiffness<N>,
+        limit: Force<N>,
+        energy_cap: Energy<N>,
+    ) -> Result<Self, SettingsError> {
+        let derived = settings.derived();
+        let filter = &settings.filter;
+        let stiffness = |field, value| gain::<N>(field, value).map(Stiffness);
+        let compliance =
+            |field, share| ratio::<N>(field, over(share, settings.k_soft)).map(Compliance);
+        // (3.5): 1/(1/k_de - 1/k_f) = k_de k_f/(k_f - k_de); validate has seen to k_de < k_f.
+        let target = match settings.regulate {
+            Regulate::MassCompensated => over(
+                settings.k_desired.saturating_mul(filter.stiffness),
+                filter.stiffness.saturating_sub(settings.k_desired),
+            ),
+            Regulate::Mass | Regulate::Hip => settings.k_desired,
+        };
+        let total = derived
+            .mass_per_tick2
+            .saturating_add(filter.stiffness)
+            .saturating_add(derived.filter_damping_per_tick)
+            .saturating_add(derived.ground_damping_per_tick);
+        // Twice the sum must fit, or the sum of products in the drive could saturate.
+        stiffness(
+            Field::FilterMass,
+            total.saturating_mul(Si::const_from_int(2)),
+        )?;
+        let law = EnhancedSfa {
+            desired,
+            target: stiffness(Field::KDesired, target)?,
+            soft: stiffness(Field::KSoft, settings.k_soft)?,
+            compliance: compliance(Field::KSoft, Si::ONE)?,
+            augmentation: Augmentation {
+                of_ideal: compliance(Field::StepOfIdeal, settings.step_of_ideal)?,
+                of_force: compliance(Field::LimitOfForce, settings.limit_of_force)?,
+                of_penetration: Ratio(ratio::<N>(
+                    Field::LimitOfPenetration,
+                    settings.limit_of_penetration,
+                )?),
+            },
+            regulate: settings.regulate,
+            update: settings.offset_update,
+            observer: settings.observer,
+            first_contact: settings.first_contact,
+            mass: VirtualMass {
+                inertia: stiffness(Field::FilterMass, derived.mass_per_tick2)?,
+                stiffness: stiffness(Field::FilterStiffness, filter.stiffness)?,
+                damping: stiffness(Field::FilterDamping, derived.filter_damping_per_tick)?,
+                total: stiffness(Field::FilterMass, total)?,
+            },
+            series: stiffness(
+                Field::FilterStiffness,
+                filter.stiffness.saturating_add(settings.k_soft),
+            )?,
+            credit: N::energy(settings.energy_credit).map(Energy).ok_or(
+                SettingsError::OutOfFormat {
+                    field: Field::EnergyCredit,
+                    value: settings.energy_credit,
+                    format: N::NAME,
+                },
+            )?,
+            energy_cap,
+            limit,
+        };
+        Ok(Self::Enhanced(law, EnhancedState::default()))
+    }
+
+    /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
+    #[inline]
+    pub fn tick(&mut self, e: Position<N>) -> Force<N> {
+        match self {
+            Self::Spring(law, state) => law.tick(state, e),
+            Self::Tdpa(law, state) => law.tick(state, e),
+            Self::Fba(law, state) => law.tick(state, e),
+            Self::Sfa(law, state) => law.tick(state, e),
+            Self::Enhanced(law, state) => law.tick(state, e),
+        }
+    }
+
+    /// The inside after the last tick.
+    pub fn view(&self) -> View<N> {
+        match self {
+            Self::Spring(law, state) => law.view(state),
+            Self::Tdpa(law, state) => law.view(state),
+            Self::Fba(law, state) => law.view(state),
+            Self::Sfa(law, state) => law.view(state),
+            Self::Enhanced(law, state) => law.view(state),
+        }
+    }
+}
+
+/// Largest energy that a law stores: a quarter of the format, so that adding one tick's work can never saturate.
+fn energy_cap<N: Number>() -> Energy<N> {
+    // 2^62 of 2^63 in the 32-bit format: 16384 J. Formats that cannot say so (16 bits: ±8 J) get a quarter of theirs.
+    [16384, 4, 1]
+        .into_iter()
+        .find_map(|joules| N::energy(Si::const_from_int(joules)).map(Energy))
+        .unwrap_or_default()
+}

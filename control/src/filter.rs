@@ -1,0 +1,82 @@
+//! Virtual-mass filter (thesis §3.5), discretised by backward Euler.
+//!
+//! A virtual mass hangs on the HIP by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. With
+//! `d = T v_f`, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`, one tick is
+//!
+//! ```text
+//! N0 = M d + k_f (x - x_f) + C Δx        what drives the mass before the wall's force f_p
+//! d' = (N0 - f_p) / D   towards zero     x_f' = x_f + d'
+//! F  = k_f (x - x_f') + C (Δx - d')      force on the HIP
+//! ```
+//!
+//! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`; `F` is passive at the physical port
+//! where the device damps at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero: what the
+//! rounding leaves, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate.
+//! `f_p` is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
+
+use crate::{Energy, Force, Number, Position, Stiffness, Tension};
+
+/// Coefficients of the virtual mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VirtualMass<N: Number> {
+    /// `m/T²`.
+    pub(crate) inertia: Stiffness<N>,
+    /// `k_f`.
+    pub(crate) stiffness: Stiffness<N>,
+    /// `c_f/T`.
+    pub(crate) damping: Stiffness<N>,
+    /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
+    pub(crate) total: Stiffness<N>,
+}
+
+/// State of the virtual mass, in penetration.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MassState<N: Number> {
+    /// Penetration of the mass, `x_f - x_s`.
+    pub position: Position<N>,
+    /// Displacement of the last tick, `T v_f`.
+    pub moved: Position<N>,
+}
+
+impl<N: Number> VirtualMass<N> {
+    /// Everything that drives the mass but the wall: `M d + k_f (e - e_f) + C Δe`.
+    ///
+    /// `validate` keeps the sum of the coefficients so small that the sum of products cannot saturate.
+    #[inline(always)]
+    pub fn drive(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Tension<N> {
+        self.inertia * mass.moved + self.stiffness * (e - mass.position) + self.damping * moved
+    }
+
+    /// Displacement under the drive and the wall's force, towards zero.
+    #[inline(always)]
+    pub fn displacement(&self, drive: Tension<N>, force: Force<N>) -> Position<N> {
+        (drive - force.lift()).over(self.total)
+    }
+
+    /// The wall's force under which the mass moves outward by exactly `out`, rounded up (so that the mass never moves further
+    /// than its forces say).
+    #[inline(always)]
+    pub fn force_for_retreat(&self, drive: Tension<N>, out: Position<N>) -> Force<N> {
+        (drive + self.total * out).rounded_up()
+    }
+
+    /// Force on the HIP after the mass has moved.
+    #[inline(always)]
+    pub fn coupling(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Force<N> {
+        (self.stiffness * (e - mass.position) + self.damping * (moved - mass.moved)).towards_zero()
+    }
+
+    /// Where the mass rests with the HIP at `e` if the wall is a spring `k` without offset: `e k_f / (k_f + k)`.
+    #[inline(always)]
+    pub fn rest(&self, e: Position<N>, stiffness_sum: Stiffness<N>) -> Position<N> {
+        (self.stiffness * e).over(stiffness_sum)
+    }
+
+    /// Energy in the coupling spring for a stretch, rounded up.
+    #[inline(always)]
+    pub fn stored(&self, stretch: Position<N>) -> Energy<N> {
+        let force = (self.stiffness * stretch.modulus()).rounded_up();
+        let doubled = force * stretch.modulus();
+        Energy(N::half_energy_up(doubled.0))
+    }
+}

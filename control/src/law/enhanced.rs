@@ -1,0 +1,289 @@
+//! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated credit.
+//!
+//! First contact is rendered at `k_de` with the filter bypassed. When the motion turns, a virtual mass takes over: the HIP
+//! hangs on it by `k_f`, and the mass is pushed out by the soft spring `k_v` deformed by its penetration plus an offset `O`,
+//! which is changed until the stiffness felt at the HIP is `k_de`.
+//!
+//! **Passivity at the mass is exact.** The next displacement of a virtual mass, unlike that of a hand, is *known* before the
+//! force is chosen: `d' = (N0 - f)/D`. So the controller does not repair a deficit afterwards, it never lets one arise:
+//! if the mass would move out further than the stored energy pays for at full force, it moves out by exactly what that
+//! energy pays for (`E/f`), and the force becomes the one that does so. With no energy left the mass stands still and the
+//! wall holds; it neither kicks nor collapses. `E >= 0` is an invariant for every input.
+//!
+//! **Credit.** A wall that holds a hand's force `F` at `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that coupling,
+//! but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall behind `k_f <= k_c` can show
+//! more than about `2 k_f` to a resting hand: what the thesis' controller shows beyond that, it shows because its observer
+//! counts the sampling leak the wrong way round. Here the loan is explicit: the observer starts each contact at
+//! `energy_credit`, and over one contact the mass can never give more than that beyond what it took.
+//!
+//! The form of the thesis (its observer, offset changed on inward motion only) stays selectable.
+
+use super::{Contact, Law, View};
+use crate::filter::{MassState, VirtualMass};
+use crate::{
+    Compliance, Energy, FirstContact, Force, Number, ObserverForm, OffsetUpdate, Position, Ratio,
+    Regulate, Stiffness, Tension,
+};
+
+/// How the offset is changed: Algorithm 3.1, lines 7–13, with the moduli that its listing forgets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Augmentation<N: Number> {
+    /// `c/k_v`, the fraction of the ideal step (3.7, 3.8).
+    pub(crate) of_ideal: Compliance<N>,
+    /// `b/k_v`, the limit by the force (3.9).
+    pub(crate) of_force: Compliance<N>,
+    /// `a`, the limit by the penetration (3.11).
+    pub(crate) of_penetration: Ratio<N>,
+}
+
+impl<N: Number> Augmentation<N> {
+    /// `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one quantum, or an
+    /// offset at exactly no force could never grow again.
+    #[inline]
+    pub fn step(&self, wanted: Force<N>, shown: Force<N>, e: Position<N>) -> Position<N> {
+        let shown = shown.modulus();
+        let ideal = self.of_ideal * (wanted - shown).modulus();
+        let weber = self.of_force * shown.max(Force::quantum());
+        let near = self.of_penetration * e.modulus();
+        ideal.min(weber.max(Position::quantum())).min(near)
+    }
+}
+
+/// The enhanced law for a desired stiffness above the soft one; below, `build` makes a plain spring (§3.1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnhancedSfa<N: Number> {
+    pub(crate) desired: Stiffness<N>,
+    /// The stiffness that is regulated towards: `k_de`, or (3.5) at the mass.
+    pub(crate) target: Stiffness<N>,
+    pub(crate) soft: Stiffness<N>,
+    /// `1/k_v`.
+    pub(crate) compliance: Compliance<N>,
+    pub(crate) augmentation: Augmentation<N>,
+    pub(crate) regulate: Regulate,
+    pub(crate) update: OffsetUpdate,
+    pub(crate) observer: ObserverForm,
+    pub(crate) first_contact: FirstContact,
+    pub(crate) mass: VirtualMass<N>,
+    /// `k_f + k_v`.
+    pub(crate) series: Stiffness<N>,
+    pub(crate) credit: Energy<N>,
+    pub(crate) energy_cap: Energy<N>,
+    pub(crate) limit: Force<N>,
+}
+
+/// What the augmented phase remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Augmented<N: Number> {
+    pub(crate) mass: MassState<N>,
+    pub(crate) offset: Position<N>,
+    /// Force of the wall on the mass in the last tick, never negative.
+    pub(crate) at_mass: Force<N>,
+}
+
+/// Memory of [`EnhancedSfa`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EnhancedState<N: Number> {
+    pub(crate) contact: Contact,
+    pub(crate) last: Position<N>,
+    /// Force at the HIP.
+    pub(crate) force: Force<N>,
+    /// Energy left, credit included, never negative while augmenting.
+    pub(crate) energy: Energy<N>,
+    pub(crate) augmented: Augmented<N>,
+}
+
+impl<N: Number> EnhancedSfa<N> {
+    /// First contact is over: puts the mass where it can start without energy from nowhere.
+    #[inline]
+    fn hand_over(&self, state: &mut EnhancedState<N>) {
+        let e = state.last;
+        let (position, offset) = match self.first_contact {
+            FirstContact::ZeroOffset => (self.mass.rest(e, self.series), Position::zero()),
+            FirstContact::KeepForce => {
+                // The stretch of the coupling and of the soft spring that hold the force of the last tick.
+                let position = e - state.force.lift().over(self.mass.stiffness);
+                (
+                    position,
+                    (self.compliance * state.force - position).max(Position::zero()),
+                )
+            }
+        };
+        // Where the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the HIP instead.
+        let stored = self.mass.stored(e - position);
+        let covered = stored <= state.energy;
+        let position = if covered { position } else { e };
+        state.energy = if covered {
+            state.energy - stored
+        } else {
+            state.energy.max(Energy::zero())
+        };
+        state.contact = Contact::Augmenting;
+        state.augmented = Augmented {
+            mass: MassState {
+                position,
+                moved: Position::zero(),
+            },
+            offset,
+            at_mass: (self.soft * (position + offset))
+                .towards_zero()
+                .max(Force::zero()),
+        };
+    }
+
+    /// Lines 3–13: the new offset, never negative (a negative one would end the contact inside the wall, §3.1).
+    #[inline]
+    fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
+        let held = &state.augmented;
+        let due = match self.update {
+            OffsetUpdate::TurnInward | OffsetUpdate::Inward => held.mass.moved > Position::zero(),
+            OffsetUpdate::EveryTick => true,
+        };
+        if !due {
+            return held.offset;
+        }
+        let (shown, at) = match self.regulate {
+            Regulate::Hip => (state.force, e),
+            Regulate::Mass | Regulate::MassCompensated => (held.at_mass, held.mass.position),
+        };
+        let wanted = (self.target * at).towards_zero();
+        let step = self.augmentation.step(wanted, shown, at);
+        let changed = if shown < wanted {
+            held.offset + step
+        } else {
+            held.offset - step
+        };
+        changed.max(Position::zero())
+    }
+
+    /// Chooses the force on the mass and moves it, so that the energy stays non-negative. Returns the force.
+    #[inline]
+    fn move_mass(
+        &self,
+        state: &mut EnhancedState<N>,
+        wanted: Force<N>,
+        e: Position<N>,
+        moved: Position<N>,
+    ) -> Force<N> {
+        let mass = &mut state.augmented.mass;
+        let drive = self.mass.drive(mass, e, moved);
+        let (force, step) = match self.observer {
+            ObserverForm::Exact => self.affordable_move(drive, wanted, &mut state.energy),
+            ObserverForm::Thesis => {
+                // Fig. 3.18: the last displacement stands for the next one.
+                let (after, force) = N::passivity_step(state.energy.0, wanted.0, mass.moved.0);
+                state.energy = Energy(after).min(self.energy_cap);
+                (Force(force), self.mass.displacement(drive, Force(force)))
+            }
+        };
+        *mass = MassState {
+            position: mass.position + step,
+            moved: step,
+        };
+        force
+    }
+
+    /// Force on the HIP after the first contact; `None` once the wall has been left.
+    #[inline]
+    fn augmented_force(
+        &self,
+        state: &mut EnhancedState<N>,
+        e: Position<N>,
+        moved: Position<N>,
+    ) -> Option<Force<N>> {
+        state.augmented.offset = self.offset(state, e);
+        let held = &state.augmented;
+        let wanted = (self.soft * (held.mass.position + held.offset)).towards_zero();
+        if wanted <= Force::zero() {
+            // The mass is outside the shifted surface.
+            return None;
+        }
+        state.augmented.at_mass = self.move_mass(state, wanted, e, moved);
+        let shown = self.mass.coupling(&state.augmented.mass, e, moved);
+        // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
+        (shown > Force::zero() || e > Position::zero()).then_some(shown)
+    }
+
+    /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.
+    #[inline]
+    pub(crate) fn affordable_move(
+        &self,
+        drive: Tension<N>,
+        wanted: Force<N>,
+        energy: &mut Energy<N>,
+    ) -> (Force<N>, Position<N>) {
+        let step = self.mass.displacement(drive, wanted);
+        let after = *energy + wanted * step;
+        if after >= Energy::zero() {
+            *energy = after.min(self.energy_cap);
+            return (wanted, step);
+        }
+        // `wanted > 0` and `step < 0` here. At full force the energy pays for a retreat of `E/f`, less than the step.
+        let retreat = energy.per_force(wanted);
+        let force = self.mass.force_for_retreat(drive, retreat).min(wanted);
+        if force <= Force::zero() {
+            // The mass is pulled out faster than that without any help of the wall: no force, no work.
+            return (Force::zero(), self.mass.displacement(drive, Force::zero()));
+        }
+        *energy = *energy - force * retreat;
+        (force, -retreat)
+    }
+}
+
+impl<N: Number> Law<N> for EnhancedSfa<N> {
+    type State = EnhancedState<N>;
+
+    #[inline]
+    fn tick(&self, state: &mut EnhancedState<N>, e: Position<N>) -> Force<N> {
+        let moved = e - state.last;
+        if state.contact == Contact::Free && e > Position::zero() {
+            *state = EnhancedState {
+                contact: Contact::First,
+                energy: self.credit,
+                last: e,
+                ..EnhancedState::default()
+            };
+            state.force = (self.desired * e).towards_zero().min(self.limit);
+            return state.force;
+        }
+        if state.contact == Contact::First {
+            state.energy = (state.energy + state.force * moved).min(self.energy_cap);
+            if moved < Position::zero() && e > Position::zero() {
+                self.hand_over(state);
+            }
+        }
+        let force = match state.contact {
+            Contact::Free => None,
+            Contact::First => (e > Position::zero()).then(|| (self.desired * e).towards_zero()),
+            Contact::Augmenting => self.augmented_force(state, e, moved),
+        };
+        match force {
+            Some(force) => {
+                state.last = e;
+                state.force = force.within(self.limit);
+                state.force
+            }
+            None => {
+                *state = EnhancedState {
+                    last: e,
+                    ..EnhancedState::default()
+                };
+                Force::zero()
+            }
+        }
+    }
+
+    fn view(&self, state: &EnhancedState<N>) -> View<N> {
+        let augmenting = state.contact == Contact::Augmenting;
+        View {
+            contact: state.contact,
+            // The credit is a loan, not energy of the wall.
+            energy: Some(if state.contact == Contact::Free {
+                Energy::zero()
+            } else {
+                state.energy - self.credit
+            }),
+            offset: state.augmented.offset,
+            mass: augmenting.then_some(state.augmented.mass.position),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The control laws, one file each, behind one trait.
+//!
+//! A law is an immutable configuration; its memory is a separate, small [`Law::State`]; a tick is a pure function of both and
+//! of the sampled position. Every law gives a force that pushes out of the wall (a negative one pulls in) and leaves contact
+//! with force 0 and its memory cleared.
+
+mod enhanced;
+mod fba;
+mod sfa;
+mod spring;
+mod tdpa;
+
+pub use enhanced::{Augmentation, Augmented, EnhancedSfa, EnhancedState};
+pub use fba::{Fba, FbaState};
+pub use sfa::{Sfa, SfaState};
+pub use spring::{Spring, SpringState};
+pub use tdpa::{Tdpa, TdpaState};
+
+use crate::{Energy, Force, Number, Position};
+
+/// Where the contact stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Contact {
+    /// Outside the wall.
+    #[default]
+    Free,
+    /// First contact, up to the first reversal of the motion; laws without that distinction stay here.
+    First,
+    /// After the first reversal: force augmentation.
+    Augmenting,
+}
+
+/// What a law shows of its inside, for telemetry and plots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View<N: Number> {
+    /// Where the contact stands.
+    pub contact: Contact,
+    /// The law's own observed energy; `None` if it observes none.
+    pub energy: Option<Energy<N>>,
+    /// Offset `O`: how much further the virtual spring is deformed than the wall is penetrated.
+    pub offset: Position<N>,
+    /// Penetration of the virtual mass while it is in use.
+    pub mass: Option<Position<N>>,
+}
+
+/// A control law over one number format.
+pub trait Law<N: Number> {
+    /// Its memory; the default is "outside, at rest".
+    type State: Copy + Default;
+
+    /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
+    fn tick(&self, state: &mut Self::State, e: Position<N>) -> Force<N>;
+
+    /// The inside after the last tick.
+    fn view(&self, state: &Self::State) -> View<N>;
+}

@@ -1,0 +1,107 @@
+//! Successive force augmentation without passivity control: the original (thesis 2.11–2.17), its offset changed when the
+//! motion turns inwards, and the variant with the offset changed at every inward tick (3.2–3.3).
+//!
+//! (3.2) asks for `k_di > k_de` *and* `k_di < 0` in its second line, which nothing satisfies; (2.14c)'s *or* is meant.
+//! `k_di < k_de` is decided as `|f| < k_de·e`: no division, so no singularity at `e = 0`.
+
+use super::{Contact, Law, View};
+use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Ratio, Stiffness};
+
+/// SFA around the soft spring `k_v`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sfa<N: Number> {
+    pub(crate) desired: Stiffness<N>,
+    pub(crate) soft: Stiffness<N>,
+    /// `k_c/k_v - 1`, the gain of (2.14a).
+    pub(crate) gain: Ratio<N>,
+    /// `1/k_v`.
+    pub(crate) compliance: Compliance<N>,
+    pub(crate) update: OffsetUpdate,
+    pub(crate) first_contact: FirstContact,
+    pub(crate) limit: Force<N>,
+}
+
+/// Memory of [`Sfa`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SfaState<N: Number> {
+    contact: Contact,
+    last: Position<N>,
+    before_last: Position<N>,
+    offset: Position<N>,
+    force: Force<N>,
+}
+
+impl<N: Number> Sfa<N> {
+    #[inline]
+    fn offset_step(&self, state: &SfaState<N>, e: Position<N>) -> Position<N> {
+        let inward = e > state.last;
+        let due = match self.update {
+            OffsetUpdate::TurnInward => inward && state.last <= state.before_last,
+            OffsetUpdate::Inward => inward,
+            OffsetUpdate::EveryTick => true,
+        };
+        if !due {
+            return Position::zero();
+        }
+        let step = self.gain * (e - state.last);
+        // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication.
+        let outside = state.last <= Position::zero();
+        let too_soft = state.force < (self.desired * state.last).towards_zero();
+        if too_soft && !outside { step } else { -step }
+    }
+}
+
+impl<N: Number> Law<N> for Sfa<N> {
+    type State = SfaState<N>;
+
+    #[inline]
+    fn tick(&self, state: &mut SfaState<N>, e: Position<N>) -> Force<N> {
+        let mut next = SfaState {
+            last: e,
+            before_last: state.last,
+            ..*state
+        };
+        if state.contact == Contact::Free && e > Position::zero() {
+            next.contact = Contact::First;
+        }
+        if next.contact == Contact::First && state.contact == Contact::First && e < state.last {
+            next.contact = Contact::Augmenting;
+            next.offset = match self.first_contact {
+                // (2.17): the offset that holds the force of the last tick.
+                FirstContact::KeepForce => self.compliance * state.force - state.last,
+                FirstContact::ZeroOffset => Position::zero(),
+            };
+        }
+        let force = match next.contact {
+            Contact::Free => Force::zero(),
+            Contact::First => (self.desired * e).towards_zero(),
+            Contact::Augmenting => {
+                if state.contact == Contact::Augmenting {
+                    next.offset = next.offset + self.offset_step(state, e);
+                }
+                (self.soft * (e + next.offset)).towards_zero()
+            }
+        };
+        if force <= Force::zero() {
+            // Left the wall, its shifted surface included: nothing is remembered but where the HIP is.
+            *state = SfaState {
+                last: e,
+                before_last: state.last,
+                ..SfaState::default()
+            };
+            return Force::zero();
+        }
+        next.force = force.min(self.limit);
+        *state = next;
+        next.force
+    }
+
+    fn view(&self, state: &SfaState<N>) -> View<N> {
+        View {
+            contact: state.contact,
+            energy: None,
+            offset: state.offset,
+            mass: None,
+        }
+    }
+}

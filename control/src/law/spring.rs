@@ -1,0 +1,56 @@
+//! Virtual spring (thesis 1.6), with virtual damping if wanted (§1.2.6).
+
+use super::{Contact, Law, View};
+use crate::{Force, Number, Position, Stiffness};
+
+/// `f = k_de e + (b/T) Δe`, never pulling, zero outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring<N: Number> {
+    pub(crate) desired: Stiffness<N>,
+    /// Virtual damping per tick, `b/T`; zero for the plain spring.
+    pub(crate) damping: Stiffness<N>,
+    pub(crate) limit: Force<N>,
+}
+
+/// Memory of [`Spring`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SpringState<N: Number> {
+    last: Position<N>,
+    inside: bool,
+}
+
+impl<N: Number> Law<N> for Spring<N> {
+    type State = SpringState<N>;
+
+    #[inline]
+    fn tick(&self, state: &mut SpringState<N>, e: Position<N>) -> Force<N> {
+        // Outside, the memory is "at the surface": the damper works on the penetration only.
+        let moved = e - state.last;
+        if e <= Position::zero() {
+            *state = SpringState::default();
+            return Force::zero();
+        }
+        *state = SpringState {
+            last: e,
+            inside: true,
+        };
+        (self.desired * e + self.damping * moved)
+            .towards_zero()
+            .max(Force::zero())
+            .min(self.limit)
+    }
+
+    fn view(&self, state: &SpringState<N>) -> View<N> {
+        let contact = if state.inside {
+            Contact::First
+        } else {
+            Contact::Free
+        };
+        View {
+            contact,
+            energy: None,
+            offset: Position::zero(),
+            mass: None,
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The fixed-point formats: signed edges around the magnitudes of [`crate::magnitude`].
+
+use super::Number;
+use crate::Si;
+use crate::magnitude::{self, Word};
+use fixed::types::{I1F7, I2F14, I4F28, I5F3, I8F24, I10F6, I16F48, I20F12};
+
+/// 32-bit formats: what the firmware runs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Fixed32;
+/// 16-bit formats: half the memory, for knobs within ±2 rad.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Fixed16;
+/// 8-bit formats: small enough to check every case.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Fixed8;
+
+macro_rules! fixed_number {
+    ($name:ident, $text:literal, signal $signal:ty, gain $gain:ty, energy $energy:ty, word $word:ty, int $int:ty, wide $wide:ty) => {
+        impl $name {
+            const GAIN_BITS: u32 = <$gain>::FRAC_NBITS;
+            const SIGNAL_BITS: u32 = <$signal>::FRAC_NBITS;
+
+            /// A magnitude of at most `MAX_SIGNED` with its sign.
+            #[inline(always)]
+            fn signed(magnitude: $word, negative: bool) -> $signal {
+                let bits = magnitude.min(<$word as Word>::MAX_SIGNED) as $int;
+                <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
+            }
+
+            #[inline(always)]
+            fn magnitude(x: $signal) -> $word {
+                x.to_bits().unsigned_abs()
+            }
+
+            /// SI bits (32 fractional) to `fraction` fractional bits, towards zero.
+            fn from_si(si: Si, fraction: u32) -> i64 {
+                // Towards zero: shift the magnitude, not the number.
+                let magnitude = si.to_bits().unsigned_abs();
+                let shifted = if fraction <= 32 {
+                    magnitude >> (32 - fraction)
+                } else {
+                    let up = fraction - 32;
+                    if magnitude > (i64::MAX as u64) >> up {
+                        i64::MAX as u64
+                    } else {
+                        magnitude << up
+                    }
+                };
+                let bits = if shifted > i64::MAX as u64 {
+                    i64::MAX
+                } else {
+                    shifted as i64
+                };
+                if si.is_negative() { -bits } else { bits }
+            }
+        }
+
+        impl Number for $name {
+            type Signal = $signal;
+            type Gain = $gain;
+            type Ratio = $signal;
+            type Energy = $energy;
+            type Product = $wide;
+
+            const NAME: &'static str = $text;
+            const QUANTUM: $signal = <$signal>::DELTA;
+
+            fn signal(si: Si) -> Option<$signal> {
+                <$int>::try_from(Self::from_si(si, Self::SIGNAL_BITS))
+                    .ok()
+                    .map(<$signal>::from_bits)
+            }
+            fn gain(si: Si) -> Option<$gain> {
+                if si.is_negative() {
+                    return None;
+                }
+                <$int>::try_from(Self::from_si(si, Self::GAIN_BITS))
+                    .ok()
+                    .map(<$gain>::from_bits)
+            }
+            fn ratio(si: Si) -> Option<$signal> {
+                if si.is_negative() {
+                    None
+                } else {
+                    Self::signal(si)
+                }
+            }
+            fn energy(si: Si) -> Option<$energy> {
+                let bits = Self::from_si(si, <$energy>::FRAC_NBITS);
+                if bits.unsigned_abs() >= i64::MAX as u64 {
+                    return None;
+                }
+                <$wide>::try_from(bits).ok().map(<$energy>::from_bits)
+            }
+
+            #[inline(always)]
+            fn add(a: $signal, b: $signal) -> $signal {
+                a.saturating_add(b)
+            }
+            #[inline(always)]
+            fn sub(a: $signal, b: $signal) -> $signal {
+                a.saturating_sub(b)
+            }
+            #[inline(always)]
+            fn neg(a: $signal) -> $signal {
+                a.saturating_neg()
+            }
+            #[inline(always)]
+            fn scale(r: $signal, x: $signal) -> $signal {
+                let size =
+                    magnitude::scale(Self::magnitude(r), Self::magnitude(x), Self::SIGNAL_BITS);
+                Self::signed(size, x.is_negative())
+            }
+
+            #[inline(always)]
+            fn product(k: $gain, x: $signal) -> $wide {
+                // Two words in the double width: cannot overflow.
+                <$wide>::from(k.to_bits()).wrapping_mul(<$wide>::from(x.to_bits()))
+            }
+            #[inline(always)]
+            fn lift(x: $signal) -> $wide {
+                // A word shifted up by fewer bits than a word has.
+                <$wide>::from(x.to_bits()).wrapping_shl(Self::GAIN_BITS)
+            }
+            #[inline(always)]
+            fn add_product(a: $wide, b: $wide) -> $wide {
+                a.saturating_add(b)
+            }
+            #[inline(always)]
+            fn sub_product(a: $wide, b: $wide) -> $wide {
+                a.saturating_sub(b)
+            }
+            #[inline(always)]
+            fn round_to_zero(p: $wide) -> $signal {
+                let size = <$word as Word>::narrow(<$word as Word>::shift_down(
+                    p.unsigned_abs(),
+                    Self::GAIN_BITS,
+                ));
+                Self::signed(size, p < 0)
+            }
+            #[inline(always)]
+            fn round_up(p: $wide) -> $signal {
+                // An arithmetic shift floors; -floor(-p) is the ceiling. The one value without a negative saturates.
+                let floor = p.saturating_neg() >> Self::GAIN_BITS;
+                let ceiling = floor.saturating_neg();
+                let size = <$word as Word>::narrow(ceiling.unsigned_abs());
+                Self::signed(size, ceiling < 0)
+            }
+            #[inline(always)]
+            fn divide(p: $wide, k: $gain) -> $signal {
+                let size = magnitude::quotient(p.unsigned_abs(), k.to_bits().unsigned_abs());
+                Self::signed(size, p < 0)
+            }
+
+            #[inline(always)]
+            fn work(f: $signal, d: $signal) -> $energy {
+                <$energy>::from_bits(
+                    <$wide>::from(f.to_bits()).wrapping_mul(<$wide>::from(d.to_bits())),
+                )
+            }
+            #[inline(always)]
+            fn add_energy(a: $energy, b: $energy) -> $energy {
+                a.saturating_add(b)
+            }
+            #[inline(always)]
+            fn sub_energy(a: $energy, b: $energy) -> $energy {
+                a.saturating_sub(b)
+            }
+            #[inline(always)]
+            fn half_energy_up(e: $energy) -> $energy {
+                let bits = e.to_bits();
+                <$energy>::from_bits((bits >> 1).saturating_add(bits & 1))
+            }
+            #[inline(always)]
+            fn energy_per(e: $energy, x: $signal) -> $signal {
+                let x = Self::magnitude(x);
+                if x == 0 {
+                    return <$signal>::MAX;
+                }
+                Self::signed(magnitude::quotient(e.to_bits().unsigned_abs(), x), false)
+            }
+            #[inline(always)]
+            fn root(e: $energy) -> $signal {
+                if e.is_negative() {
+                    return <$signal>::ZERO;
+                }
+                Self::signed(<$word as Word>::root(e.to_bits().unsigned_abs()), false)
+            }
+
+            #[inline(always)]
+            fn passivity_step(e: $energy, f: $signal, d: $signal) -> ($energy, $signal) {
+                // Negative energies and forces are outside the contract and count as zero; the callers keep both above.
+                let energy = e.to_bits().max(0).unsigned_abs();
+                let force = Self::magnitude(f.max(<$signal>::ZERO));
+                let step = magnitude::passivity_step::<$word>(
+                    energy,
+                    force,
+                    Self::magnitude(d),
+                    !d.is_negative(),
+                );
+                let bits = step.energy.min(<$word as Word>::WIDE_MAX_SIGNED) as $wide;
+                (<$energy>::from_bits(bits), Self::signed(step.force, false))
+            }
+
+            #[cfg(feature = "float")]
+            fn signal_to_f64(x: $signal) -> f64 {
+                x.to_num()
+            }
+            #[cfg(feature = "float")]
+            fn signal_from_f64(x: f64) -> $signal {
+                if x.is_nan() {
+                    <$signal>::ZERO
+                } else {
+                    <$signal>::saturating_from_num(x)
+                }
+            }
+            #[cfg(feature = "float")]
+            fn energy_to_f64(e: $energy) -> f64 {
+                e.to_num()
+            }
+        }
+    };
+}
+
+fixed_number!(Fixed32, "fixed32", signal I8F24, gain I20F12, energy I16F48, word u32, int i32, wide i64);
+fixed_number!(Fixed16, "fixed16", signal I2F14, gain I10F6, energy I4F28, word u16, int i16, wide i32);
+fixed_number!(Fixed8, "fixed8", signal I1F7, gain I5F3, energy I2F14, word u8, int i8, wide i16);

@@ -1,0 +1,149 @@
+//! The float reference: the same law with rounding to nearest and no saturation worth the name.
+
+use super::Number;
+use crate::Si;
+
+macro_rules! float_number {
+    ($float:ty, $text:literal) => {
+        impl Number for $float {
+            type Signal = $float;
+            type Gain = $float;
+            type Ratio = $float;
+            type Energy = $float;
+            type Product = $float;
+
+            const NAME: &'static str = $text;
+            // The step of Fixed32, so that the floor of the offset step means the same in every format.
+            const QUANTUM: $float = 1.0 / 16_777_216.0;
+
+            fn signal(si: Si) -> Option<$float> {
+                Some(si.to_num())
+            }
+            fn gain(si: Si) -> Option<$float> {
+                if si.is_negative() {
+                    None
+                } else {
+                    Some(si.to_num())
+                }
+            }
+            fn ratio(si: Si) -> Option<$float> {
+                Self::gain(si)
+            }
+            fn energy(si: Si) -> Option<$float> {
+                Some(si.to_num())
+            }
+            #[inline(always)]
+            fn add(a: $float, b: $float) -> $float {
+                a + b
+            }
+            #[inline(always)]
+            fn sub(a: $float, b: $float) -> $float {
+                a - b
+            }
+            #[inline(always)]
+            fn neg(a: $float) -> $float {
+                -a
+            }
+            #[inline(always)]
+            fn scale(r: $float, x: $float) -> $float {
+                r * x
+            }
+            #[inline(always)]
+            fn product(k: $float, x: $float) -> $float {
+                k * x
+            }
+            #[inline(always)]
+            fn lift(x: $float) -> $float {
+                x
+            }
+            #[inline(always)]
+            fn add_product(a: $float, b: $float) -> $float {
+                a + b
+            }
+            #[inline(always)]
+            fn sub_product(a: $float, b: $float) -> $float {
+                a - b
+            }
+            #[inline(always)]
+            fn round_to_zero(p: $float) -> $float {
+                p
+            }
+            #[inline(always)]
+            fn round_up(p: $float) -> $float {
+                p
+            }
+            #[inline(always)]
+            fn divide(p: $float, k: $float) -> $float {
+                if k == 0.0 { 0.0 } else { p / k }
+            }
+            #[inline(always)]
+            fn work(f: $float, d: $float) -> $float {
+                f * d
+            }
+            #[inline(always)]
+            fn add_energy(a: $float, b: $float) -> $float {
+                a + b
+            }
+            #[inline(always)]
+            fn sub_energy(a: $float, b: $float) -> $float {
+                a - b
+            }
+            #[inline(always)]
+            fn half_energy_up(e: $float) -> $float {
+                e / 2.0
+            }
+            #[inline(always)]
+            fn energy_per(e: $float, x: $float) -> $float {
+                let e = if e < 0.0 { -e } else { e };
+                let x = if x < 0.0 { -x } else { x };
+                if x == 0.0 { <$float>::MAX } else { e / x }
+            }
+            #[inline(always)]
+            fn root(e: $float) -> $float {
+                if e > 0.0 { root::<$float>(e) } else { 0.0 }
+            }
+            #[inline(always)]
+            fn passivity_step(e: $float, f: $float, d: $float) -> ($float, $float) {
+                let e = if e < 0.0 { 0.0 } else { e };
+                let f = if f < 0.0 { 0.0 } else { f };
+                let after = e + f * d;
+                // After a correction the energy is what the division left over: nothing, in exact arithmetic.
+                if after >= 0.0 {
+                    (after, f)
+                } else {
+                    (0.0, e / -d)
+                }
+            }
+            fn signal_to_f64(x: $float) -> f64 {
+                f64::from(x)
+            }
+            fn signal_from_f64(x: f64) -> $float {
+                if x.is_nan() { 0.0 } else { x as $float }
+            }
+            fn energy_to_f64(e: $float) -> f64 {
+                f64::from(e)
+            }
+        }
+    };
+}
+
+/// `core` has no square root; this is the one place that needs it, and the float build always runs where `std` is.
+trait Root {
+    fn root(self) -> Self;
+}
+impl Root for f32 {
+    fn root(self) -> f32 {
+        self.sqrt()
+    }
+}
+impl Root for f64 {
+    fn root(self) -> f64 {
+        self.sqrt()
+    }
+}
+fn root<F: Root>(x: F) -> F {
+    x.root()
+}
+
+float_number!(f32, "f32");
+float_number!(f64, "f64");

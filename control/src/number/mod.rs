@@ -1,0 +1,106 @@
+//! Number formats: the same law over 32-bit, 16-bit and 8-bit fixed point and, for reference, over `f32` and `f64`.
+//!
+//! | format | position, force | stiffness, damping/T | energy | product gain × signal |
+//! |---|---|---|---|---|
+//! | [`Fixed32`] (default) | `I8F24`: ±128, step 6e-8 | `I20F12`: to 524,287, step 2.4e-4 | `I16F48` | 36 fractional bits in an `i64` |
+//! | [`Fixed16`] | `I2F14`: ±2, step 6.1e-5 | `I10F6`: to 511, step 0.016 | `I4F28` | 20 fractional bits in an `i32` |
+//! | [`Fixed8`] | `I1F7`: ±1 | `I5F3` | `I2F14` | 10 fractional bits in an `i16` |
+//!
+//! Force × displacement is an **exact** energy in every fixed format: twice the fractional bits, twice the width, no
+//! rounding. Gains, filters and quotients round towards zero (an arithmetic shift would floor, which pushes one way and is
+//! not passive); every addition saturates. `Fixed8` exists to be checked exhaustively, not to be used.
+
+mod fixed_point;
+#[cfg(feature = "float")]
+mod float;
+
+pub use fixed_point::{Fixed8, Fixed16, Fixed32};
+
+use crate::Si;
+use core::fmt::Debug;
+
+/// Arithmetic of one number format. All functions are total: they saturate instead of overflowing and never panic.
+///
+/// "Towards zero" below is exact for the fixed formats; `f32` and `f64` round to nearest, as their operations do.
+pub trait Number: Copy + Debug + Default + PartialEq + 'static {
+    /// Position, displacement or force.
+    type Signal: Copy + Debug + Default + PartialEq + PartialOrd;
+    /// Stiffness, or damping and inertia per tick and per tick², all in N·m/rad (N/m). Never negative.
+    type Gain: Copy + Debug + Default + PartialEq + PartialOrd;
+    /// Pure number or compliance (rad/(N·m), m/N). Never negative.
+    type Ratio: Copy + Debug + Default + PartialEq + PartialOrd;
+    /// Energy, J.
+    type Energy: Copy + Debug + Default + PartialEq + PartialOrd;
+    /// Gain × signal, unrounded: a force with extra digits.
+    type Product: Copy + Debug + Default + PartialEq + PartialOrd;
+
+    /// Name in settings and results.
+    const NAME: &'static str;
+
+    /// The smallest positive signal; for floats, the step of [`Fixed32`].
+    const QUANTUM: Self::Signal;
+
+    /// SI value to signal, towards zero; `None` outside the format.
+    fn signal(si: Si) -> Option<Self::Signal>;
+    /// SI value to gain, towards zero; `None` if negative or too large.
+    fn gain(si: Si) -> Option<Self::Gain>;
+    /// SI value to ratio, towards zero; `None` if negative or too large.
+    fn ratio(si: Si) -> Option<Self::Ratio>;
+    /// SI value to energy, towards zero; `None` outside the format.
+    fn energy(si: Si) -> Option<Self::Energy>;
+
+    /// `a + b`, saturating.
+    fn add(a: Self::Signal, b: Self::Signal) -> Self::Signal;
+    /// `a - b`, saturating.
+    fn sub(a: Self::Signal, b: Self::Signal) -> Self::Signal;
+    /// `-a`, saturating.
+    fn neg(a: Self::Signal) -> Self::Signal;
+    /// `r · x` towards zero, saturating.
+    fn scale(r: Self::Ratio, x: Self::Signal) -> Self::Signal;
+
+    /// `k · x`, unrounded.
+    fn product(k: Self::Gain, x: Self::Signal) -> Self::Product;
+    /// A signal as a product by one, unrounded.
+    fn lift(x: Self::Signal) -> Self::Product;
+    /// `a + b`, saturating.
+    fn add_product(a: Self::Product, b: Self::Product) -> Self::Product;
+    /// `a - b`, saturating.
+    fn sub_product(a: Self::Product, b: Self::Product) -> Self::Product;
+    /// Rounds a product to a signal towards zero, saturating.
+    fn round_to_zero(p: Self::Product) -> Self::Signal;
+    /// Rounds a product to a signal upwards (towards plus infinity), saturating.
+    fn round_up(p: Self::Product) -> Self::Signal;
+    /// `p / k` towards zero, saturating; 0 for `k = 0` (`validate` refuses it).
+    fn divide(p: Self::Product, k: Self::Gain) -> Self::Signal;
+
+    /// `f · d`, exact.
+    fn work(f: Self::Signal, d: Self::Signal) -> Self::Energy;
+    /// `a + b`, saturating.
+    fn add_energy(a: Self::Energy, b: Self::Energy) -> Self::Energy;
+    /// `a - b`, saturating.
+    fn sub_energy(a: Self::Energy, b: Self::Energy) -> Self::Energy;
+    /// Half of a non-negative energy, rounded up.
+    fn half_energy_up(e: Self::Energy) -> Self::Energy;
+    /// `|e| / |x|` towards zero, saturating; the largest signal for `x = 0`.
+    fn energy_per(e: Self::Energy, x: Self::Signal) -> Self::Signal;
+    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`.
+    fn root(e: Self::Energy) -> Self::Signal;
+
+    /// One passivity step for a stored energy `e >= 0`, a wanted force `f >= 0` and a displacement `d` (positive: inward, the
+    /// force absorbs): energy and force after it. See [`crate::magnitude::passivity_step`].
+    fn passivity_step(
+        e: Self::Energy,
+        f: Self::Signal,
+        d: Self::Signal,
+    ) -> (Self::Energy, Self::Signal);
+
+    /// Signal to `f64`, for reports.
+    #[cfg(feature = "float")]
+    fn signal_to_f64(x: Self::Signal) -> f64;
+    /// The nearest signal to a measured value, saturating; a NaN gives 0.
+    #[cfg(feature = "float")]
+    fn signal_from_f64(x: f64) -> Self::Signal;
+    /// Energy to `f64`, for reports.
+    #[cfg(feature = "float")]
+    fn energy_to_f64(e: Self::Energy) -> f64;
+}

@@ -1,0 +1,246 @@
+//! Quantities with their units in their types, so that the laws read like the equations.
+//!
+//! | type | unit (1-DoF / 3-DoF) |
+//! |---|---|
+//! | [`Position`] | rad / m |
+//! | [`Force`] | N·m / N |
+//! | [`Stiffness`] | N·m/rad / N/m; damping and inertia enter as `c/T` and `m/T²` in the same unit |
+//! | [`Compliance`] | rad/(N·m) / m/N |
+//! | [`Ratio`] | 1 |
+//! | [`Energy`] | J |
+//! | [`Tension`] | N·m / N, unrounded: stiffness × position before it becomes a [`Force`] |
+
+use crate::Number;
+use core::cmp::Ordering;
+use core::ops::{Add, Mul, Neg, Sub};
+
+macro_rules! quantity {
+    ($(#[$doc:meta])* $name:ident($inner:ident)) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, Default, PartialEq)]
+        pub struct $name<N: Number>(pub N::$inner);
+
+        impl<N: Number> PartialOrd for $name<N> {
+            #[inline(always)]
+            fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+                self.0.partial_cmp(&other.0)
+            }
+        }
+
+        impl<N: Number> $name<N> {
+            /// Zero.
+            #[inline(always)]
+            #[must_use]
+            pub fn zero() -> Self {
+                Self(Default::default())
+            }
+            /// The smaller of two.
+            #[inline(always)]
+            #[must_use]
+            pub fn min(self, other: Self) -> Self {
+                if other < self { other } else { self }
+            }
+            /// The larger of two.
+            #[inline(always)]
+            #[must_use]
+            pub fn max(self, other: Self) -> Self {
+                if other > self { other } else { self }
+            }
+        }
+    };
+}
+
+quantity!(
+    /// Angle, position, penetration, displacement: rad (m).
+    Position(Signal)
+);
+quantity!(
+    /// Torque or force: N·m (N).
+    Force(Signal)
+);
+quantity!(
+    /// Stiffness, or damping per tick and inertia per tick²: N·m/rad (N/m).
+    Stiffness(Gain)
+);
+quantity!(
+    /// Compliance: rad/(N·m) (m/N).
+    Compliance(Ratio)
+);
+quantity!(
+    /// Pure number.
+    Ratio(Ratio)
+);
+quantity!(
+    /// Energy: J, positive = absorbed from the user.
+    Energy(Energy)
+);
+quantity!(
+    /// Stiffness × position, unrounded: N·m (N).
+    Tension(Product)
+);
+
+macro_rules! signal_quantity {
+    ($name:ident) => {
+        impl<N: Number> Add for $name<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                Self(N::add(self.0, other.0))
+            }
+        }
+        impl<N: Number> Sub for $name<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                Self(N::sub(self.0, other.0))
+            }
+        }
+        impl<N: Number> Neg for $name<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(N::neg(self.0))
+            }
+        }
+        impl<N: Number> $name<N> {
+            /// One step of the format.
+            #[inline(always)]
+            #[must_use]
+            pub fn quantum() -> Self {
+                Self(N::QUANTUM)
+            }
+            /// Modulus.
+            #[inline(always)]
+            #[must_use]
+            pub fn modulus(self) -> Self {
+                if self < Self::zero() { -self } else { self }
+            }
+            /// Limited to `-limit..=limit`.
+            #[inline(always)]
+            #[must_use]
+            pub fn within(self, limit: Self) -> Self {
+                self.min(limit).max(-limit)
+            }
+            /// In SI, for reports.
+            #[cfg(feature = "float")]
+            #[must_use]
+            pub fn to_f64(self) -> f64 {
+                N::signal_to_f64(self.0)
+            }
+            /// From SI, to the nearest, saturating.
+            #[cfg(feature = "float")]
+            #[must_use]
+            pub fn from_f64(x: f64) -> Self {
+                Self(N::signal_from_f64(x))
+            }
+        }
+    };
+}
+signal_quantity!(Position);
+signal_quantity!(Force);
+
+impl<N: Number> Mul<Position<N>> for Stiffness<N> {
+    type Output = Tension<N>;
+    #[inline(always)]
+    fn mul(self, x: Position<N>) -> Tension<N> {
+        Tension(N::product(self.0, x.0))
+    }
+}
+impl<N: Number> Mul<Force<N>> for Compliance<N> {
+    type Output = Position<N>;
+    #[inline(always)]
+    fn mul(self, f: Force<N>) -> Position<N> {
+        Position(N::scale(self.0, f.0))
+    }
+}
+impl<N: Number> Mul<Position<N>> for Ratio<N> {
+    type Output = Position<N>;
+    #[inline(always)]
+    fn mul(self, x: Position<N>) -> Position<N> {
+        Position(N::scale(self.0, x.0))
+    }
+}
+impl<N: Number> Mul<Position<N>> for Force<N> {
+    type Output = Energy<N>;
+    /// Work, exact.
+    #[inline(always)]
+    fn mul(self, d: Position<N>) -> Energy<N> {
+        Energy(N::work(self.0, d.0))
+    }
+}
+impl<N: Number> Add for Energy<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(N::add_energy(self.0, other.0))
+    }
+}
+impl<N: Number> Sub for Energy<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(N::sub_energy(self.0, other.0))
+    }
+}
+impl<N: Number> Energy<N> {
+    /// `|e| / |d|` rounded towards zero: the force that moves exactly this energy, or less, over `d`.
+    #[inline(always)]
+    #[must_use]
+    pub fn per_displacement(self, d: Position<N>) -> Force<N> {
+        Force(N::energy_per(self.0, d.0))
+    }
+    /// `|e| / |f|` rounded towards zero: the displacement that `f` can pay with this energy.
+    #[inline(always)]
+    #[must_use]
+    pub fn per_force(self, f: Force<N>) -> Position<N> {
+        Position(N::energy_per(self.0, f.0))
+    }
+    /// In SI, for reports.
+    #[cfg(feature = "float")]
+    #[must_use]
+    pub fn to_f64(self) -> f64 {
+        N::energy_to_f64(self.0)
+    }
+}
+impl<N: Number> Add for Tension<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(N::add_product(self.0, other.0))
+    }
+}
+impl<N: Number> Sub for Tension<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(N::sub_product(self.0, other.0))
+    }
+}
+impl<N: Number> Tension<N> {
+    /// Rounded towards zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn towards_zero(self) -> Force<N> {
+        Force(N::round_to_zero(self.0))
+    }
+    /// Rounded towards plus infinity.
+    #[inline(always)]
+    #[must_use]
+    pub fn rounded_up(self) -> Force<N> {
+        Force(N::round_up(self.0))
+    }
+    /// The position that this tension holds in a spring, towards zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn over(self, k: Stiffness<N>) -> Position<N> {
+        Position(N::divide(self.0, k.0))
+    }
+}
+impl<N: Number> Force<N> {
+    /// The same force with the digits of a [`Tension`].
+    #[inline(always)]
+    #[must_use]
+    pub fn lift(self) -> Tension<N> {
+        Tension(N::lift(self.0))
+    }
+}

@@ -1,0 +1,397 @@
+//! Validation of settings: errors refuse, warnings name a passivity bound that was left and what is lost by it.
+
+use crate::settings::{LawKind, Settings, Si};
+use crate::{Number, Regulate};
+use core::fmt;
+
+/// A setting, by its name in [`Settings`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Field {
+    RateHz,
+    KDesired,
+    KSoft,
+    DeviceDamping,
+    VirtualDamping,
+    StepOfIdeal,
+    LimitOfForce,
+    LimitOfPenetration,
+    FilterMass,
+    FilterStiffness,
+    FilterDamping,
+    FilterGroundDamping,
+    EnergyCredit,
+    ForceLimit,
+}
+
+impl Field {
+    /// All of them.
+    pub const ALL: [Field; 14] = [
+        Field::RateHz,
+        Field::KDesired,
+        Field::KSoft,
+        Field::DeviceDamping,
+        Field::VirtualDamping,
+        Field::StepOfIdeal,
+        Field::LimitOfForce,
+        Field::LimitOfPenetration,
+        Field::FilterMass,
+        Field::FilterStiffness,
+        Field::FilterDamping,
+        Field::FilterGroundDamping,
+        Field::EnergyCredit,
+        Field::ForceLimit,
+    ];
+
+    /// Name as in [`Settings`].
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Field::RateHz => "rate_hz",
+            Field::KDesired => "k_desired",
+            Field::KSoft => "k_soft",
+            Field::DeviceDamping => "device_damping",
+            Field::VirtualDamping => "virtual_damping",
+            Field::StepOfIdeal => "step_of_ideal",
+            Field::LimitOfForce => "limit_of_force",
+            Field::LimitOfPenetration => "limit_of_penetration",
+            Field::FilterMass => "filter.mass",
+            Field::FilterStiffness => "filter.stiffness",
+            Field::FilterDamping => "filter.damping",
+            Field::FilterGroundDamping => "filter.ground_damping",
+            Field::EnergyCredit => "energy_credit",
+            Field::ForceLimit => "force_limit",
+        }
+    }
+}
+
+/// Why settings are refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SettingsError {
+    /// Outside its physical range.
+    OutOfRange {
+        /// Which setting.
+        field: Field,
+        /// Its value, SI.
+        value: Si,
+        /// Smallest allowed value, SI.
+        min: Si,
+        /// Largest allowed value, SI.
+        max: Si,
+    },
+    /// A value, or the coefficient made of it, does not fit the number format.
+    OutOfFormat {
+        /// Which setting.
+        field: Field,
+        /// The coefficient, SI (e.g. `m/T²` for the filter's mass).
+        value: Si,
+        /// The format.
+        format: &'static str,
+    },
+    /// (3.5) has no positive solution: `k_de >= k_f`.
+    NoCompensation {
+        /// Desired stiffness.
+        k_desired: Si,
+        /// Coupling stiffness.
+        k_filter: Si,
+    },
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange {
+                field,
+                value,
+                min,
+                max,
+            } => {
+                write!(f, "{} = {value} is outside {min} to {max}", field.name())
+            }
+            Self::OutOfFormat {
+                field,
+                value,
+                format,
+            } => {
+                write!(
+                    f,
+                    "{}: its coefficient {value} does not fit the number format {format}",
+                    field.name()
+                )
+            }
+            Self::NoCompensation {
+                k_desired,
+                k_filter,
+            } => write!(
+                f,
+                "regulate = mass-compensated needs k_desired below filter.stiffness (thesis 3.5), but {k_desired} >= {k_filter}"
+            ),
+        }
+    }
+}
+
+/// A passivity bound that the settings leave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Warning {
+    /// `k_v > k_c`: the soft spring itself needs more damping than the device has.
+    SoftAboveCritical {
+        /// `k_v`.
+        k_soft: Si,
+        /// `k_c = 2 c_i/T`.
+        k_critical: Si,
+    },
+    /// `k_f > 2 (c_i - c_f)/T`: the coupling is not passive at the physical port under sampling.
+    CouplingAboveBound {
+        /// `k_f`.
+        k_filter: Si,
+        /// The bound.
+        bound: Si,
+    },
+    /// `c_env < k_v T/2`: the force taken from the previous mass position may inject energy into the filter.
+    GroundDampingBelowBound {
+        /// `c_env/T`.
+        ground_damping_per_tick: Si,
+        /// `k_v/2`.
+        bound: Si,
+    },
+    /// The thesis' observer reports the sampling leak with the wrong sign.
+    ThesisObserver,
+    /// A contact may give this much energy beyond what it took.
+    EnergyCredit {
+        /// The credit, J.
+        credit: Si,
+    },
+}
+
+impl Warning {
+    /// The setting that leaves the bound.
+    #[must_use]
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::SoftAboveCritical { .. } => "k_soft",
+            Self::CouplingAboveBound { .. } => "filter.stiffness",
+            Self::GroundDampingBelowBound { .. } => "filter.ground_damping",
+            Self::ThesisObserver => "observer",
+            Self::EnergyCredit { .. } => "energy_credit",
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SoftAboveCritical { k_soft, k_critical } => write!(
+                f,
+                "k_v = {k_soft} is above k_c = 2 c_i/T = {k_critical}: the soft spring is then not stable by itself, and nothing below it is"
+            ),
+            Self::CouplingAboveBound { k_filter, bound } => write!(
+                f,
+                "k_f = {k_filter} is above 2 (c_i - c_f)/T = {bound}: the filter is then passive only with the hand's help"
+            ),
+            Self::GroundDampingBelowBound {
+                ground_damping_per_tick,
+                bound,
+            } => write!(
+                f,
+                "c_env/T = {ground_damping_per_tick} is below k_v/2 = {bound}: the virtual mass may then gain energy from its own delay"
+            ),
+            Self::ThesisObserver => write!(
+                f,
+                "observer = thesis counts the sampling leak with the wrong sign: its E >= 0 says nothing about the true energy"
+            ),
+            Self::EnergyCredit { credit } => write!(
+                f,
+                "energy_credit = {credit} J: one contact may give that much more than it took; 0 is strictly passive and shows a resting hand at most about 2 k_f"
+            ),
+        }
+    }
+}
+
+/// The bounds that depend on several settings, computed once. All in N·m/rad (N/m), saturating.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Derived {
+    /// `k_c = 2 c_i/T`.
+    pub k_critical: Si,
+    /// `m/T²`.
+    pub mass_per_tick2: Si,
+    /// `c_f/T`.
+    pub filter_damping_per_tick: Si,
+    /// `c_env/T`.
+    pub ground_damping_per_tick: Si,
+    /// `c_i/T`.
+    pub device_damping_per_tick: Si,
+    /// Virtual damping per tick.
+    pub virtual_damping_per_tick: Si,
+}
+
+impl Settings {
+    /// Damping and inertia per tick.
+    #[must_use]
+    pub fn derived(&self) -> Derived {
+        let rate = Si::saturating_from_num(self.rate_hz);
+        let per_tick = |damping: Si| damping.saturating_mul(rate);
+        Derived {
+            k_critical: per_tick(self.device_damping).saturating_mul(Si::const_from_int(2)),
+            mass_per_tick2: per_tick(per_tick(self.filter.mass)),
+            filter_damping_per_tick: per_tick(self.filter.damping),
+            ground_damping_per_tick: per_tick(self.filter.ground_damping),
+            device_damping_per_tick: per_tick(self.device_damping),
+            virtual_damping_per_tick: per_tick(self.virtual_damping),
+        }
+    }
+
+    /// Whether the enhanced law is a plain spring for these settings (§3.1: a stiffness that needs no augmentation).
+    #[must_use]
+    pub fn is_plain_spring(&self) -> bool {
+        self.law == LawKind::EnhancedSfa && self.k_desired <= self.k_soft
+    }
+
+    /// Checks every setting against its physical range; the number format is checked by [`crate::Controller::new`].
+    ///
+    /// # Errors
+    /// The first setting that is out of range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let one = Si::ONE;
+        let quantum = const { Si::lit("0.000001") };
+        let stiffness = const { Si::lit("500000") };
+        let damping = const { Si::lit("10000") };
+        let range = |field, value: Si, min: Si, max: Si| {
+            if value < min || value > max {
+                Err(SettingsError::OutOfRange {
+                    field,
+                    value,
+                    min,
+                    max,
+                })
+            } else {
+                Ok(())
+            }
+        };
+        range(
+            Field::RateHz,
+            Si::saturating_from_num(self.rate_hz),
+            one,
+            const { Si::lit("100000") },
+        )?;
+        range(Field::KDesired, self.k_desired, Si::ZERO, stiffness)?;
+        range(
+            Field::KSoft,
+            self.k_soft,
+            const { Si::lit("0.01") },
+            stiffness,
+        )?;
+        range(Field::DeviceDamping, self.device_damping, Si::ZERO, damping)?;
+        range(
+            Field::VirtualDamping,
+            self.virtual_damping,
+            Si::ZERO,
+            damping,
+        )?;
+        range(Field::StepOfIdeal, self.step_of_ideal, Si::ZERO, one)?;
+        range(Field::LimitOfForce, self.limit_of_force, Si::ZERO, one)?;
+        range(
+            Field::LimitOfPenetration,
+            self.limit_of_penetration,
+            Si::ZERO,
+            one,
+        )?;
+        range(Field::FilterMass, self.filter.mass, Si::ZERO, damping)?;
+        range(
+            Field::FilterStiffness,
+            self.filter.stiffness,
+            const { Si::lit("0.01") },
+            stiffness,
+        )?;
+        range(Field::FilterDamping, self.filter.damping, Si::ZERO, damping)?;
+        range(
+            Field::FilterGroundDamping,
+            self.filter.ground_damping,
+            Si::ZERO,
+            damping,
+        )?;
+        range(
+            Field::EnergyCredit,
+            self.energy_credit,
+            Si::ZERO,
+            const { Si::lit("1000") },
+        )?;
+        range(
+            Field::ForceLimit,
+            self.force_limit,
+            quantum,
+            const { Si::lit("100") },
+        )?;
+        if self.law == LawKind::EnhancedSfa
+            && !self.is_plain_spring()
+            && self.regulate == Regulate::MassCompensated
+            && self.k_desired >= self.filter.stiffness
+        {
+            return Err(SettingsError::NoCompensation {
+                k_desired: self.k_desired,
+                k_filter: self.filter.stiffness,
+            });
+        }
+        Ok(())
+    }
+
+    /// The passivity bounds that these settings leave, for the law they choose.
+    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
+        let derived = self.derived();
+        let half = const { Si::lit("0.5") };
+        let augments = matches!(
+            self.law,
+            LawKind::Sfa | LawKind::SfaContinuous | LawKind::EnhancedSfa
+        ) && !self.is_plain_spring();
+        let filters = self.law == LawKind::EnhancedSfa && !self.is_plain_spring();
+        let observes = self.law == LawKind::Tdpa || filters;
+        let bound = (derived
+            .device_damping_per_tick
+            .saturating_sub(derived.filter_damping_per_tick))
+        .saturating_mul(Si::const_from_int(2));
+        let ground = self.k_soft.saturating_mul(half);
+        [
+            (augments && self.k_soft > derived.k_critical).then_some(Warning::SoftAboveCritical {
+                k_soft: self.k_soft,
+                k_critical: derived.k_critical,
+            }),
+            (filters && self.filter.stiffness > bound).then_some(Warning::CouplingAboveBound {
+                k_filter: self.filter.stiffness,
+                bound,
+            }),
+            (filters && derived.ground_damping_per_tick < ground).then_some(
+                Warning::GroundDampingBelowBound {
+                    ground_damping_per_tick: derived.ground_damping_per_tick,
+                    bound: ground,
+                },
+            ),
+            (observes && self.observer == crate::ObserverForm::Thesis)
+                .then_some(Warning::ThesisObserver),
+            (filters
+                && self.observer == crate::ObserverForm::Exact
+                && self.energy_credit > Si::ZERO)
+                .then_some(Warning::EnergyCredit {
+                    credit: self.energy_credit,
+                }),
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
+
+/// A coefficient in the format `N`, or the error that names its setting.
+pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, SettingsError> {
+    N::gain(value).ok_or(SettingsError::OutOfFormat {
+        field,
+        value,
+        format: N::NAME,
+    })
+}
+
+/// A ratio or compliance in the format `N`, or the error that names its setting.
+pub(crate) fn ratio<N: Number>(field: Field, value: Si) -> Result<N::Ratio, SettingsError> {
+    N::ratio(value).ok_or(SettingsError::OutOfFormat {
+        field,
+        value,
+        format: N::NAME,
+    })
+}
