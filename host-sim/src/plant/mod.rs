@@ -40,6 +40,7 @@ mod device;
 mod flow;
 mod hand;
 mod held;
+mod sampled_loop;
 mod state;
 mod stepper;
 
@@ -47,5 +48,6 @@ pub use bare::BareLinear;
 pub use device::{Coulomb, Device, Invalid};
 pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
 pub use held::HeldLinear;
+pub use sampled_loop::{closed_loop_matrix, critical_stiffness, spectral_radius};
 pub use state::{Motion, State};
 pub use stepper::{LinearStepper, Loss, Stepper};
