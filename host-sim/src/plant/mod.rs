@@ -21,12 +21,12 @@
 //!
 //! Two choices are made when a scene is planned, and are types so that neither costs a branch in a tick:
 //!
-//! | | no friction |
-//! |---|---|
-//! | nobody holds the device | [`BareLinear`] |
-//! | a hand holds it | [`HeldLinear`] |
+//! | | no friction | Coulomb friction |
+//! |---|---|---|
+//! | nobody holds the device | [`BareLinear`] | [`BareCoulomb`] |
+//! | a hand holds it | [`HeldLinear`] | [`HeldCoulomb`] |
 //!
-//! All are [`Stepper`]s: configuration for one fixed interval, applied to a small separate [`State`]. A
+//! All four are [`Stepper`]s: configuration for one fixed interval, applied to a small separate [`State`]. A
 //! computational delay of a fraction of a tick is two steppers, `delay` and `T - delay`, taking turns on one state.
 //!
 //! Units are those of a knob (rad, N·m, kg·m²). One axis of a translational device obeys the same equations with
@@ -36,18 +36,23 @@
 //! three are linear and would be further states; the last two are not and need substeps.
 
 mod bare;
+mod bare_coulomb;
 mod device;
 mod flow;
 mod hand;
 mod held;
+mod held_coulomb;
 mod sampled_loop;
 mod state;
 mod stepper;
+mod taylor;
 
 pub use bare::BareLinear;
+pub use bare_coulomb::BareCoulomb;
 pub use device::{Coulomb, Device, Invalid};
 pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
 pub use held::HeldLinear;
+pub use held_coulomb::HeldCoulomb;
 pub use sampled_loop::{closed_loop_matrix, critical_stiffness, spectral_radius};
 pub use state::{Motion, State};
 pub use stepper::{LinearStepper, Loss, Stepper};
