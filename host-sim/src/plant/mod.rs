@@ -1,1 +1,58 @@
-//! The mechanical side: device and hand between two ticks.
+//! The mechanical side: device and hand between two control ticks, exact under a zero-order hold.
+//!
+//! ```text
+//!   u (torque, held)           pad k_p, b_p             spring k_h
+//!        |                          |                        |
+//!   [ device J, x ] ----/\/\/--[]---- [ hand J_h, x_h ] ----/\/\/---- r (rest point, held)
+//!        |                                   |
+//!   b, dry friction                      damper b_h
+//!        |                                   |
+//!     ground                              ground
+//! ```
+//!
+//! ```text
+//! J   dv/dt   = u + k_p (x_h - x) + b_p (v_h - v) - b v - friction(v)
+//! J_h dv_h/dt =    - k_p (x_h - x) - b_p (v_h - v) - b_h v_h + k_h (r - x_h)
+//! ```
+//!
+//! The torque and the rest point are constant during an interval, so the linear part needs no integrator: one
+//! precomputed matrix step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds events, and those
+//! are solved for and not stepped over. There is no step size and no accuracy setting in here.
+//!
+//! Two choices are made when a scene is planned, and are types so that neither costs a branch in a tick:
+//!
+//! | | no friction | Coulomb friction |
+//! |---|---|---|
+//! | nobody holds the device | [`BareLinear`] | [`BareCoulomb`] |
+//! | a hand holds it | [`HeldLinear`] | [`HeldCoulomb`] |
+//!
+//! All four are [`Stepper`]s: configuration for one fixed interval, applied to a small separate [`State`]. A
+//! computational delay of a fraction of a tick is two steppers, `delay` and `T - delay`, taking turns on one state.
+//!
+//! Units are those of a knob (rad, N·m, kg·m²). One axis of a translational device obeys the same equations with
+//! m, N and kg; only the names of the fields then say the wrong unit.
+//!
+//! Not in here: the current loop, compliance between motor and knob, gravity and Stribeck friction or cogging. The first
+//! three are linear and would be further states; the last two are not and need substeps.
+
+mod bare;
+mod bare_coulomb;
+mod device;
+mod flow;
+mod hand;
+mod held;
+mod held_coulomb;
+mod sampled_loop;
+mod state;
+mod stepper;
+mod taylor;
+
+pub use bare::BareLinear;
+pub use bare_coulomb::BareCoulomb;
+pub use device::{Coulomb, Device, Invalid};
+pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
+pub use held::HeldLinear;
+pub use held_coulomb::HeldCoulomb;
+pub use sampled_loop::{closed_loop_matrix, critical_stiffness, spectral_radius};
+pub use state::{Motion, State};
+pub use stepper::{LinearStepper, Loss, Stepper};

@@ -1,0 +1,87 @@
+//! A device that nobody holds, without dry friction.
+
+use nalgebra::{SMatrix, matrix};
+
+use super::device::{Device, Invalid, not_negative};
+use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral};
+use super::state::State;
+use super::stepper::{LinearStepper, Loss, Stepper};
+
+/// Inertia and viscous damping under a held torque: `J dv/dt = u - b v`, two states.
+///
+/// A rest point is accepted and not read: there is no hand. The device's friction, where it has any, is left out: this is
+/// its linear part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BareLinear {
+    /// Increment of `[x, v]` for each entry of the drive `[v, u]`.
+    step: [[f64; 2]; 2],
+    /// Quadratic form of the viscous loss in the drive, J.
+    loss: [[f64; 2]; 2],
+    pub(super) inertia: f64,
+    pub(super) damping: f64,
+    interval_s: f64,
+}
+
+impl BareLinear {
+    /// Prepares steps of `interval_s` seconds (zero or more).
+    ///
+    /// # Errors
+    /// [`Invalid`] when the device or the interval is out of range.
+    pub fn new(device: &Device, interval_s: f64) -> Result<Self, Invalid> {
+        device.validate()?;
+        not_negative("interval_s", interval_s)?;
+        let inertia = device.inertia_kg_m2;
+        let damping = device.damping_n_m_s_per_rad;
+        let m = matrix![-damping / inertia, 1.0 / inertia; 0.0, 0.0];
+        let rates = matrix![1.0, 0.0; -damping / inertia, 1.0 / inertia];
+        let viscous: SMatrix<f64, 2, 2> = matrix![damping, 0.0; 0.0, 0.0];
+        Ok(Self {
+            step: columns(&(rates * flow_integral(&m, interval_s))),
+            loss: columns(&quadratic_integral(&m, &viscous, interval_s)),
+            inertia,
+            damping,
+            interval_s,
+        })
+    }
+
+    /// Increment of `[x, v]` under the torque `w`.
+    #[inline(always)]
+    pub(super) fn increment(&self, velocity: f64, w: f64) -> [f64; 2] {
+        apply(&self.step, &[velocity, w])
+    }
+
+    /// `b ∫v² dt` over the interval under the torque `w`, J.
+    #[inline(always)]
+    pub(super) fn viscous_loss(&self, velocity: f64, w: f64) -> f64 {
+        quadratic(&self.loss, &[velocity, w])
+    }
+}
+
+impl Stepper for BareLinear {
+    type State = State<2>;
+
+    fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    #[inline]
+    fn step(&self, state: &mut State<2>, torque_n_m: f64, _rest_rad: f64) {
+        state.add(&self.increment(state.0[1], torque_n_m));
+    }
+
+    #[inline]
+    fn step_with_loss(&self, state: &mut State<2>, torque_n_m: f64, rest_rad: f64) -> Loss {
+        let device_j = self.viscous_loss(state.0[1], torque_n_m);
+        self.step(state, torque_n_m, rest_rad);
+        Loss {
+            device_j,
+            hand_j: 0.0,
+        }
+    }
+
+    fn stored_energy_j(&self, state: &State<2>, _rest_rad: f64) -> f64 {
+        0.5 * self.inertia * state.0[1] * state.0[1]
+    }
+}
+
+impl LinearStepper for BareLinear {}

@@ -1,0 +1,175 @@
+//! The device: one inertia, viscous damping, and dry friction where it has any.
+
+/// A one-axis device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Device {
+    /// Inertia `J` of everything that turns with the knob, kg·m²; above zero.
+    pub inertia_kg_m2: f64,
+    /// Viscous damping `b` to ground, N·m·s/rad; zero or more.
+    ///
+    /// This is the device's own. The `c_i` that the thesis found by feel contains the fingertip as well, see
+    /// [`super::Hand`].
+    pub damping_n_m_s_per_rad: f64,
+    /// Dry friction to ground; `None` for a device without any.
+    pub friction: Option<Coulomb>,
+}
+
+/// Coulomb friction with a static level of its own (Amontons–Coulomb).
+///
+/// While the device turns, friction is `kinetic_n_m` against the motion. At rest it balances whatever the rest of the
+/// plant exerts, up to `static_n_m` inclusive; more than that sets the device in motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb {
+    /// Friction in motion `F_k`, N·m; zero or more.
+    pub kinetic_n_m: f64,
+    /// Largest friction at rest `F_s`, N·m; at least the kinetic one.
+    pub static_n_m: f64,
+}
+
+/// A plant parameter that no plant can have.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{field} is {value}, it must be {needs}")]
+pub struct Invalid {
+    /// Field as it is named in its struct.
+    pub field: &'static str,
+    /// The value given.
+    pub value: f64,
+    /// What would be accepted.
+    pub needs: &'static str,
+}
+
+impl Device {
+    /// Checks the ranges given at the fields.
+    ///
+    /// # Errors
+    /// [`Invalid`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        positive("inertia_kg_m2", self.inertia_kg_m2)?;
+        not_negative("damping_n_m_s_per_rad", self.damping_n_m_s_per_rad)?;
+        self.friction.map_or(Ok(()), |friction| friction.validate())
+    }
+
+    /// The friction, for the steppers that cannot do without.
+    pub(super) fn required_friction(&self) -> Result<Coulomb, Invalid> {
+        self.friction.ok_or(Invalid {
+            field: "friction",
+            value: f64::NAN,
+            needs: "given for a stepper with Coulomb friction",
+        })
+    }
+}
+
+impl Coulomb {
+    /// Checks the ranges given at the fields.
+    ///
+    /// # Errors
+    /// [`Invalid`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        not_negative("kinetic_n_m", self.kinetic_n_m)?;
+        not_negative("static_n_m", self.static_n_m)?;
+        if self.static_n_m < self.kinetic_n_m {
+            return Err(Invalid {
+                field: "static_n_m",
+                value: self.static_n_m,
+                needs: "at least kinetic_n_m",
+            });
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn positive(field: &'static str, value: f64) -> Result<(), Invalid> {
+    // A subnormal inertia has no finite reciprocal.
+    let ok = value.is_normal() && value > 0.0;
+    ok.then_some(()).ok_or(Invalid {
+        field,
+        value,
+        needs: "finite and above zero",
+    })
+}
+
+pub(super) fn not_negative(field: &'static str, value: f64) -> Result<(), Invalid> {
+    let ok = value.is_finite() && value >= 0.0;
+    ok.then_some(()).ok_or(Invalid {
+        field,
+        value,
+        needs: "finite and zero or more",
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KNOB: Device = Device {
+        inertia_kg_m2: 1e-4,
+        damping_n_m_s_per_rad: 5e-4,
+        friction: Some(Coulomb {
+            kinetic_n_m: 2e-3,
+            static_n_m: 2e-3,
+        }),
+    };
+
+    #[test]
+    fn each_field_out_of_range_is_named() {
+        assert_eq!(KNOB.validate(), Ok(()));
+        for inertia in [0.0, -1e-4, f64::NAN, f64::INFINITY, 1e-310] {
+            let field = Device {
+                inertia_kg_m2: inertia,
+                ..KNOB
+            }
+            .validate()
+            .unwrap_err()
+            .field;
+            assert_eq!(field, "inertia_kg_m2", "{inertia}");
+        }
+        for damping in [-1e-9, f64::NAN, f64::INFINITY] {
+            let field = Device {
+                damping_n_m_s_per_rad: damping,
+                ..KNOB
+            }
+            .validate()
+            .unwrap_err()
+            .field;
+            assert_eq!(field, "damping_n_m_s_per_rad", "{damping}");
+        }
+        for (kinetic, stat, field) in [
+            (-1e-3, 1e-3, "kinetic_n_m"),
+            (1e-3, f64::NAN, "static_n_m"),
+            (2e-3, 1e-3, "static_n_m"),
+        ] {
+            let friction = Coulomb {
+                kinetic_n_m: kinetic,
+                static_n_m: stat,
+            };
+            let device = Device {
+                friction: Some(friction),
+                ..KNOB
+            };
+            assert_eq!(device.validate().unwrap_err().field, field);
+        }
+        assert_eq!(
+            Device {
+                friction: None,
+                damping_n_m_s_per_rad: 0.0,
+                ..KNOB
+            }
+            .validate(),
+            Ok(())
+        );
+    }
+
+    #[test]
+    fn the_message_says_what_to_mend() {
+        let error = Device {
+            inertia_kg_m2: -1.0,
+            ..KNOB
+        }
+        .validate()
+        .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "inertia_kg_m2 is -1, it must be finite and above zero"
+        );
+    }
+}

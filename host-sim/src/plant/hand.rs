@@ -1,0 +1,112 @@
+//! The operator: a hand that holds the device through the pad of a fingertip.
+
+use super::device::{Invalid, not_negative, positive};
+
+/// A hand of one mass, joined to the device by the fingertip pad and to a moving rest point by a spring.
+///
+/// A hand bolted rigidly to the device would add its damper of some 1e-3 N·m·s/rad to the knob's 3e-4 and let any wall of
+/// the thesis stand: the pad between the two is what leaves the device alone with the wall at high frequency. The price
+/// of the second mass is two states.
+///
+/// The rest point `r` is where the hand means to be: the user's intention is its motion. It is held during a tick
+/// (zero-order hold) like the torque: voluntary motion ends near 10 Hz, so at a control rate of 1 kHz the jumps are small,
+/// and what they do to the spring is accounted for in the energy (see [`super::Stepper::stored_energy_j`]).
+/// The damper `b_h` acts from the hand to ground and not to the rest point's velocity, which a held `r` does not have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hand {
+    /// Inertia `J_h` of the hand about the knob's axis, kg·m²; above zero.
+    pub inertia_kg_m2: f64,
+    /// Damping `b_h` of the hand to ground, N·m·s/rad; zero or more.
+    pub damping_n_m_s_per_rad: f64,
+    /// Stiffness `k_h` of the hand to its rest point, N·m/rad; zero or more.
+    pub stiffness_n_m_per_rad: f64,
+    /// Damping `b_p` of the pad between device and hand, N·m·s/rad; zero or more.
+    pub pad_damping_n_m_s_per_rad: f64,
+    /// Stiffness `k_p` of the pad between device and hand, N·m/rad; zero or more.
+    pub pad_stiffness_n_m_per_rad: f64,
+}
+
+/// Square of the radius of 15 mm at which a knob is gripped, m²: turns N/m into N·m/rad and kg into kg·m².
+const GRIP_RADIUS_SQUARED_M2: f64 = 2.25e-4;
+
+/// A grip from linear values at the fingertip; the pad's damping is given as it acts on the knob, see [`MEDIUM`].
+const fn grip(
+    mass_kg: f64,
+    damping_n_s_per_m: f64,
+    stiffness_n_per_m: f64,
+    pad_stiffness_n_per_m: f64,
+    pad_damping_n_m_s_per_rad: f64,
+) -> Hand {
+    Hand {
+        inertia_kg_m2: mass_kg * GRIP_RADIUS_SQUARED_M2,
+        damping_n_m_s_per_rad: damping_n_s_per_m * GRIP_RADIUS_SQUARED_M2,
+        stiffness_n_m_per_rad: stiffness_n_per_m * GRIP_RADIUS_SQUARED_M2,
+        pad_damping_n_m_s_per_rad,
+        pad_stiffness_n_m_per_rad: pad_stiffness_n_per_m * GRIP_RADIUS_SQUARED_M2,
+    }
+}
+
+/// A light touch: 0.1 kg, 1 N·s/m, 30 N/m, pad 300 N/m at 15 mm. Chosen, not measured, see [`MEDIUM`].
+pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.9e-4);
+
+/// An ordinary grip: 0.3 kg, 3 N·s/m, 100 N/m, pad 700 N/m at 15 mm.
+///
+/// **Chosen, not measured.** Mass, damping and stiffness span what hand models in the literature use. The pad's damping
+/// is set by one condition: the thesis found its `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so that
+/// value is device *plus* fingertip. A knob with 3e-4 N·m·s/rad of its own leaves 2e-4 for the pad of this grip; the
+/// other two grips keep to the ratios of published pad damping, which grows with the force of the grip.
+pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 2.0e-4);
+
+/// A firm grip: 0.8 kg, 5.5 N·s/m, 300 N/m, pad 2000 N/m at 15 mm. Chosen, not measured, see [`MEDIUM`].
+pub const FIRM: Hand = grip(0.8, 5.5, 300.0, 2000.0, 5.6e-4);
+
+impl Hand {
+    /// Checks the ranges given at the fields.
+    ///
+    /// # Errors
+    /// [`Invalid`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        positive("hand.inertia_kg_m2", self.inertia_kg_m2)?;
+        not_negative("hand.damping_n_m_s_per_rad", self.damping_n_m_s_per_rad)?;
+        not_negative("hand.stiffness_n_m_per_rad", self.stiffness_n_m_per_rad)?;
+        not_negative(
+            "hand.pad_damping_n_m_s_per_rad",
+            self.pad_damping_n_m_s_per_rad,
+        )?;
+        not_negative(
+            "hand.pad_stiffness_n_m_per_rad",
+            self.pad_stiffness_n_m_per_rad,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grips_are_valid_and_grow() {
+        for hand in [LIGHT, MEDIUM, FIRM] {
+            assert_eq!(hand.validate(), Ok(()));
+        }
+        for pair in [LIGHT, MEDIUM, FIRM].windows(2) {
+            assert!(pair[0].inertia_kg_m2 < pair[1].inertia_kg_m2);
+            assert!(pair[0].pad_stiffness_n_m_per_rad < pair[1].pad_stiffness_n_m_per_rad);
+            assert!(pair[0].pad_damping_n_m_s_per_rad < pair[1].pad_damping_n_m_s_per_rad);
+        }
+    }
+
+    #[test]
+    fn medium_grip_and_thesis_knob_sum_to_the_thesis_damping() {
+        let knob = 3e-4;
+        assert!((knob + MEDIUM.pad_damping_n_m_s_per_rad - 5e-4).abs() < 1e-18);
+    }
+
+    #[test]
+    fn linear_values_are_converted_with_the_square_of_the_radius() {
+        assert!((MEDIUM.inertia_kg_m2 - 6.75e-5).abs() < 1e-18);
+        assert!((MEDIUM.stiffness_n_m_per_rad - 0.0225).abs() < 1e-15);
+        assert!((FIRM.pad_stiffness_n_m_per_rad - 0.45).abs() < 1e-15);
+        assert!((LIGHT.damping_n_m_s_per_rad - 2.25e-4).abs() < 1e-18);
+    }
+}

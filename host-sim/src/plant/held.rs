@@ -1,0 +1,132 @@
+//! A device that a hand holds through the fingertip's pad, without dry friction.
+
+use nalgebra::{SMatrix, matrix};
+
+use super::device::{Device, Invalid, not_negative};
+use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral};
+use super::hand::Hand;
+use super::state::State;
+use super::stepper::{LinearStepper, Loss, Stepper};
+
+/// What the motion depends on: `[v, d, v_h, g, u]` with the strain of the pad `d = x_h - x`, that of the hand's spring
+/// `g = r - x_h`, and the held torque. Without absolute angles the quadratic forms below do not cancel far from zero.
+pub(super) type Drive = [f64; 5];
+
+/// Device and hand as in [`super`]'s equations, without friction: four states.
+///
+/// The device's friction, where it has any, is left out: this is its linear part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldLinear {
+    /// Increment of `[x, v, x_h, v_h]` for each entry of the drive.
+    step: [[f64; 4]; 5],
+    device_loss: [[f64; 5]; 5],
+    hand_loss: [[f64; 5]; 5],
+    pub(super) device: Device,
+    pub(super) hand: Hand,
+    interval_s: f64,
+}
+
+/// The drive of a state.
+#[inline(always)]
+pub(super) fn drive(state: &State<4>, torque: f64, rest: f64) -> Drive {
+    let [x, v, x_h, v_h] = state.0;
+    [v, x_h - x, v_h, rest - x_h, torque]
+}
+
+/// `M` in `y' = M y` for the drive `y`.
+pub(super) fn drive_matrix(device: &Device, hand: &Hand) -> SMatrix<f64, 5, 5> {
+    let (b, k_p, b_p) = (
+        device.damping_n_m_s_per_rad,
+        hand.pad_stiffness_n_m_per_rad,
+        hand.pad_damping_n_m_s_per_rad,
+    );
+    let (b_h, k_h) = (hand.damping_n_m_s_per_rad, hand.stiffness_n_m_per_rad);
+    let (j, j_h) = (device.inertia_kg_m2, hand.inertia_kg_m2);
+    matrix![
+        -(b + b_p) / j, k_p / j,    b_p / j,            0.0,       1.0 / j;
+        -1.0,           0.0,        1.0,                0.0,       0.0;
+        b_p / j_h,      -k_p / j_h, -(b_p + b_h) / j_h, k_h / j_h, 0.0;
+        0.0,            0.0,        -1.0,               0.0,       0.0;
+        0.0,            0.0,        0.0,                0.0,       0.0
+    ]
+}
+
+impl HeldLinear {
+    /// Prepares steps of `interval_s` seconds (zero or more).
+    ///
+    /// # Errors
+    /// [`Invalid`] when device, hand or interval are out of range.
+    pub fn new(device: &Device, hand: &Hand, interval_s: f64) -> Result<Self, Invalid> {
+        device.validate()?;
+        hand.validate()?;
+        not_negative("interval_s", interval_s)?;
+        let m = drive_matrix(device, hand);
+        let mut rates = SMatrix::<f64, 4, 5>::zeros();
+        rates[(0, 0)] = 1.0;
+        rates.set_row(1, &m.row(0));
+        rates[(2, 2)] = 1.0;
+        rates.set_row(3, &m.row(2));
+
+        let mut viscous = SMatrix::<f64, 5, 5>::zeros();
+        viscous[(0, 0)] = device.damping_n_m_s_per_rad;
+        let pad = hand.pad_damping_n_m_s_per_rad;
+        let mut hand_viscous = SMatrix::<f64, 5, 5>::zeros();
+        hand_viscous[(0, 0)] = pad;
+        hand_viscous[(0, 2)] = -pad;
+        hand_viscous[(2, 0)] = -pad;
+        hand_viscous[(2, 2)] = pad + hand.damping_n_m_s_per_rad;
+        Ok(Self {
+            step: columns(&(rates * flow_integral(&m, interval_s))),
+            device_loss: columns(&quadratic_integral(&m, &viscous, interval_s)),
+            hand_loss: columns(&quadratic_integral(&m, &hand_viscous, interval_s)),
+            device: *device,
+            hand: *hand,
+            interval_s,
+        })
+    }
+
+    /// Increment of `[x, v, x_h, v_h]`.
+    #[inline(always)]
+    pub(super) fn increment(&self, drive: &Drive) -> [f64; 4] {
+        apply(&self.step, drive)
+    }
+
+    /// Viscous losses of device and hand over the interval.
+    #[inline(always)]
+    pub(super) fn viscous_loss(&self, drive: &Drive) -> Loss {
+        Loss {
+            device_j: quadratic(&self.device_loss, drive),
+            hand_j: quadratic(&self.hand_loss, drive),
+        }
+    }
+}
+
+impl Stepper for HeldLinear {
+    type State = State<4>;
+
+    fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    #[inline]
+    fn step(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) {
+        state.add(&self.increment(&drive(state, torque_n_m, rest_rad)));
+    }
+
+    #[inline]
+    fn step_with_loss(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) -> Loss {
+        let drive = drive(state, torque_n_m, rest_rad);
+        state.add(&self.increment(&drive));
+        self.viscous_loss(&drive)
+    }
+
+    fn stored_energy_j(&self, state: &State<4>, rest_rad: f64) -> f64 {
+        let [v, pad_strain, v_h, hand_strain, _] = drive(state, 0.0, rest_rad);
+        0.5 * (self.device.inertia_kg_m2 * v * v
+            + self.hand.pad_stiffness_n_m_per_rad * pad_strain * pad_strain
+            + self.hand.inertia_kg_m2 * v_h * v_h
+            + self.hand.stiffness_n_m_per_rad * hand_strain * hand_strain)
+    }
+}
+
+impl LinearStepper for HeldLinear {}

@@ -1,0 +1,225 @@
+//! A device that a hand holds, with Coulomb friction: exact, with every stop and start located inside the tick.
+
+mod events;
+
+use nalgebra::{RowSVector, SMatrix, matrix};
+
+use super::device::{Coulomb, Device, Invalid};
+use super::flow::{
+    apply, columns, flow, flow_integral, quadratic, quadratic_integral, row_sum_norm,
+};
+use super::hand::Hand;
+use super::held::{HeldLinear, drive, drive_matrix};
+use super::state::State;
+use super::stepper::{Loss, Stepper};
+use super::taylor::NORM;
+use events::Mode;
+
+/// Device and hand as in [`super`]'s equations, with friction: four states and two modes.
+///
+/// *Sliding*, friction is one more constant torque, `w = u - sign(v) F_k`, and the step is [`HeldLinear`]'s. *Stuck*,
+/// `x` stays bit for bit, `v` is exactly zero, and the hand moves alone against a pad whose other side is fixed.
+/// The pad swings, so unlike without a hand a velocity may change sign twice in a tick and look untouched at its end.
+///
+/// Each tick is therefore first judged by a bound that holds without exception: on an interval of length `h` a function
+/// stays within `h²/8 max|f''|` of the straight line between its end values. Where that leaves no room for an event,
+/// which is nearly always, the precomputed matrix is the answer. Otherwise the events are found one after the other on the
+/// power series of the exact solution, to rounding.
+///
+/// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`; with both levels of friction zero,
+/// ticks in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldCoulomb {
+    sliding: HeldLinear,
+    kinetic: f64,
+    breakaway: f64,
+    /// `h²/8` times a bound of `d²v/dt²` per magnitude of each entry of the drive.
+    slide_guard: [f64; 5],
+    /// Increment of `[x_h, v_h]` for the stuck drive `[d, v_h, g]`.
+    stuck: [[f64; 2]; 3],
+    stuck_loss: [[f64; 3]; 3],
+    /// `h²/8` times a bound of the second derivative of the pad's torque per magnitude of each entry of the stuck drive.
+    stick_guard: [f64; 3],
+    /// Longest interval that one power series covers, s.
+    piece_s: f64,
+}
+
+/// A tick that needs more power series than this resolves nothing of the plant's own motion.
+const MAX_PIECES: f64 = 4096.0;
+
+/// `h²/8 · |row| |M|² exp(|M| h)`: bounds `h²/8 · |d²/dt² (row · y)|` over the interval for `y' = M y`, factor by factor.
+fn curvature_guard<const K: usize>(
+    row: RowSVector<f64, K>,
+    m: &SMatrix<f64, K, K>,
+    h: f64,
+) -> [f64; K] {
+    let m = m.abs();
+    let bound = row.abs() * m * m * flow(&m, h) * (h * h / 8.0);
+    std::array::from_fn(|column| bound[column])
+}
+
+#[inline(always)]
+fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
+    factors
+        .iter()
+        .zip(drive)
+        .map(|(factor, entry)| factor * entry.abs())
+        .sum()
+}
+
+impl HeldCoulomb {
+    /// Prepares steps of `interval_s` seconds (zero or more).
+    ///
+    /// # Errors
+    /// [`Invalid`] when device, hand or interval are out of range, when the device has no friction, or when the interval
+    /// is thousands of times longer than the plant's fastest motion.
+    pub fn new(device: &Device, hand: &Hand, interval_s: f64) -> Result<Self, Invalid> {
+        let sliding = HeldLinear::new(device, hand, interval_s)?;
+        let Coulomb {
+            kinetic_n_m,
+            static_n_m,
+        } = device.required_friction()?;
+
+        let (k_p, b_p) = (
+            hand.pad_stiffness_n_m_per_rad,
+            hand.pad_damping_n_m_s_per_rad,
+        );
+        let (b_h, k_h) = (hand.damping_n_m_s_per_rad, hand.stiffness_n_m_per_rad);
+        let j_h = hand.inertia_kg_m2;
+        let m = drive_matrix(device, hand);
+        let stuck = matrix![
+            0.0,        1.0,                0.0;
+            -k_p / j_h, -(b_p + b_h) / j_h, k_h / j_h;
+            0.0,        -1.0,               0.0
+        ];
+        let stuck_rates = matrix![
+            0.0,        1.0,                0.0;
+            -k_p / j_h, -(b_p + b_h) / j_h, k_h / j_h
+        ];
+        let stuck_viscous = matrix![0.0, 0.0, 0.0; 0.0, b_p + b_h, 0.0; 0.0, 0.0, 0.0];
+
+        // With angles scaled by the fastest eigenfrequency, all rates of the plant are comparable and their norm says how
+        // far a series reaches.
+        let j = device.inertia_kg_m2;
+        let scale = (k_p / j)
+            .max(k_p / j_h)
+            .max(k_h / j_h)
+            .sqrt()
+            .max(f64::MIN_POSITIVE);
+        let scales = [1.0, scale, 1.0, scale];
+        let scaled = SMatrix::<f64, 4, 4>::from_fn(|row, column| {
+            m[(row, column)] * scales[row] / scales[column]
+        });
+        let rate = row_sum_norm(&scaled);
+        if rate * interval_s > NORM * MAX_PIECES {
+            return Err(Invalid {
+                field: "interval_s",
+                value: interval_s,
+                needs: "at most some thousand times the shortest time constant of device and pad",
+            });
+        }
+
+        Ok(Self {
+            sliding,
+            kinetic: kinetic_n_m,
+            breakaway: static_n_m,
+            slide_guard: curvature_guard(matrix![1.0, 0.0, 0.0, 0.0, 0.0], &m, interval_s),
+            stuck: columns(&(stuck_rates * flow_integral(&stuck, interval_s))),
+            stuck_loss: columns(&quadratic_integral(&stuck, &stuck_viscous, interval_s)),
+            stick_guard: curvature_guard(matrix![k_p, b_p, 0.0], &stuck, interval_s),
+            piece_s: NORM / rate,
+        })
+    }
+
+    /// Torque on the device at rest, friction apart: the held torque and the pad's.
+    #[inline(always)]
+    fn torque_at_rest(&self, strain: f64, v_h: f64, torque: f64) -> f64 {
+        let hand = &self.sliding.hand;
+        torque + (hand.pad_stiffness_n_m_per_rad * strain + hand.pad_damping_n_m_s_per_rad * v_h)
+    }
+
+    /// One interval; the losses are worked out only where `LOSS` asks for them.
+    #[inline(always)]
+    fn advance<const LOSS: bool>(&self, state: &mut State<4>, torque: f64, rest: f64) -> Loss {
+        let full = drive(state, torque, rest);
+        let [v, strain, v_h, hand_strain, _] = full;
+        let at_rest = self.torque_at_rest(strain, v_h, torque);
+        // The sign of -0.0 is no direction: at rest, the torque decides.
+        let sign = if v != 0.0 {
+            1.0_f64.copysign(v)
+        } else if at_rest.abs() <= self.breakaway {
+            return self.hold::<LOSS>(state, [strain, v_h, hand_strain], at_rest, torque, rest);
+        } else {
+            1.0_f64.copysign(at_rest)
+        };
+        let mut sliding = full;
+        sliding[4] = torque - sign * self.kinetic;
+        let increment = self.sliding.increment(&sliding);
+        let slowest = (sign * v).min(sign * (v + increment[1]));
+        // False as well where the bound is no number: then it decides nothing.
+        let clear = slowest > guard(&self.slide_guard, &sliding);
+        if !clear && let Some(loss) = self.follow::<LOSS>(state, torque, rest, Mode::Sliding(sign))
+        {
+            return loss;
+        }
+        state.add(&increment);
+        if !LOSS {
+            return Loss::default();
+        }
+        let mut loss = self.sliding.viscous_loss(&sliding);
+        loss.device_j += self.kinetic * increment[0].abs();
+        loss
+    }
+
+    /// One interval that begins with the device stuck.
+    #[inline(always)]
+    fn hold<const LOSS: bool>(
+        &self,
+        state: &mut State<4>,
+        stuck: [f64; 3],
+        at_rest: f64,
+        torque: f64,
+        rest: f64,
+    ) -> Loss {
+        let increment = apply(&self.stuck, &stuck);
+        let at_end = self.torque_at_rest(stuck[0] + increment[0], stuck[1] + increment[1], torque);
+        let most = at_rest.abs().max(at_end.abs()) + guard(&self.stick_guard, &stuck);
+        let clear = most <= self.breakaway;
+        if !clear && let Some(loss) = self.follow::<LOSS>(state, torque, rest, Mode::Stuck) {
+            return loss;
+        }
+        state.0[2] += increment[0];
+        state.0[3] += increment[1];
+        let hand_j = if LOSS {
+            quadratic(&self.stuck_loss, &stuck)
+        } else {
+            0.0
+        };
+        Loss {
+            device_j: 0.0,
+            hand_j,
+        }
+    }
+}
+
+impl Stepper for HeldCoulomb {
+    type State = State<4>;
+
+    fn interval_s(&self) -> f64 {
+        self.sliding.interval_s()
+    }
+
+    #[inline]
+    fn step(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) {
+        self.advance::<false>(state, torque_n_m, rest_rad);
+    }
+
+    #[inline]
+    fn step_with_loss(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) -> Loss {
+        self.advance::<true>(state, torque_n_m, rest_rad)
+    }
+
+    fn stored_energy_j(&self, state: &State<4>, rest_rad: f64) -> f64 {
+        self.sliding.stored_energy_j(state, rest_rad)
+    }
+}

@@ -1,0 +1,238 @@
+//! A tick with events: stops and starts one after the other, on power series of the exact solution.
+
+use super::HeldCoulomb;
+use crate::plant::held::drive;
+use crate::plant::state::State;
+use crate::plant::stepper::{Loss, Stepper};
+use crate::plant::taylor::{RECIPROCAL, Series, TERMS};
+
+/// Stops and starts that are followed within one tick. A plant with sensible numbers has one or two.
+const MAX_EVENTS: u32 = 8;
+
+/// What the device is doing between two events.
+#[derive(Clone, Copy)]
+pub(super) enum Mode {
+    /// Turning in the direction of this sign.
+    Sliding(f64),
+    Stuck,
+}
+
+/// The exact motion over part of a tick as power series in the fraction of that part.
+struct Piece {
+    v: Series,
+    strain: Series,
+    v_h: Series,
+    length_s: f64,
+}
+
+impl HeldCoulomb {
+    /// Follows a tick from event to event. `None`, with the state untouched, when there is no event after all.
+    ///
+    /// After [`MAX_EVENTS`] the device is held for the rest of the tick: a force on something that does not move does no
+    /// work, so this errs without adding energy.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn follow<const LOSS: bool>(
+        &self,
+        state: &mut State<4>,
+        torque: f64,
+        rest: f64,
+        mut mode: Mode,
+    ) -> Option<Loss> {
+        let interval = self.sliding.interval_s();
+        let mut now = *state;
+        let mut loss = Loss::default();
+        let mut events = 0;
+        let mut elapsed = 0.0;
+        while elapsed < interval {
+            let piece = self.expand(
+                &now,
+                torque,
+                rest,
+                mode,
+                (interval - elapsed).min(self.piece_s),
+            );
+            let event = match mode {
+                Mode::Sliding(sign) => {
+                    let speed = Series::combine(sign, &piece.v, 0.0, &piece.v, 0.0);
+                    // A root that rounding puts on the end of the piece must not be lost between two pieces.
+                    let at_end = || (speed.at(1.0) <= 0.0).then_some(1.0);
+                    speed
+                        .first_negative()
+                        .or_else(at_end)
+                        .map(|t| (t, Mode::Stuck))
+                }
+                Mode::Stuck if events < MAX_EVENTS => self.breaks_away(&piece, torque),
+                Mode::Stuck => None,
+            };
+            let until = event.map_or(1.0, |(t, _)| t);
+            if LOSS {
+                loss += self.piece_loss(&piece, mode, until);
+            }
+            now.0[0] += piece.length_s * piece.v.integral(until);
+            now.0[1] = piece.v.at(until);
+            now.0[2] += piece.length_s * piece.v_h.integral(until);
+            now.0[3] = piece.v_h.at(until);
+            elapsed += piece.length_s * until;
+            if let Some((t, next)) = event {
+                events += 1;
+                mode = next;
+                if matches!(mode, Mode::Stuck) {
+                    now.0[1] = 0.0;
+                    let at_rest = self.torque_at_rest(piece.strain.at(t), now.0[3], torque);
+                    if at_rest.abs() > self.breakaway && events < MAX_EVENTS {
+                        mode = Mode::Sliding(1.0_f64.copysign(at_rest));
+                    }
+                }
+            }
+        }
+        if events == 0 {
+            return None;
+        }
+        *state = now;
+        Some(loss)
+    }
+
+    /// When, and in which direction, a stuck device gives way within the piece.
+    fn breaks_away(&self, piece: &Piece, torque: f64) -> Option<(f64, Mode)> {
+        let hand = &self.sliding.hand;
+        let (k_p, b_p) = (
+            hand.pad_stiffness_n_m_per_rad,
+            hand.pad_damping_n_m_s_per_rad,
+        );
+        [1.0, -1.0]
+            .into_iter()
+            .filter_map(|sign| {
+                // What is left of the static friction in this direction.
+                let spare = self.breakaway - sign * torque;
+                Series::combine(-sign * k_p, &piece.strain, -sign * b_p, &piece.v_h, spare)
+                    .first_negative()
+                    .map(|t| (t, Mode::Sliding(sign)))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Power series of the motion from `state` over the next `length_s` seconds.
+    fn expand(&self, state: &State<4>, torque: f64, rest: f64, mode: Mode, length_s: f64) -> Piece {
+        let (device, hand) = (&self.sliding.device, &self.sliding.hand);
+        let [v, strain, v_h, hand_strain, _] = drive(state, torque, rest);
+        let mut piece = Piece {
+            v: Series::ZERO,
+            strain: Series::ZERO,
+            v_h: Series::ZERO,
+            length_s,
+        };
+        let mut spring = hand_strain;
+        (piece.v.0[0], piece.strain.0[0], piece.v_h.0[0]) = (v, strain, v_h);
+        for (k, reciprocal) in RECIPROCAL.into_iter().enumerate().take(TERMS - 1) {
+            let (v, strain, v_h) = (piece.v.0[k], piece.strain.0[k], piece.v_h.0[k]);
+            let step = length_s * reciprocal;
+            let pad = hand.pad_stiffness_n_m_per_rad * strain
+                + hand.pad_damping_n_m_s_per_rad * (v_h - v);
+            if let Mode::Sliding(sign) = mode {
+                let held = if k == 0 {
+                    torque - sign * self.kinetic
+                } else {
+                    0.0
+                };
+                let acceleration =
+                    (held + pad - device.damping_n_m_s_per_rad * v) / device.inertia_kg_m2;
+                piece.v.0[k + 1] = step * acceleration;
+                // From rest a device only ever sets off along the torque that moved it: at break-away with equal levels
+                // of friction the net torque is zero, and rounding must not turn it round.
+                if k == 0 && v == 0.0 && sign * acceleration < 0.0 {
+                    piece.v.0[1] = 0.0;
+                }
+            }
+            piece.strain.0[k + 1] = step * (v_h - v);
+            piece.v_h.0[k + 1] = step
+                * (hand.stiffness_n_m_per_rad * spring - pad - hand.damping_n_m_s_per_rad * v_h)
+                / hand.inertia_kg_m2;
+            spring = -step * v_h;
+        }
+        piece
+    }
+
+    /// Losses from the start of the piece to the fraction `until` of it.
+    fn piece_loss(&self, piece: &Piece, mode: Mode, until: f64) -> Loss {
+        let (device, hand) = (&self.sliding.device, &self.sliding.hand);
+        let friction = match mode {
+            Mode::Sliding(_) => self.kinetic * piece.v.integral(until).abs(),
+            Mode::Stuck => 0.0,
+        };
+        let pad = Series::combine(1.0, &piece.v, -1.0, &piece.v_h, 0.0);
+        let device_viscous = device.damping_n_m_s_per_rad * piece.v.integral_of_square(until);
+        let hand_viscous = hand.pad_damping_n_m_s_per_rad * pad.integral_of_square(until)
+            + hand.damping_n_m_s_per_rad * piece.v_h.integral_of_square(until);
+        Loss {
+            device_j: piece.length_s * (device_viscous + friction),
+            hand_j: piece.length_s * hand_viscous,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::plant::{Coulomb, Device, FIRM, HeldCoulomb, HeldLinear, State, Stepper};
+
+    const DEVICE: Device = Device {
+        inertia_kg_m2: 2e-5,
+        damping_n_m_s_per_rad: 3e-4,
+        friction: Some(Coulomb {
+            kinetic_n_m: 2e-3,
+            static_n_m: 3e-3,
+        }),
+    };
+    const TORQUE: f64 = -5e-4;
+
+    fn start(v: f64, v_h: f64) -> State<4> {
+        State::from_array([0.1, v, 0.1, v_h])
+    }
+
+    /// The velocity from which the device comes to rest after `stop_s`, to rounding.
+    fn velocity_that_stops_after(stop_s: f64, v_h: f64) -> f64 {
+        let linear = HeldLinear::new(&DEVICE, &FIRM, stop_s).unwrap();
+        let (mut low, mut high) = (0.0, 10.0);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            let mut state = start(middle, v_h);
+            linear.step(&mut state, TORQUE - 2e-3, 0.1);
+            if state.0[1] < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// A stop that rounding puts on either side of a boundary is the same stop.
+    fn check(plant: &HeldCoulomb, stop_s: f64) {
+        for hand in 0..40 {
+            let v_h = 0.01 + 1e-3 * f64::from(hand);
+            let around = velocity_that_stops_after(stop_s, v_h);
+            let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+            for ulps in -50..=50 {
+                let mut state = start(around + f64::from(ulps) * around * f64::EPSILON, v_h);
+                plant.step(&mut state, TORQUE, 0.1);
+                assert!(state.0[1] > -1e-15, "{ulps} ulps: {}", state.0[1]);
+                plant.step(&mut state, TORQUE, 0.1);
+                assert_eq!(state.0[1], 0.0, "{ulps} ulps");
+                (low, high) = (low.min(state.0[0]), high.max(state.0[0]));
+            }
+            assert!(high - low < 1e-15, "{low} {high}");
+        }
+    }
+
+    #[test]
+    fn a_stop_on_the_edge_of_a_tick_is_one_stop() {
+        check(&HeldCoulomb::new(&DEVICE, &FIRM, 1e-3).unwrap(), 1e-3);
+    }
+
+    #[test]
+    fn a_stop_on_the_edge_of_a_series_is_one_stop() {
+        let plant = HeldCoulomb::new(&DEVICE, &FIRM, 4e-3).unwrap();
+        assert!(plant.piece_s < 2e-3, "the tick needs several series");
+        check(&plant, plant.piece_s);
+    }
+}

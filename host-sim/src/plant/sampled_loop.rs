@@ -1,0 +1,194 @@
+//! The closed loop of plant, sampler, computational delay and a spring: the golden values of the whole simulator.
+//!
+//! With a command held for a period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
+//!
+//! ```text
+//! K_max = b / (T/2 + t_d)
+//! ```
+//!
+//! for a device that is heavy against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix say the
+//! same to a few per cent and are what [`critical_stiffness`] bisects.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::bare::BareLinear;
+use super::device::{Device, Invalid, not_negative, positive};
+use super::hand::Hand;
+use super::held::HeldLinear;
+use super::state::State;
+use super::stepper::LinearStepper;
+
+/// Matrix of the sampled loop with the command `u = -stiffness · x`, from one sample to the next.
+///
+/// The command computed at a sample takes effect after `whole_ticks` ticks and the interval of `before`; `after` crosses
+/// the rest of the tick, so that the tick is the sum of the two intervals. A delay of whole ticks has a `before` of zero
+/// seconds. The loop's state is the plant's, followed by the commands under way, the latest first.
+#[must_use]
+pub fn closed_loop_matrix<const N: usize, S>(
+    before: &S,
+    after: &S,
+    whole_ticks: usize,
+    stiffness_n_m_per_rad: f64,
+) -> DMatrix<f64>
+where
+    S: LinearStepper<State = State<N>>,
+{
+    let fraction = before.interval_s() > 0.0;
+    let in_flight = whole_ticks + usize::from(fraction);
+    let size = N + in_flight;
+    let mut matrix = DMatrix::zeros(size, size);
+    for column in 0..size {
+        // The image of each unit vector is a column: the steppers are linear.
+        let mut unit = DVector::<f64>::zeros(size);
+        unit[column] = 1.0;
+        let mut state = State::from_array(std::array::from_fn(|row| unit[row]));
+        let command = -stiffness_n_m_per_rad * unit[0];
+        // Commands by age in ticks: the one computed at this sample has age 0.
+        let aged = |age: usize| if age == 0 { command } else { unit[N + age - 1] };
+        if fraction {
+            before.step(&mut state, aged(whole_ticks + 1), 0.0);
+        }
+        after.step(&mut state, aged(whole_ticks), 0.0);
+        for (row, entry) in state.to_array().into_iter().enumerate() {
+            matrix[(row, column)] = entry;
+        }
+        for age in 0..in_flight {
+            matrix[(N + age, column)] = aged(age);
+        }
+    }
+    matrix
+}
+
+/// Largest magnitude of an eigenvalue, by Gelfand's formula `lim |Mⁿ|^(1/n)` with `n` doubled forty times.
+///
+/// No eigenvalue iteration that could fail to converge: a delay line makes the loop's matrix defective.
+#[must_use]
+pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
+    let mut power = matrix.clone();
+    let mut log_radius = 0.0;
+    let mut weight = 1.0;
+    for _ in 0..40 {
+        let norm = power.norm();
+        if norm == 0.0 {
+            return 0.0;
+        }
+        log_radius += weight * norm.ln();
+        power /= norm;
+        power = &power * &power;
+        weight *= 0.5;
+    }
+    log_radius.exp()
+}
+
+/// The least stiffness, N·m/rad, at which the sampled loop stops being stable, by bisection on the spectral radius.
+///
+/// `delay_s` is the time from sample to command, of any length. Friction of the device is left out: it would hide the
+/// oscillation, not the instability. Infinite when no stiffness up to 1e12 times the expected order is unstable, zero
+/// when already 1e-6 of it is (in particular without any damping).
+///
+/// # Errors
+/// [`Invalid`] when device, hand, rate or delay are out of range.
+pub fn critical_stiffness(
+    device: &Device,
+    hand: Option<&Hand>,
+    rate_hz: f64,
+    delay_s: f64,
+) -> Result<f64, Invalid> {
+    positive("rate_hz", rate_hz)?;
+    not_negative("delay_s", delay_s)?;
+    let period = 1.0 / rate_hz;
+    let whole = (delay_s * rate_hz).floor();
+    // Rounding may put a delay of whole ticks a hair below or above the tick: never a negative rest of it.
+    let before_s = (delay_s - whole * period).clamp(0.0, period);
+    let after_s = period - before_s;
+    let whole = whole as usize;
+
+    let damping = device.damping_n_m_s_per_rad
+        + hand.map_or(0.0, |hand| {
+            hand.pad_damping_n_m_s_per_rad + hand.damping_n_m_s_per_rad
+        });
+    let expected = damping / (0.5 * period + delay_s);
+    match hand {
+        None => {
+            let before = BareLinear::new(device, before_s)?;
+            let after = BareLinear::new(device, after_s)?;
+            Ok(least_unstable(expected, |k| {
+                spectral_radius(&closed_loop_matrix(&before, &after, whole, k))
+            }))
+        }
+        Some(hand) => {
+            let before = HeldLinear::new(device, hand, before_s)?;
+            let after = HeldLinear::new(device, hand, after_s)?;
+            Ok(least_unstable(expected, |k| {
+                spectral_radius(&closed_loop_matrix(&before, &after, whole, k))
+            }))
+        }
+    }
+}
+
+/// The least stiffness with a radius of one or more. The stable range need not be all there is: a hand can make a stiffer
+/// loop stable again, so the search comes from below in steps of a tenth and bisects the first that fails.
+fn least_unstable(expected: f64, radius: impl Fn(f64) -> f64) -> f64 {
+    let mut stable = 1e-6 * expected;
+    if stable == 0.0 || radius(stable) >= 1.0 {
+        return 0.0;
+    }
+    while radius(1.1 * stable) < 1.0 {
+        stable *= 1.1;
+        if stable > 1e12 * expected {
+            return f64::INFINITY;
+        }
+    }
+    let mut unstable = 1.1 * stable;
+    while (unstable - stable) > 1e-12 * unstable {
+        let middle = 0.5 * (stable + unstable);
+        if radius(middle) < 1.0 {
+            stable = middle
+        } else {
+            unstable = middle
+        }
+    }
+    stable
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::dmatrix;
+
+    #[test]
+    fn spectral_radius_of_known_matrices() {
+        let turned = dmatrix![0.6, -0.8; 0.8, 0.6] * 0.99;
+        assert!((spectral_radius(&turned) - 0.99).abs() < 1e-11);
+        assert_eq!(spectral_radius(&dmatrix![0.0, 5.0; 0.0, 0.0]), 0.0);
+        // Defective: a Jordan block.
+        assert!((spectral_radius(&dmatrix![0.5, 1e6; 0.0, 0.5]) - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn commands_in_flight_move_up_by_one_each_tick() {
+        let device = Device {
+            inertia_kg_m2: 1.0,
+            damping_n_m_s_per_rad: 0.0,
+            friction: None,
+        };
+        let whole = BareLinear::new(&device, 1.0).unwrap();
+        let none = BareLinear::new(&device, 0.0).unwrap();
+        // Double integrator, T = 1: x' = x + v + u/2, v' = v + u with u = -3 x two ticks ago.
+        let expected = dmatrix![
+            1.0, 1.0, 0.0, 0.5;
+            0.0, 1.0, 0.0, 1.0;
+            -3.0, 0.0, 0.0, 0.0;
+            0.0, 0.0, 1.0, 0.0
+        ];
+        assert_eq!(closed_loop_matrix(&none, &whole, 2, 3.0), expected);
+        // Half a tick: the old command over the first half, the new one over the second.
+        let half = BareLinear::new(&device, 0.5).unwrap();
+        let expected = dmatrix![
+            1.0 - 3.0 * 0.125, 1.0, 0.375;
+            -1.5, 1.0, 0.5;
+            -3.0, 0.0, 0.0
+        ];
+        assert_eq!(closed_loop_matrix(&half, &half, 0, 3.0), expected);
+    }
+}

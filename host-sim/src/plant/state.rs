@@ -1,0 +1,72 @@
+//! What changes in a tick.
+
+/// Read access to a plant's state, the same for every plant.
+pub trait Motion: Copy {
+    /// Everything at one angle and at rest: device, hand, and no strain in the pad.
+    fn at_rest(angle_rad: f64) -> Self;
+    /// Angle `x` of the device (the HIP), rad.
+    fn angle_rad(&self) -> f64;
+    /// Velocity `v` of the device, rad/s.
+    fn velocity_rad_per_s(&self) -> f64;
+    /// Angle `x_h` of the hand's mass, rad; the device's own where there is no hand.
+    fn hand_angle_rad(&self) -> f64;
+    /// Velocity `v_h` of the hand's mass, rad/s; the device's own where there is no hand.
+    fn hand_velocity_rad_per_s(&self) -> f64;
+}
+
+/// State of a plant: `[x, v]` without a hand, `[x, v, x_h, v_h]` with one; rad and rad/s.
+///
+/// Angles are absolute, but only their differences enter the dynamics: turning the whole scene changes nothing beyond the
+/// rounding of the angles themselves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State<const N: usize>(pub(super) [f64; N]);
+
+impl<const N: usize> State<N> {
+    /// The state with these entries, in the order given at [`State`].
+    #[must_use]
+    pub const fn from_array(entries: [f64; N]) -> Self {
+        Self(entries)
+    }
+
+    /// The entries, in the order given at [`State`].
+    #[must_use]
+    pub const fn to_array(self) -> [f64; N] {
+        self.0
+    }
+
+    #[inline(always)]
+    pub(super) fn add(&mut self, increment: &[f64; N]) {
+        for (entry, change) in self.0.iter_mut().zip(increment) {
+            *entry += change;
+        }
+    }
+}
+
+impl<const N: usize> Motion for State<N> {
+    fn at_rest(angle_rad: f64) -> Self {
+        Self(std::array::from_fn(|index| {
+            if index % 2 == 0 { angle_rad } else { 0.0 }
+        }))
+    }
+
+    #[inline(always)]
+    fn angle_rad(&self) -> f64 {
+        self.0[0]
+    }
+
+    #[inline(always)]
+    fn velocity_rad_per_s(&self) -> f64 {
+        self.0[1]
+    }
+
+    // The last pair belongs to the hand, and to the device where it is the only pair.
+    #[inline(always)]
+    fn hand_angle_rad(&self) -> f64 {
+        self.0[N - 2]
+    }
+
+    #[inline(always)]
+    fn hand_velocity_rad_per_s(&self) -> f64 {
+        self.0[N - 1]
+    }
+}

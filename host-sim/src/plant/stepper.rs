@@ -1,0 +1,53 @@
+//! What every plant can do: cross one interval.
+
+use super::state::Motion;
+
+/// A plant prepared for intervals of one fixed length, with torque and rest point held during each.
+pub trait Stepper {
+    /// What a step changes.
+    type State: Motion;
+
+    /// Length of the interval, s.
+    fn interval_s(&self) -> f64;
+
+    /// Crosses one interval.
+    ///
+    /// `torque_n_m` acts on the device along `+x`; `rest_rad` is the hand's rest point (not read without a hand).
+    fn step(&self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
+
+    /// As [`Stepper::step`], to the same bit, and says what was dissipated on the way.
+    fn step_with_loss(&self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Loss;
+
+    /// Kinetic and spring energy of device and hand, J.
+    ///
+    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest_rad` in both terms; a jump
+    /// of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
+    fn stored_energy_j(&self, state: &Self::State, rest_rad: f64) -> f64;
+}
+
+/// A [`Stepper`] whose step is linear in state, torque and rest point.
+pub trait LinearStepper: Stepper {}
+
+/// Energy dissipated during one interval, J; neither part is ever negative beyond rounding.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Loss {
+    /// In the device: viscous damping and dry friction, `b ∫v² dt + F_k ∫|v| dt`.
+    pub device_j: f64,
+    /// In the hand: its own damper and the pad, `b_h ∫v_h² dt + b_p ∫(v - v_h)² dt`; zero without a hand.
+    pub hand_j: f64,
+}
+
+impl Loss {
+    /// All of it, J.
+    #[must_use]
+    pub fn total_j(&self) -> f64 {
+        self.device_j + self.hand_j
+    }
+}
+
+impl std::ops::AddAssign for Loss {
+    fn add_assign(&mut self, other: Self) {
+        self.device_j += other.device_j;
+        self.hand_j += other.hand_j;
+    }
+}
