@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use super::figures::{Kind, Ranges, View, legend};
+use super::figures::{Kind, legend};
 use super::label;
 use super::matrix::Matrix;
 use super::quantity::{grouped, plain, significant, with_unit};
-use super::svg::{Size, escape};
+use super::svg::{Range, Size, escape};
+use super::view::{Ranges, View};
 use super::{ReportInput, TraceFiles};
 use crate::run::record::{Run, Summary, Verdict};
 
@@ -102,10 +103,12 @@ pub fn row(
     }
     let views: Vec<(usize, View)> = matrix
         .row(row)
-        .filter_map(|index| View::new(&input.runs[index]).map(|view| (index, view)))
+        .filter_map(|index| {
+            View::new(&input.runs[index], input.k_critical).map(|view| (index, view))
+        })
         .collect();
     if views.len() > 1 {
-        side_by_side(&mut page, input, &views);
+        side_by_side(&mut page, &views);
     }
     for index in matrix.row(row) {
         let view = views
@@ -115,7 +118,6 @@ pub fn row(
         let files = files.get(index).and_then(Option::as_ref);
         article(
             &mut page,
-            input,
             &input.runs[index],
             view,
             index,
@@ -128,15 +130,25 @@ pub fn row(
 }
 
 /// Rows of small plots, one row for each kind, one column for each law, all on the same axes.
-fn side_by_side(page: &mut String, input: &ReportInput, views: &[(usize, View)]) {
-    let ranges: Vec<Ranges> = views
+fn side_by_side(page: &mut String, views: &[(usize, View)]) {
+    let ranges: Vec<Ranges> = views.iter().map(|(_, view)| view.ranges()).collect();
+    let mut shared = ranges
         .iter()
-        .map(|(_, view)| view.ranges(input.k_critical))
-        .collect();
-    let shared = ranges
-        .into_iter()
+        .copied()
         .reduce(Ranges::union)
         .expect("called with runs");
+    // An unstable run gives away hundreds of times what the others exchange, and would make flat lines of them.
+    let whole = shared.energy;
+    let calm = views
+        .iter()
+        .zip(&ranges)
+        .filter(|((_, view), _)| view.run.summary.verdict != Verdict::Unstable)
+        .map(|(_, ranges)| ranges.energy)
+        .reduce(Range::union);
+    if let Some(calm) = calm.filter(|calm| calm.max > calm.min) {
+        shared.energy = whole.within(calm.padded(1.0, 1.0));
+    }
+    let clipped = shared.energy != whole;
     page.push_str("<h3>Side by side, on the same axes</h3>\n");
     for kind in Kind::ALL {
         let mut strip = String::new();
@@ -150,22 +162,19 @@ fn side_by_side(page: &mut String, input: &ReportInput, views: &[(usize, View)])
                 badge(summary.verdict)
             );
             let id = format!("s{index}{}", kind.key());
-            view.draw(
-                &mut strip,
-                kind,
-                SMALL,
-                &shared,
-                input.k_critical,
-                false,
-                &id,
-            );
+            view.draw(&mut strip, kind, SMALL, &shared, false, &id);
             strip.push_str("</figure>\n");
         }
-        let _ = write!(
+        let _ = writeln!(
             page,
-            "<div class=\"kind\"><h4>{}</h4>{}</div>\n",
+            "<div class=\"kind\"><h4>{}</h4>{}{}</div>",
             kind.title(),
-            write_legend(kind, &strip)
+            write_legend(kind, &strip),
+            if clipped && kind == Kind::Energy {
+                "<span class=\"aside\">the energy of an unstable run leaves the plot; whole below</span>"
+            } else {
+                ""
+            }
         );
         // A strip that scrolls must be reachable by keyboard.
         let _ = write!(
@@ -179,7 +188,6 @@ fn side_by_side(page: &mut String, input: &ReportInput, views: &[(usize, View)])
 /// One run: its numbers and its plots on its own axes.
 fn article(
     page: &mut String,
-    input: &ReportInput,
     run: &Run,
     view: Option<&View>,
     index: usize,
@@ -208,12 +216,12 @@ fn article(
         let _ = write!(
             page,
             "<div><dt>{name}</dt><dd>{}</dd></div>",
-            escape(&value)
+            typeset(&value)
         );
     }
     page.push_str("</dl>\n");
     if let Some(view) = view {
-        let ranges = view.ranges(input.k_critical);
+        let ranges = view.ranges();
         page.push_str("<div class=\"plots\">\n");
         for kind in Kind::ALL {
             let mut plot = String::new();
@@ -222,15 +230,14 @@ fn article(
                 kind,
                 size,
                 &ranges,
-                input.k_critical,
                 true,
                 &format!("r{index}{}", kind.key()),
             );
             let legend = write_legend(kind, &plot);
             let title = kind.title();
-            let _ = write!(
+            let _ = writeln!(
                 page,
-                "<figure><figcaption><strong>{title}</strong>{legend}</figcaption>{plot}</figure>\n"
+                "<figure><figcaption><strong>{title}</strong></figcaption>{plot}{legend}</figure>"
             );
         }
         page.push_str("</div>\n");
@@ -280,12 +287,12 @@ pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
     }
     facts.push(("largest force", with_unit(s.force_max, "N·m", 3)));
     facts.push((
-        "lowest true energy, wall",
+        "lowest energy, wall's port",
         with_unit(s.energy_true_min, "J", 3),
     ));
-    facts.push(("with device losses", with_unit(s.energy_user_min, "J", 3)));
+    facts.push(("at the user's port", with_unit(s.energy_user_min, "J", 3)));
     if let Some(value) = s.energy_observed_min {
-        facts.push(("observed by the law", with_unit(value, "J", 3)));
+        facts.push(("as observed", with_unit(value, "J", 3)));
     }
     facts.push((
         "in contact",
@@ -303,16 +310,27 @@ fn write_legend(kind: Kind, drawing: &str) -> String {
     let mut out = String::from("<ul class=\"legend\">");
     for (class, text) in legend(kind) {
         if drawing.contains(&format!("class=\"{class}\"")) {
-            // Names are written with their subscripts where HTML has them.
-            let text = text
-                .replace("k_de", "k<sub>de</sub>")
-                .replace("k_c", "k<sub>c</sub>")
-                .replace("x_s", "x<sub>s</sub>");
             let _ = write!(
                 out,
-                "<li><svg viewBox=\"0 0 26 8\" aria-hidden=\"true\"><path class=\"{class}\" d=\"M1 4H25\"/></svg>{text}</li>"
+                "<li><svg viewBox=\"0 0 26 8\" aria-hidden=\"true\"><path class=\"{class}\" d=\"M1 4H25\"/></svg>{}</li>",
+                typeset(text)
             );
         }
     }
     out + "</ul>"
+}
+
+/// Text of ours for the page: escaped, symbols with their subscripts, numbers with a true minus sign.
+pub fn typeset(text: &str) -> String {
+    let mut text = escape(text);
+    for (plain, subscript) in [
+        ("k_de", "k<sub>de</sub>"),
+        ("k_c", "k<sub>c</sub>"),
+        ("x_s", "x<sub>s</sub>"),
+    ] {
+        text = text.replace(plain, subscript);
+    }
+    text.strip_prefix('-')
+        .map_or(text.clone(), |rest| format!("\u{2212}{rest}"))
+        .replace("(-", "(\u{2212}")
 }

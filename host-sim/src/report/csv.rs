@@ -1,4 +1,4 @@
-//! A trace as CSV: one header line, one line a tick, columns of [`COLUMNS`](super::columns::COLUMNS).
+//! A trace as CSV: one header line, one line a tick, columns of [`COLUMNS`].
 
 use std::io::{self, Write};
 

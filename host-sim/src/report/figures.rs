@@ -2,7 +2,7 @@
 
 use super::label;
 use super::svg::{Axis, Plot, Range, Size};
-use crate::run::record::{Run, Trace};
+use super::view::{Ranges, View};
 
 /// Which plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,11 @@ pub fn legend(kind: Kind) -> &'static [(&'static str, &'static str)] {
             ("ideal", "ideal, k_de·e"),
             ("surf", "surface x_s"),
         ],
-        Kind::Stiffness => &[("k", "|f|/e"), ("kde", "k_de"), ("kc", "k_c")],
+        Kind::Stiffness => &[
+            ("k", "|f|/e, hidden where e is below 2 counts"),
+            ("kde", "k_de"),
+            ("kc", "k_c"),
+        ],
         Kind::Trajectory => &[
             ("hip", "HIP"),
             ("surf", "surface x_s"),
@@ -64,156 +68,14 @@ pub fn legend(kind: Kind) -> &'static [(&'static str, &'static str)] {
             ("mass", "filter mass"),
         ],
         Kind::Energy => &[
-            ("true", "true"),
-            ("user", "true, with device losses"),
+            ("true", "true, at the wall's port"),
+            ("user", "true, at the user's port"),
             ("obs", "observed"),
         ],
     }
 }
 
-/// What can be seen of one run: its trace with what all plots need to know about it.
-pub struct View<'a> {
-    /// The run.
-    pub run: &'a Run,
-    trace: &'a Trace,
-    /// Samples from the first to the last one with a force or inside the wall.
-    contact: std::ops::Range<usize>,
-    /// Below this penetration |f|/e is not drawn, rad.
-    shallow: f64,
-}
-
-/// Ends of the axes, SI.
-#[derive(Debug, Clone, Copy)]
-pub struct Ranges {
-    time: Range,
-    angle: Range,
-    force: Range,
-    stiffness: Range,
-    energy: Range,
-}
-
-impl Ranges {
-    /// One set of axes for two runs that are to be compared.
-    pub fn union(self, other: Ranges) -> Self {
-        Ranges {
-            time: self.time.union(other.time),
-            angle: self.angle.union(other.angle),
-            force: self.force.union(other.force),
-            stiffness: self.stiffness.union(other.stiffness),
-            energy: self.energy.union(other.energy),
-        }
-    }
-}
-
-impl<'a> View<'a> {
-    /// `None` if the run kept no trace.
-    pub fn new(run: &'a Run) -> Option<Self> {
-        let trace = run
-            .trace
-            .as_ref()
-            .filter(|trace| super::columns::len(trace) > 0)?;
-        let touches =
-            |&i: &usize| trace.force_n_m[i] != 0.0 || trace.angle_rad[i] > trace.surface_rad[i];
-        let mut touching = (0..super::columns::len(trace)).filter(touches);
-        let first = touching.next();
-        let contact = first.map_or(0..0, |first| first..touching.last().unwrap_or(first) + 1);
-        let deepest = contact
-            .clone()
-            .map(|i| trace.angle_rad[i] - trace.surface_rad[i])
-            .fold(0.0, f64::max);
-        // At a count or less the quotient is one of two or three values and says nothing (the singularity of thesis (2.13)).
-        // Without an encoder there is no such grain; a thousandth of the penetration keeps 0/0 out.
-        let shallow = run
-            .summary
-            .encoder_counts_per_rev
-            .map_or(deepest / 1000.0, |counts| {
-                2.0 * std::f64::consts::TAU / counts
-            });
-        Some(View {
-            run,
-            trace,
-            contact,
-            shallow,
-        })
-    }
-
-    fn len(&self) -> usize {
-        super::columns::len(self.trace)
-    }
-
-    fn surface(&self) -> f64 {
-        self.trace.surface_rad[self.contact.start]
-    }
-
-    /// Measured penetration, what the law acts on, rad.
-    fn penetration(&self, index: usize) -> f64 {
-        self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
-    }
-
-    /// |f|/e, NaN where the penetration is too small to say, N·m/rad.
-    fn displayed(&self, index: usize) -> f64 {
-        let e = self.penetration(index);
-        // A hair of slack: two counts exactly, in f64, may come out a bit below.
-        if e > 0.0 && e >= self.shallow * (1.0 - 1e-9) {
-            self.trace.force_n_m[index].abs() / e
-        } else {
-            f64::NAN
-        }
-    }
-
-    /// Axes that show this run well by itself.
-    pub fn ranges(&self, k_critical: Option<f64>) -> Ranges {
-        let trace = self.trace;
-        let k_de = self.run.summary.k_desired;
-        // Where a force acts: free flight before and after would squeeze the wall into a corner.
-        let acting = self
-            .contact
-            .clone()
-            .filter(|&i| trace.force_n_m[i] != 0.0)
-            .map(|i| trace.angle_rad[i]);
-        let whole = || Range::of(trace.angle_rad.iter().copied());
-        let angle = if self.contact.is_empty() {
-            whole()
-        } else {
-            Range::of(acting).with(self.surface())
-        };
-        let force = Range::of(trace.force_n_m.iter().copied()).with(0.0);
-        let mut shown: Vec<f64> = self
-            .contact
-            .clone()
-            .map(|i| self.displayed(i))
-            .filter(|k| k.is_finite())
-            .collect();
-        shown.sort_by(f64::total_cmp);
-        // The highest few values come from the shallowest contacts; they may leave the plot, k_de and k_c may not.
-        let high = shown
-            .get(shown.len() * 98 / 100)
-            .copied()
-            .unwrap_or(0.0)
-            .min(2.0 * k_de);
-        let top = high
-            .max(k_de)
-            .max(k_critical.unwrap_or(0.0).min(2.0 * k_de));
-        let energy = Range::of(
-            trace
-                .energy_true_j
-                .iter()
-                .chain(&trace.energy_observed_j)
-                .copied(),
-        )
-        .with(0.0);
-        Ranges {
-            time: Range::of(trace.time_s.iter().copied()),
-            angle: angle.padded(0.12, 0.06),
-            force: force.padded(0.05, 0.08),
-            stiffness: Range {
-                min: 0.0,
-                max: 1.15 * top,
-            },
-            energy: energy.padded(0.06, 0.08),
-        }
-    }
-
+impl View<'_> {
     /// Draws one plot into `out`. `detail` adds the lines that only matter to one run: offset, filter mass, device losses.
     pub fn draw(
         &self,
@@ -221,13 +83,12 @@ impl<'a> View<'a> {
         kind: Kind,
         size: Size,
         ranges: &Ranges,
-        k_critical: Option<f64>,
         detail: bool,
         id: &str,
     ) {
         let plot = match kind {
             Kind::PositionForce => self.position_force(size, ranges),
-            Kind::Stiffness => self.stiffness(size, ranges, k_critical),
+            Kind::Stiffness => self.stiffness(size, ranges),
             Kind::Trajectory => self.trajectory(size, ranges, detail),
             Kind::Energy => self.energy(size, ranges, detail),
         };
@@ -278,14 +139,6 @@ impl<'a> View<'a> {
         Axis::new("time", "s", ranges.time)
     }
 
-    fn over_time<'b>(&'b self, values: &'b [f64]) -> impl Iterator<Item = (f64, f64)> + 'b {
-        self.trace
-            .time_s
-            .iter()
-            .copied()
-            .zip(values.iter().copied())
-    }
-
     fn position_force(&self, size: Size, ranges: &Ranges) -> Plot {
         let x = Axis::new("HIP angle x", "rad", ranges.angle);
         let mut plot = Plot::new(size, x, Axis::new("force f", "N·m", ranges.force));
@@ -311,58 +164,16 @@ impl<'a> View<'a> {
         plot
     }
 
-    /// The path of (angle, force), parted where the motion turns by more than `hysteresis` (rad).
-    ///
-    /// Between samples the force is held while the device moves on, so the path is a staircase, and the area that it encloses
-    /// is the true energy of the port. Straight lines between samples would hide just what makes a stiff wall active.
-    fn strokes(&self, hysteresis: f64) -> (Vec<Vec<(f64, f64)>>, Vec<Vec<(f64, f64)>>) {
-        let (angle, force) = (&self.trace.angle_rad, &self.trace.force_n_m);
-        let mut parts = (Vec::new(), Vec::new());
-        // One sample more on either side, so that the way in and out of contact is seen.
-        let from = self.contact.start.saturating_sub(1);
-        let to = (self.contact.end + 1).min(self.len());
-        let mut put = |inbound: bool, stretch: std::ops::RangeInclusive<usize>| {
-            let (first, last) = stretch.into_inner();
-            if last > first {
-                let mut steps = vec![(angle[first], force[first])];
-                for i in first + 1..=last {
-                    steps.extend([(angle[i], force[i - 1]), (angle[i], force[i])]);
-                }
-                if inbound {
-                    parts.0.push(steps)
-                } else {
-                    parts.1.push(steps)
-                }
-            }
-        };
-        let (mut start, mut extreme, mut inbound) = (from, from, true);
-        for i in from..to {
-            let back = if inbound {
-                angle[extreme] - angle[i]
-            } else {
-                angle[i] - angle[extreme]
-            };
-            if back <= 0.0 {
-                extreme = i;
-            } else if back > hysteresis {
-                put(inbound, start..=extreme);
-                (start, extreme, inbound) = (extreme, i, !inbound);
-            }
-        }
-        if to > from {
-            put(inbound, start..=to - 1);
-        }
-        parts
-    }
-
-    fn stiffness(&self, size: Size, ranges: &Ranges, k_critical: Option<f64>) -> Plot {
+    fn stiffness(&self, size: Size, ranges: &Ranges) -> Plot {
         let y = Axis::new("displayed stiffness |f|/e", "N·m/rad", ranges.stiffness);
         let mut plot = Plot::new(size, self.time_axis(ranges), y);
         plot.horizontal("kde", "k_de", self.run.summary.k_desired);
-        if let Some(k_c) = k_critical {
+        if let Some(k_c) = self.k_critical {
             plot.horizontal("kc", "k_c", k_c);
         }
-        let displayed: Vec<f64> = (0..self.len()).map(|i| self.displayed(i)).collect();
+        let displayed: Vec<f64> = (0..self.trace.time_s.len())
+            .map(|i| self.displayed(i))
+            .collect();
         plot.series("k", "|f|/e", self.over_time(&displayed));
         plot
     }
@@ -419,9 +230,13 @@ impl<'a> View<'a> {
         );
         plot.horizontal("zero", "zero", 0.0);
         if detail {
-            plot.series("user", "with device losses", self.over_time(&user));
+            plot.series("user", "at the user's port", self.over_time(&user));
         }
-        plot.series("true", "true", self.over_time(&trace.energy_true_j));
+        plot.series(
+            "true",
+            "at the wall's port",
+            self.over_time(&trace.energy_true_j),
+        );
         plot.series("obs", "observed", self.over_time(&trace.energy_observed_j));
         plot
     }

@@ -171,7 +171,7 @@ fn table(page: &mut String, runs: &[Run], matrix: &Matrix, index: usize) {
     for (row, k) in matrix.stiffnesses.iter().enumerate() {
         let _ = write!(
             page,
-            "<tr role=\"row\"><th scope=\"row\" role=\"rowheader\"><a href=\"#{}\">{}</a></th>",
+            "<tr role=\"row\"><th scope=\"row\" role=\"rowheader\"><a href=\"#{}\"><span class=\"narrow\">k<sub>de</sub> = </span>{}<span class=\"narrow\"> N·m/rad</span></a></th>",
             cell::row_id(index, row),
             plain(*k)
         );
@@ -202,8 +202,8 @@ fn matrix_cell(page: &mut String, run: &Run, index: usize, law: LawKind) {
         cell::run_id(index),
         label::law(law),
         cell::verdict_words(s.verdict),
-        escape(&stiffness),
-        escape(&cycle),
+        cell::typeset(&stiffness),
+        cell::typeset(&cycle),
     );
 }
 
@@ -291,4 +291,113 @@ fn anchor(title: &str) -> String {
         })
         .collect();
     format!("s-{safe}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::{Section, synthetic};
+
+    fn runs(seconds: f64) -> Vec<Run> {
+        let laws = [LawKind::Spring, LawKind::Tdpa, LawKind::EnhancedSfa];
+        laws.map(|law| synthetic::run(law, 5.0, seconds)).into()
+    }
+
+    fn page(runs: &[Run]) -> String {
+        let sections = [Section {
+            title: "Extra".to_owned(),
+            body: vec![Block::Text("a <b> c".to_owned())],
+        }];
+        let input = ReportInput {
+            title: "T <script>",
+            command: "touchstone run --set \"a=b\" && true",
+            k_critical: Some(1.0),
+            runs,
+            sections: &sections,
+            ..Default::default()
+        };
+        render(&input, &[])
+    }
+
+    /// Values of an attribute, in order.
+    fn values<'a>(page: &'a str, attribute: &'a str) -> impl Iterator<Item = &'a str> {
+        page.split(attribute)
+            .skip(1)
+            .map(|rest| rest.split('"').next().unwrap())
+    }
+
+    #[test]
+    fn links_labels_and_identifiers_fit_together() {
+        let page = page(&runs(3.2));
+        let ids: Vec<&str> = values(&page, " id=\"").collect();
+        let distinct: std::collections::HashSet<&str> = ids.iter().copied().collect();
+        assert_eq!(ids.len(), distinct.len(), "an identifier stands twice");
+        for link in values(&page, "href=\"#") {
+            assert!(distinct.contains(link), "#{link}");
+        }
+        for label in values(&page, "aria-labelledby=\"").flat_map(str::split_whitespace) {
+            assert!(distinct.contains(label), "{label}");
+        }
+        // Three laws: four kinds side by side, and four for each run.
+        assert_eq!(page.matches("class=\"plot\"").count(), 24);
+        for tag in [
+            "svg", "figure", "article", "section", "table", "tr", "ul", "dl", "div", "span", "a",
+        ] {
+            let opened = page.matches(&format!("<{tag} ")).count()
+                + page.matches(&format!("<{tag}>")).count();
+            assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+    }
+
+    #[test]
+    fn nothing_comes_from_elsewhere_and_nothing_is_injected() {
+        let page = page(&runs(0.5));
+        for foreign in [
+            "http:",
+            "https:",
+            "src=",
+            "@import",
+            "url(",
+            "<link",
+            "NaN",
+            "T <script>",
+            "a <b> c",
+        ] {
+            assert!(!page.contains(foreign), "{foreign}");
+        }
+        assert!(
+            page.contains("T &lt;script&gt;") && page.contains("&quot;a=b&quot; &amp;&amp; true")
+        );
+    }
+
+    #[test]
+    fn a_single_run_a_run_without_trace_and_none() {
+        let mut runs = runs(0.5);
+        let single = page(&runs[..1]);
+        assert!(!single.contains("verdicts-0") && single.contains("class=\"alone\""));
+        assert_eq!(single.matches("class=\"plot\"").count(), 4);
+        for run in &mut runs {
+            run.trace = None;
+        }
+        let bare = page(&runs);
+        assert_eq!(bare.matches("No trace was kept").count(), 3);
+        assert!(bare.contains("<td role=\"cell\">") && !bare.contains("class=\"plot\""));
+        assert!(page(&[]).contains("0 runs"));
+    }
+
+    #[test]
+    fn long_traces_do_not_make_long_pages() {
+        // Worst case: every column of every plot is full from edge to edge, 60,000 samples.
+        let mut run = synthetic::run(LawKind::EnhancedSfa, 5.0, 60.0);
+        let trace = run.trace.as_mut().unwrap();
+        for i in 0..trace.time_s.len() {
+            let wave = (i as f64 * 0.9).sin();
+            trace.angle_rad[i] = 0.52 + 0.02 * wave;
+            trace.force_n_m[i] = 0.1 * (i as f64 * 1.7).cos();
+            trace.energy_true_j[i] = wave;
+            trace.energy_observed_j[i] = -wave;
+        }
+        let page = page(&[run]);
+        assert!(page.len() < 400_000, "{} bytes for one run", page.len());
+    }
 }

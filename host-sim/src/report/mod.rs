@@ -5,6 +5,8 @@
 
 mod cell;
 pub mod columns;
+#[cfg(test)]
+mod contrast;
 pub mod csv;
 mod decimate;
 mod figures;
@@ -16,6 +18,7 @@ pub mod parquet;
 mod quantity;
 mod svg;
 pub mod table;
+mod view;
 pub mod write;
 
 // One generator of made-up runs for the tests and for the example that shows the page.

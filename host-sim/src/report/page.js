@@ -66,7 +66,7 @@
     } else {
       rows.push("x = " + show(x.min + fx * (x.max - x.min), x), "f = " + show(y.max - fy * (y.max - y.min), y));
     }
-    cursor = document.createElementNS("http://www.w3.org/2000/svg", "path");
+    cursor = plot.querySelector("path.grid").cloneNode(false);
     cursor.setAttribute("class", "cursor");
     cursor.setAttribute("d", `M${fx * view.width} 0V${view.height}` + (x.unit.endsWith("s") ? "" : `M0 ${fy * view.height}H${view.width}`));
     area.append(cursor);

@@ -28,6 +28,9 @@ const RIGHT: u32 = 10;
 const TOP: u32 = 20;
 const BOTTOM: u32 = 35;
 
+/// A line of more points than this is drawn with a finer stroke.
+const DENSE: usize = 700;
+
 /// One linear axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
@@ -112,6 +115,14 @@ impl Range {
         Range {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
+        }
+    }
+
+    /// The part inside `limits`; `limits` is not empty.
+    pub fn within(self, limits: Range) -> Self {
+        Range {
+            min: self.min.max(limits.min),
+            max: self.max.min(limits.max),
         }
     }
 
@@ -256,7 +267,10 @@ impl Plot {
             return;
         }
         let out = &mut self.marks;
-        let _ = write!(out, r#"<path class="{class}" data-n="{name}" d=""#);
+        // An oscillation that fills an area is drawn finer, or its strokes run together.
+        let dense = stretches.iter().map(Vec::len).sum::<usize>() > DENSE;
+        let dense = if dense { " data-dense" } else { "" };
+        let _ = write!(out, r#"<path class="{class}" data-n="{name}"{dense} d=""#);
         for stretch in stretches {
             let mut pen = stretch[0];
             let _ = write!(out, "M{} {}", pen.0, pen.1);
@@ -310,7 +324,7 @@ impl Plot {
             let _ = write!(
                 labels,
                 r#"<text x="{x:.1}" y="{:.1}" class="tx">{label}</text>"#,
-                bottom + 13.0
+                bottom + 14.5
             );
         }
         for (place, label) in self.y.ticks((tall / 34.0) as usize) {
@@ -319,7 +333,7 @@ impl Plot {
             let _ = write!(
                 labels,
                 r#"<text x="{}" y="{:.1}" class="ty">{label}</text>"#,
-                LEFT - 5,
+                LEFT - 6,
                 y + 3.6
             );
         }

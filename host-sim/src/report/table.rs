@@ -290,7 +290,7 @@ k_de  Spring    Enhanced SFA
             "{text}"
         );
         assert!(
-            text.contains("  verdict                    active\n"),
+            text.contains("\n  verdict                     active\n"),
             "{text}"
         );
         assert_eq!(render(&[], Colour::Never), "no runs\n");
