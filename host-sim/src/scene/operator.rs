@@ -126,6 +126,8 @@ pub enum MotionSpec {
     Tap(Tap),
     /// Presses, presses harder and softer in turn, holds still, lets go.
     PressWiggleRelease(PressWiggleRelease),
+    /// Touches the wall lightly and briskly, stays, then presses, holds, lets go.
+    TouchAndPress(TouchAndPress),
     /// Follows a recording.
     Recorded(Recorded),
 }
@@ -138,21 +140,41 @@ impl MotionSpec {
             MotionSpec::RampAndHold(_) => "ramp-and-hold",
             MotionSpec::Tap(_) => "tap",
             MotionSpec::PressWiggleRelease(_) => "press-wiggle-release",
+            MotionSpec::TouchAndPress(_) => "touch-and-press",
             MotionSpec::Recorded(_) => "recorded",
         }
     }
 
-    /// Start and end of the time over which displayed stiffness and limit cycle are judged, s; `None` without a quiet
-    /// hold.
+    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order; the last is the press that the
+    /// displayed stiffness is judged by.
+    pub fn holds_s(&self) -> Vec<(f64, f64)> {
+        match self {
+            MotionSpec::RampAndHold(m) => {
+                vec![(m.start_s + m.ramp_s, m.start_s + m.ramp_s + m.hold_s)]
+            }
+            MotionSpec::PressWiggleRelease(m) => {
+                let start = m.start_s + m.ramp_s + m.wiggle_s;
+                vec![(start, start + m.hold_s)]
+            }
+            MotionSpec::TouchAndPress(m) => {
+                let touched = m.start_s + m.touch_ramp_s;
+                let pressed = touched + m.touch_s + m.ramp_s;
+                vec![
+                    (touched, touched + m.touch_s),
+                    (pressed, pressed + m.hold_s),
+                ]
+            }
+            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => Vec::new(),
+        }
+    }
+
+    /// Start and end of the time over which the displayed stiffness is judged, s; `None` without a quiet hold.
     ///
-    /// It is the second half of the hold: in the first half hand and offset still settle.
+    /// It is the second half of the last hold: in the first half hand and offset still settle.
     pub fn hold_window_s(&self) -> Option<(f64, f64)> {
-        let (start, length) = match self {
-            MotionSpec::RampAndHold(m) => (m.start_s + m.ramp_s, m.hold_s),
-            MotionSpec::PressWiggleRelease(m) => (m.start_s + m.ramp_s + m.wiggle_s, m.hold_s),
-            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => return None,
-        };
-        Some((start + 0.5 * length, start + length))
+        self.holds_s()
+            .last()
+            .map(|&(start, end)| (0.5 * (start + end), end))
     }
 }
 
@@ -221,6 +243,50 @@ impl Default for Tap {
             velocity_rad_per_s: 3.0,
             // Long enough that the tap stays a human motion (about 4 Hz).
             approach_rad: 0.1,
+        }
+    }
+}
+
+/// Touches lightly, then presses: one scene that an unstable law has two ways to fail in. A light touch lets a wall that
+/// gives too much energy throw the hand off; a firm press drives a wall that samples too coarsely into oscillation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TouchAndPress {
+    /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
+    pub start_s: f64,
+    /// Time from rest outside to the light touch, s, at least 0.05. Default 0.05.
+    pub touch_ramp_s: f64,
+    /// Time of the light touch, s, above 0. Default 2.
+    pub touch_s: f64,
+    /// Static torque of the light touch, N·m, above 0. Default 0.02.
+    pub touch_torque_n_m: f64,
+    /// Time from the touch to the full push, s, at least 0.05. Default 0.3.
+    pub ramp_s: f64,
+    /// Time of the steady push, s, above 0. Default 1.5.
+    pub hold_s: f64,
+    /// Time from the push back to rest outside, s, at least 0.05. Default 0.4.
+    pub release_s: f64,
+    /// Static torque against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    pub push_torque_n_m: f64,
+    /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
+    pub approach_rad: f64,
+}
+
+impl Default for TouchAndPress {
+    fn default() -> Self {
+        TouchAndPress {
+            start_s: 0.1,
+            // As brisk as a hand can (10 Hz): the contact that throws a light hand off an energetic wall.
+            touch_ramp_s: FASTEST_RAMP_S,
+            // Long enough for the heaviest hand's own swing in its grip (0.3 s) to die away.
+            touch_s: 2.0,
+            // A fifth of the push.
+            touch_torque_n_m: 0.02,
+            ramp_s: 0.3,
+            hold_s: 1.5,
+            release_s: 0.4,
+            push_torque_n_m: 0.1,
+            approach_rad: APPROACH_RAD,
         }
     }
 }

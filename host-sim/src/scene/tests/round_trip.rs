@@ -23,6 +23,10 @@ fn full_scenes() -> Vec<Scene> {
             wiggle_frequency_hz: 3.5,
             ..PressWiggleRelease::default()
         }),
+        MotionSpec::TouchAndPress(TouchAndPress {
+            touch_s: 1.75,
+            ..TouchAndPress::default()
+        }),
         // Any file that is there will do: its content is not read here.
         MotionSpec::Recorded(Recorded {
             scale: -2.0,
