@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::run::record::LawKind;
-use crate::scene::{FirstContact, Observer, OffsetUpdate, Regulate, Scene};
+use crate::scene::{FirstContact, IdealStep, Observer, OffsetUpdate, Regulate, Scene};
 use touchstone_control::{self as control, Field, Settings, SettingsError, Si, Warning};
 
 /// An SI value of a scene in the control crate's exact format.
@@ -61,6 +61,10 @@ pub fn settings(scene: &Scene) -> Result<Settings> {
         offset_update: match law.offset_update {
             OffsetUpdate::Inward => control::OffsetUpdate::Inward,
             OffsetUpdate::EveryTick => control::OffsetUpdate::EveryTick,
+        },
+        ideal_step: match law.ideal_step {
+            IdealStep::Position => control::IdealStep::Position,
+            IdealStep::Force => control::IdealStep::Force,
         },
         step_of_ideal: value("law.step_c_of_ideal", law.step_c_of_ideal)?,
         limit_of_force: value("law.limit_b_of_force", law.limit_b_of_force)?,
