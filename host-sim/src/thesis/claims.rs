@@ -300,6 +300,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
     ])?
     .summary;
     let strict = with(&["law.energy_credit_j=0"])?.summary;
+    let lent = with(&[])?.summary;
     let tdpa: Vec<&Summary> = of(runs, LawKind::Tdpa, 5.0).collect();
     let observed = tdpa
         .iter()
@@ -358,7 +359,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
             measured: format!(
                 "kept force: {:?}; zero offset: shows {}",
                 kept.verdict,
-                shown(&with(&[])?.summary)
+                shown(&lent)
             ),
         },
         Claim {
@@ -384,9 +385,13 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
             },
             measured: format!(
                 "without energy credit the user's port never falls below {:.3} mJ, and a resting hand is shown {}: holding F through k_f \
-                 stores F²/(2 k_f), more than a slow press into k_de > k_f absorbs; with 20 mJ credit k_de is shown and the port falls to -8 mJ",
+                 stores F²/(2 k_f), more than a slow press into k_de > k_f absorbs; with {:.0} mJ credit it is shown {}, and the port \
+                 falls to {:.1} mJ",
                 1e3 * strict.energy_user_min,
-                shown(&strict)
+                shown(&strict),
+                1e3 * base.law.energy_credit_j,
+                shown(&lent),
+                1e3 * lent.energy_user_min
             ),
         },
     ])
