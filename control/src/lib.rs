@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual
-//! mass, [`Controller`] for how settings become a running law. The arithmetic below is in [`number`] and, for what the
+//! mass, [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic below is in [`number`] and, for what the
 //! proofs are about, in [`magnitude`].
 //!
 //! | word | meaning | unit (1-DoF / 3-DoF) |
@@ -40,6 +40,7 @@
 extern crate std;
 
 pub mod controller;
+pub mod encoder;
 pub mod filter;
 pub mod law;
 pub mod magnitude;
@@ -50,8 +51,11 @@ pub mod settings;
 pub mod validate;
 
 pub use controller::Controller;
+pub use encoder::CountScale;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use observer::ObserverForm;
 pub use quantity::{Compliance, Energy, Force, Position, Ratio, Stiffness, Tension};
-pub use settings::{FilterSettings, FirstContact, LawKind, OffsetUpdate, Regulate, Settings, Si};
+pub use settings::{
+    FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
+};
 pub use validate::{Field, SettingsError, Warning};

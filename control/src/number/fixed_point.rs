@@ -71,6 +71,12 @@ macro_rules! fixed_number {
                     .ok()
                     .map(<$signal>::from_bits)
             }
+            #[inline]
+            fn saturating_signal(si: Si) -> $signal {
+                let limit = i64::from(<$int>::MAX);
+                let bits = Self::from_si(si, Self::SIGNAL_BITS).clamp(-limit - 1, limit);
+                <$signal>::from_bits(bits as $int)
+            }
             fn gain(si: Si) -> Option<$gain> {
                 if si.is_negative() {
                     return None;

@@ -19,6 +19,9 @@ macro_rules! float_number {
             fn signal(si: Si) -> Option<$float> {
                 Some(si.to_num())
             }
+            fn saturating_signal(si: Si) -> $float {
+                si.to_num()
+            }
             fn gain(si: Si) -> Option<$float> {
                 if si.is_negative() {
                     None

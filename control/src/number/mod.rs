@@ -42,6 +42,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
 
     /// SI value to signal, towards zero; `None` outside the format.
     fn signal(si: Si) -> Option<Self::Signal>;
+    /// SI value to signal, towards zero, saturating.
+    fn saturating_signal(si: Si) -> Self::Signal;
     /// SI value to gain, towards zero; `None` if negative or too large.
     fn gain(si: Si) -> Option<Self::Gain>;
     /// SI value to ratio, towards zero; `None` if negative or too large.

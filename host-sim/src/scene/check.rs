@@ -90,16 +90,19 @@ fn motion(scene: &Scene) -> Option<Problem> {
                 "give the path of a CSV file, relative to the scene's folder",
             )
         }),
-        MotionSpec::None | MotionSpec::RampAndHold(_) | MotionSpec::PressWiggleRelease(_) => None,
+        MotionSpec::None
+        | MotionSpec::RampAndHold(_)
+        | MotionSpec::PressWiggleRelease(_)
+        | MotionSpec::TouchAndPress(_) => None,
     }
 }
 
 fn duration(scene: &Scene) -> Option<Problem> {
     let end = match &scene.operator.motion {
         // The release may be cut short: nothing is judged in it.
-        motion @ (MotionSpec::RampAndHold(_) | MotionSpec::PressWiggleRelease(_)) => {
-            motion.hold_window_s()?.1
-        }
+        motion @ (MotionSpec::RampAndHold(_)
+        | MotionSpec::PressWiggleRelease(_)
+        | MotionSpec::TouchAndPress(_)) => motion.hold_window_s()?.1,
         MotionSpec::Tap(tap) => tap.start_s + tap::length_s(tap),
         MotionSpec::None | MotionSpec::Recorded(_) => return None,
     };

@@ -62,6 +62,26 @@ pub enum Regulate {
     Hip,
 }
 
+/// When the enhanced law changes the offset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OffsetUpdate {
+    /// At inward ticks of the virtual mass only, thesis Algorithm 3.1.
+    Inward,
+    /// At every tick of contact, in the direction of the error.
+    EveryTick,
+}
+
+/// What the offset's ideal step supposes of the hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IdealStep {
+    /// The position stays, thesis (3.7): `|k_de e - |f||/k_v`.
+    Position,
+    /// The force stays and the hand gives way: `|e - |f|/k_de|`.
+    Force,
+}
+
 /// Parameters of all laws. Each law takes what it has a use for and ignores the rest, so that laws compare in one
 /// scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -86,11 +106,17 @@ pub struct Law {
     pub first_contact: Option<FirstContact>,
     /// Where the stiffness is regulated. Default `hip`.
     pub regulate: Regulate,
-    /// `a` of thesis (3.11): the offset's step is at most this share of the penetration, 0 to 1. Default 0.05.
+    /// When the enhanced law changes the offset. Default `every-tick`.
+    pub offset_update: OffsetUpdate,
+    /// What the ideal step supposes of the hand. Default `force`.
+    pub ideal_step: IdealStep,
+    /// Energy that one contact of the enhanced law may give beyond what it took, J, 0 or more. Default 0.02.
+    pub energy_credit_j: f64,
+    /// `a` of thesis (3.11): the offset's step is at most this share of the penetration, 0 to 1. Default 0.03.
     pub limit_a_of_penetration: f64,
-    /// `b` of thesis (3.9): the force's step is at most this share of the force, 0 to 1. Default 0.1.
+    /// `b` of thesis (3.9): the force's step is at most this share of the force, 0 to 1. Default 0.03.
     pub limit_b_of_force: f64,
-    /// `c` of thesis (3.8): the offset's step is this share of the ideal one, 0 to 1. Default 0.1.
+    /// `c` of thesis (3.8): the offset's step is this share of the ideal one, 0 to 1. Default 0.012.
     pub step_c_of_ideal: f64,
     /// Largest force that the law commands, N·m, above 0. Default 0.5.
     pub force_limit_n_m: f64,
@@ -130,13 +156,18 @@ impl Default for Law {
             first_contact: None,
             // The only choice that shows k_de at the hand without a bound from k_f.
             regulate: Regulate::Hip,
-            // The thesis asks for "a fraction" only. Chosen, not measured: the offset takes 20 ticks or more to
-            // grow by one penetration.
-            limit_a_of_penetration: 0.05,
-            // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay below it.
-            limit_b_of_force: 0.1,
-            // Chosen: nine tenths of a gap close in 22 ticks, slow against the device, fast against the hand.
-            step_c_of_ideal: 0.1,
+            // Inward-only is a ratchet: it goes on only as long as something jitters, and overshoots.
+            offset_update: OffsetUpdate::EveryTick,
+            // What a coupling k_f stores under the thesis' press, F²/(2 k_f) = 5 mJ, four times over.
+            energy_credit_j: 0.02,
+            // One `step_c_of_ideal` then serves all stiffnesses.
+            ideal_step: IdealStep::Force,
+            // a, b, c and the filter: from a search over grips, encoders, touch and press, and k_de from 1 to 20 k_c.
+            // The thesis asks for "a fraction" only.
+            limit_a_of_penetration: 0.03,
+            // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
+            limit_b_of_force: 0.03,
+            step_c_of_ideal: 0.012,
             // The thesis knob's torque limit: five times the thesis' typical push.
             force_limit_n_m: 0.5,
             filter: Filter::default(),
@@ -148,28 +179,28 @@ impl Default for Law {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Filter {
-    /// Virtual mass, kg·m², above 0. Default 1e-5.
+    /// Virtual mass, kg·m², above 0. Default 3e-6.
     pub mass_kg_m2: f64,
-    /// Spring `k_f` between HIP and mass, N·m/rad, above 0. Default 0.8.
+    /// Spring `k_f` between HIP and mass, N·m/rad, above 0. Default 1.
     pub stiffness_n_m_per_rad: f64,
-    /// Damper `c_f` between HIP and mass, N·m·s/rad, 0 or more. Default 1e-4.
+    /// Damper `c_f` between HIP and mass, N·m·s/rad, 0 or more. Default 0.
     pub damping_n_m_s_per_rad: f64,
-    /// Damper `c_env` between mass and ground, N·m·s/rad, 0 or more. Default 4e-4.
+    /// Damper `c_env` between mass and ground, N·m·s/rad, 0 or more. Default 0.01.
     pub damping_to_ground_n_m_s_per_rad: f64,
 }
 
 impl Default for Filter {
     fn default() -> Self {
         Filter {
-            // A tenth of the device's inertia: not felt, yet slower than a tick on its spring (22 ms a period).
-            mass_kg_m2: 1e-5,
+            // A thirtieth of the device's inertia: not felt.
+            mass_kg_m2: 3e-6,
             // 2 (c_i - c_f) / T at 1 kHz: the most that sampling allows without help from the hand.
-            stiffness_n_m_per_rad: 0.8,
-            // A fifth of c_i: it damps the mass, and what it takes is lost to k_f.
-            damping_n_m_s_per_rad: 1e-4,
-            // k_v T / 2 at 1 kHz: the least that keeps the soft spring passive on the force of the previous mass
-            // position.
-            damping_to_ground_n_m_s_per_rad: 4e-4,
+            stiffness_n_m_per_rad: 1.0,
+            // What it takes is lost to k_f; the damper to ground is enough.
+            damping_n_m_s_per_rad: 0.0,
+            // Far above k_v T / 2 at 1 kHz, the least that keeps the soft spring passive on the force of the previous mass
+            // position: it sets how fast the mass follows (12 ms), and so how calm it is.
+            damping_to_ground_n_m_s_per_rad: 0.01,
         }
     }
 }

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::plant;
+
 /// The operator. Absent: nobody holds the device.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -44,9 +46,6 @@ pub enum Grip {
     Custom,
 }
 
-/// Radius at which the fingers hold the knob, m: turns the grips' linear values into rotary ones (times its square).
-pub const KNOB_RADIUS_M: f64 = 0.015;
-
 impl Grip {
     /// Name in scenes and results.
     pub fn name(self) -> &'static str {
@@ -61,24 +60,20 @@ impl Grip {
 
     /// The preset's values; `None` for `none` and `custom`.
     ///
-    /// Put together from published hand and fingertip models and chosen so that a medium grip on a light device
-    /// becomes unstable near the thesis' 1 N·m/rad; they are not measurements. Impedance rises with grip force,
-    /// inertia least.
+    /// They are the plant's, where the choice is explained: [`plant::MEDIUM`].
     pub fn hand(self) -> Option<Hand> {
-        //                           pad N/m, N·s/m   hand kg, N·s/m, N/m
-        let (pad, hand) = match self {
-            Grip::Light => ((300.0, 0.5), (0.1, 1.0, 30.0)),
-            Grip::Medium => ((700.0, 1.5), (0.3, 3.0, 100.0)),
-            Grip::Firm => ((2000.0, 5.0), (0.8, 5.5, 300.0)),
+        let hand = match self {
+            Grip::Light => plant::LIGHT,
+            Grip::Medium => plant::MEDIUM,
+            Grip::Firm => plant::FIRM,
             Grip::None | Grip::Custom => return None,
         };
-        let r2 = KNOB_RADIUS_M * KNOB_RADIUS_M;
         Some(Hand {
-            pad_stiffness_n_m_per_rad: pad.0 * r2,
-            pad_damping_n_m_s_per_rad: pad.1 * r2,
-            inertia_kg_m2: hand.0 * r2,
-            damping_n_m_s_per_rad: hand.1 * r2,
-            stiffness_n_m_per_rad: hand.2 * r2,
+            pad_stiffness_n_m_per_rad: hand.pad_stiffness_n_m_per_rad,
+            pad_damping_n_m_s_per_rad: hand.pad_damping_n_m_s_per_rad,
+            inertia_kg_m2: hand.inertia_kg_m2,
+            damping_n_m_s_per_rad: hand.damping_n_m_s_per_rad,
+            stiffness_n_m_per_rad: hand.stiffness_n_m_per_rad,
         })
     }
 }
@@ -89,7 +84,7 @@ impl Grip {
 pub struct Hand {
     /// Fingertip pad's stiffness between device and hand, N·m/rad, above 0. Default 0.1575.
     pub pad_stiffness_n_m_per_rad: f64,
-    /// Fingertip pad's damping, N·m·s/rad, 0 or more. Default 3.375e-4.
+    /// Fingertip pad's damping, N·m·s/rad, 0 or more. Default 1e-4.
     pub pad_damping_n_m_s_per_rad: f64,
     /// Hand's moment of inertia, kg·m², above 0. Default 6.75e-5.
     pub inertia_kg_m2: f64,
@@ -126,6 +121,8 @@ pub enum MotionSpec {
     Tap(Tap),
     /// Presses, presses harder and softer in turn, holds still, lets go.
     PressWiggleRelease(PressWiggleRelease),
+    /// Touches the wall lightly and briskly, stays, then presses, holds, lets go.
+    TouchAndPress(TouchAndPress),
     /// Follows a recording.
     Recorded(Recorded),
 }
@@ -138,21 +135,41 @@ impl MotionSpec {
             MotionSpec::RampAndHold(_) => "ramp-and-hold",
             MotionSpec::Tap(_) => "tap",
             MotionSpec::PressWiggleRelease(_) => "press-wiggle-release",
+            MotionSpec::TouchAndPress(_) => "touch-and-press",
             MotionSpec::Recorded(_) => "recorded",
         }
     }
 
-    /// Start and end of the time over which displayed stiffness and limit cycle are judged, s; `None` without a quiet
-    /// hold.
+    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order; the last is the press that the
+    /// displayed stiffness is judged by.
+    pub fn holds_s(&self) -> Vec<(f64, f64)> {
+        match self {
+            MotionSpec::RampAndHold(m) => {
+                vec![(m.start_s + m.ramp_s, m.start_s + m.ramp_s + m.hold_s)]
+            }
+            MotionSpec::PressWiggleRelease(m) => {
+                let start = m.start_s + m.ramp_s + m.wiggle_s;
+                vec![(start, start + m.hold_s)]
+            }
+            MotionSpec::TouchAndPress(m) => {
+                let touched = m.start_s + m.touch_ramp_s;
+                let pressed = touched + m.touch_s + m.ramp_s;
+                vec![
+                    (touched, touched + m.touch_s),
+                    (pressed, pressed + m.hold_s),
+                ]
+            }
+            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => Vec::new(),
+        }
+    }
+
+    /// Start and end of the time over which the displayed stiffness is judged, s; `None` without a quiet hold.
     ///
-    /// It is the second half of the hold: in the first half hand and offset still settle.
+    /// It is the second half of the last hold: in the first half hand and offset still settle.
     pub fn hold_window_s(&self) -> Option<(f64, f64)> {
-        let (start, length) = match self {
-            MotionSpec::RampAndHold(m) => (m.start_s + m.ramp_s, m.hold_s),
-            MotionSpec::PressWiggleRelease(m) => (m.start_s + m.ramp_s + m.wiggle_s, m.hold_s),
-            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => return None,
-        };
-        Some((start + 0.5 * length, start + length))
+        self.holds_s()
+            .last()
+            .map(|&(start, end)| (0.5 * (start + end), end))
     }
 }
 
@@ -221,6 +238,50 @@ impl Default for Tap {
             velocity_rad_per_s: 3.0,
             // Long enough that the tap stays a human motion (about 4 Hz).
             approach_rad: 0.1,
+        }
+    }
+}
+
+/// Touches lightly, then presses: one scene that an unstable law has two ways to fail in. A light touch lets a wall that
+/// gives too much energy throw the hand off; a firm press drives a wall that samples too coarsely into oscillation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TouchAndPress {
+    /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
+    pub start_s: f64,
+    /// Time from rest outside to the light touch, s, at least 0.05. Default 0.05.
+    pub touch_ramp_s: f64,
+    /// Time of the light touch, s, above 0. Default 2.
+    pub touch_s: f64,
+    /// Static torque of the light touch, N·m, above 0. Default 0.02.
+    pub touch_torque_n_m: f64,
+    /// Time from the touch to the full push, s, at least 0.05. Default 0.3.
+    pub ramp_s: f64,
+    /// Time of the steady push, s, above 0. Default 1.5.
+    pub hold_s: f64,
+    /// Time from the push back to rest outside, s, at least 0.05. Default 0.4.
+    pub release_s: f64,
+    /// Static torque against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    pub push_torque_n_m: f64,
+    /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
+    pub approach_rad: f64,
+}
+
+impl Default for TouchAndPress {
+    fn default() -> Self {
+        TouchAndPress {
+            start_s: 0.1,
+            // As brisk as a hand can (10 Hz): the contact that throws a light hand off an energetic wall.
+            touch_ramp_s: FASTEST_RAMP_S,
+            // Long enough for the heaviest hand's own swing in its grip (0.3 s) to die away.
+            touch_s: 2.0,
+            // A fifth of the push.
+            touch_torque_n_m: 0.02,
+            ramp_s: 0.3,
+            hold_s: 1.5,
+            release_s: 0.4,
+            push_torque_n_m: 0.1,
+            approach_rad: APPROACH_RAD,
         }
     }
 }

@@ -11,6 +11,7 @@ pub(crate) enum Dimension {
     Damping,
     Inertia,
     Frequency,
+    Energy,
 }
 
 /// One way to write a unit.
@@ -80,6 +81,8 @@ pub(crate) const UNITS: &[Unit] = &[
     unit(Dimension::Inertia, "g_cm2", "g·cm²", 1e-7),
     unit(Dimension::Inertia, "kg_mm2", "kg·mm²", 1e-6),
     unit(Dimension::Inertia, "g_mm2", "g·mm²", 1e-9),
+    unit(Dimension::Energy, "j", "J", 1.0),
+    unit(Dimension::Energy, "mj", "mJ", 1e-3),
     unit(Dimension::Frequency, "hz", "Hz", 1.0),
     unit(Dimension::Frequency, "khz", "kHz", 1e3),
 ];

@@ -62,6 +62,9 @@ impl Motion {
             MotionSpec::PressWiggleRelease(spec) => {
                 Shape::Press(Press::wiggle(spec, &hand()?, &scene.wall))
             }
+            MotionSpec::TouchAndPress(spec) => {
+                Shape::Press(Press::touch_and_press(spec, &hand()?, &scene.wall))
+            }
             MotionSpec::Tap(spec) => {
                 Shape::Tap(TapPath::new(spec, &hand()?, &scene.device, surface))
             }

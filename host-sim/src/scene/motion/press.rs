@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::minimum_jerk;
-use crate::scene::{Hand, PressWiggleRelease, RampAndHold, Wall};
+use crate::scene::{Hand, PressWiggleRelease, RampAndHold, TouchAndPress, Wall};
 
 /// Rest point of a press.
 ///
@@ -13,7 +13,11 @@ use crate::scene::{Hand, PressWiggleRelease, RampAndHold, Wall};
 #[derive(Debug, Clone)]
 pub(super) struct Press {
     outside_rad: f64,
+    /// Where the press starts from: outside, or the light touch before it.
+    from_rad: f64,
     inside_rad: f64,
+    touch_start_s: f64,
+    touch_ramp_s: f64,
     start_s: f64,
     ramp_s: f64,
     wiggle_s: f64,
@@ -31,9 +35,13 @@ fn shift_per_n_m(hand: &Hand, wall: &Wall) -> f64 {
 
 impl Press {
     pub fn ramp_and_hold(spec: &RampAndHold, hand: &Hand, wall: &Wall) -> Self {
+        let outside_rad = wall.surface_rad - spec.approach_rad;
         Press {
-            outside_rad: wall.surface_rad - spec.approach_rad,
+            outside_rad,
+            from_rad: outside_rad,
             inside_rad: wall.surface_rad + spec.push_torque_n_m * shift_per_n_m(hand, wall),
+            touch_start_s: spec.start_s,
+            touch_ramp_s: 0.0,
             start_s: spec.start_s,
             ramp_s: spec.ramp_s,
             wiggle_s: 0.0,
@@ -44,11 +52,33 @@ impl Press {
         }
     }
 
+    pub fn touch_and_press(spec: &TouchAndPress, hand: &Hand, wall: &Wall) -> Self {
+        let shift = shift_per_n_m(hand, wall);
+        let press = RampAndHold {
+            start_s: spec.start_s + spec.touch_ramp_s + spec.touch_s,
+            ramp_s: spec.ramp_s,
+            hold_s: spec.hold_s,
+            release_s: spec.release_s,
+            push_torque_n_m: spec.push_torque_n_m,
+            approach_rad: spec.approach_rad,
+        };
+        Press {
+            from_rad: wall.surface_rad + spec.touch_torque_n_m * shift,
+            touch_start_s: spec.start_s,
+            touch_ramp_s: spec.touch_ramp_s,
+            ..Press::ramp_and_hold(&press, hand, wall)
+        }
+    }
+
     pub fn wiggle(spec: &PressWiggleRelease, hand: &Hand, wall: &Wall) -> Self {
         let shift = shift_per_n_m(hand, wall);
+        let outside_rad = wall.surface_rad - spec.approach_rad;
         Press {
-            outside_rad: wall.surface_rad - spec.approach_rad,
+            outside_rad,
+            from_rad: outside_rad,
             inside_rad: wall.surface_rad + spec.push_torque_n_m * shift,
+            touch_start_s: spec.start_s,
+            touch_ramp_s: 0.0,
             start_s: spec.start_s,
             ramp_s: spec.ramp_s,
             wiggle_s: spec.wiggle_s,
@@ -62,13 +92,22 @@ impl Press {
     pub fn rest_rad(&self, time_s: f64) -> f64 {
         let pressed = time_s - self.start_s - self.ramp_s;
         let released = pressed - self.wiggle_s - self.hold_s;
-        let way = self.inside_rad - self.outside_rad;
-        if pressed < 0.0 {
-            self.outside_rad + way * minimum_jerk((time_s - self.start_s) / self.ramp_s)
+        if time_s < self.start_s {
+            // Nothing, or the light touch: a ramp of no length is no ramp, not a jump.
+            let share = if self.touch_ramp_s > 0.0 {
+                (time_s - self.touch_start_s) / self.touch_ramp_s
+            } else {
+                0.0
+            };
+            self.outside_rad + (self.from_rad - self.outside_rad) * minimum_jerk(share)
+        } else if pressed < 0.0 {
+            let way = self.inside_rad - self.from_rad;
+            self.from_rad + way * minimum_jerk((time_s - self.start_s) / self.ramp_s)
         } else if released < 0.0 {
             self.inside_rad + self.wiggle_at(pressed)
         } else {
-            self.inside_rad - way * minimum_jerk(released / self.release_s)
+            self.inside_rad
+                - (self.inside_rad - self.outside_rad) * minimum_jerk(released / self.release_s)
         }
     }
 

@@ -38,8 +38,14 @@ const fn number(
     field(path, unit, Kind::Number(range), about)
 }
 
-const PRESSES: &[&str] = &["ramp-and-hold", "press-wiggle-release"];
-const TIMED: &[&str] = &["ramp-and-hold", "tap", "press-wiggle-release"];
+const PRESSES: &[&str] = &["ramp-and-hold", "press-wiggle-release", "touch-and-press"];
+const TIMED: &[&str] = &[
+    "ramp-and-hold",
+    "tap",
+    "press-wiggle-release",
+    "touch-and-press",
+];
+const TOUCH: &[&str] = &["touch-and-press"];
 const WIGGLE: &[&str] = &["press-wiggle-release"];
 const TAP: &[&str] = &["tap"];
 const RECORDED: &[&str] = &["recorded"];
@@ -58,12 +64,15 @@ const NUMBERS: &[&str] = &["fixed32", "fixed16", "f32", "f64"];
 const OBSERVERS: &[&str] = &["exact", "thesis"];
 const FIRST_CONTACTS: &[&str] = &["keep-force", "zero-offset"];
 const REGULATES: &[&str] = &["mass", "mass-compensated", "hip"];
+const OFFSET_UPDATES: &[&str] = &["inward", "every-tick"];
+const IDEAL_STEPS: &[&str] = &["position", "force"];
 const GRIPS: &[&str] = &["none", "light", "medium", "firm", "custom"];
 const MOTIONS: &[&str] = &[
     "none",
     "ramp-and-hold",
     "tap",
     "press-wiggle-release",
+    "touch-and-press",
     "recorded",
 ];
 
@@ -214,6 +223,24 @@ pub(crate) const FIELDS: &[Field] = &[
         Choice(REGULATES),
         "where the displayed stiffness is regulated",
     ),
+    field(
+        "law.offset_update",
+        "",
+        Choice(OFFSET_UPDATES),
+        "when the enhanced law changes the offset",
+    ),
+    field(
+        "law.ideal_step",
+        "",
+        Choice(IDEAL_STEPS),
+        "what the offset's ideal step supposes to stay",
+    ),
+    number(
+        "law.energy_credit_j",
+        "j",
+        NotNegative,
+        "the energy that one contact may give beyond what it took",
+    ),
     number(
         "law.limit_a_of_penetration",
         "",
@@ -306,6 +333,27 @@ pub(crate) const FIELDS: &[Field] = &[
         "the time at which the hand starts to move",
     )
     .only(TIMED),
+    number(
+        "operator.motion.touch_ramp_s",
+        "s",
+        AtLeast(FASTEST_RAMP_S),
+        "the time from rest to the light touch",
+    )
+    .only(TOUCH),
+    number(
+        "operator.motion.touch_s",
+        "s",
+        Positive,
+        "the time of the light touch",
+    )
+    .only(TOUCH),
+    number(
+        "operator.motion.touch_torque_n_m",
+        "n_m",
+        Positive,
+        "the static torque of the light touch",
+    )
+    .only(TOUCH),
     number(
         "operator.motion.ramp_s",
         "s",

@@ -64,7 +64,7 @@ fn fields_in_the_wrong_table_or_motion() {
     refused(
         "[operator]\ngrip = \"light\"\n[operator.motion]\nkind = \"tap\"\nhold_s = 1",
         "s.toml:5: operator.motion.hold_s: the motion `tap` has no such field; \
-         remove it, or use it with ramp-and-hold or press-wiggle-release",
+         remove it, or use it with ramp-and-hold, press-wiggle-release or touch-and-press",
     );
 }
 
@@ -152,7 +152,7 @@ fn unknown_words() {
     );
     refused(
         "[operator.motion]\nkind = \"wave\"\nspeed = 3",
-        "s.toml:2: operator.motion.kind: unknown value \"wave\"; give none, ramp-and-hold, tap, press-wiggle-release or recorded",
+        "s.toml:2: operator.motion.kind: unknown value \"wave\"; give none, ramp-and-hold, tap, press-wiggle-release, touch-and-press or recorded",
     );
 }
 
@@ -265,7 +265,7 @@ fn the_fix_for_a_fast_tap_is_accepted() {
 fn missing_parts_and_files() {
     refused(
         "[operator]\ngrip = \"light\"\n[operator.motion]\nhold_s = 1",
-        "s.toml:3: operator.motion.kind: missing; give none, ramp-and-hold, tap, press-wiggle-release or recorded",
+        "s.toml:3: operator.motion.kind: missing; give none, ramp-and-hold, tap, press-wiggle-release, touch-and-press or recorded",
     );
     refused(
         "[operator]\ngrip = \"light\"\n[operator.motion]\nkind = \"recorded\"",
