@@ -8,7 +8,7 @@
 use touchstone_control::law::View;
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{
-    Controller, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError,
+    Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError,
 };
 
 /// Validates settings and computes a law's coefficients.
@@ -33,6 +33,12 @@ pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsErr
 #[inline(never)]
 pub fn bounds_left(settings: &Settings) -> usize {
     settings.warnings().count()
+}
+
+/// Encoder count to penetration.
+#[inline(never)]
+pub fn penetration(scale: &CountScale, count: i64) -> Position<Fixed32> {
+    scale.penetration(count)
 }
 
 /// One control period: penetration to force.
