@@ -20,22 +20,29 @@ use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 /// TDPA around the spring `k_de`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tdpa<N: Number> {
-    pub(crate) desired: Stiffness<N>,
-    pub(crate) observer: ObserverForm,
+    /// Desired stiffness `k_de`.
+    pub desired: Stiffness<N>,
+    /// Which observer.
+    pub observer: ObserverForm,
     /// `c_i/T` if the device's own damping counts as dissipation (2.6), else zero.
-    pub(crate) device_damping: Stiffness<N>,
-    pub(crate) limit: Force<N>,
+    pub device_damping: Stiffness<N>,
+    /// Largest force ever commanded.
+    pub limit: Force<N>,
     /// Cap of the stored energy; keeps the sum inside its format. Capping downwards is conservative.
-    pub(crate) energy_cap: Energy<N>,
+    pub energy_cap: Energy<N>,
 }
 
 /// Memory of [`Tdpa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TdpaState<N: Number> {
-    pub(crate) last: Position<N>,
-    pub(crate) force: Force<N>,
-    pub(crate) energy: Energy<N>,
-    pub(crate) inside: bool,
+    /// Penetration of the last tick.
+    pub last: Position<N>,
+    /// Force of the last tick.
+    pub force: Force<N>,
+    /// Observed energy.
+    pub energy: Energy<N>,
+    /// Whether the HIP was in the wall.
+    pub inside: bool,
 }
 
 impl<N: Number> Tdpa<N> {

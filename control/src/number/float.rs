@@ -108,6 +108,22 @@ macro_rules! float_number {
             fn root(e: $float) -> $float {
                 if e > 0.0 { root::<$float>(e) } else { 0.0 }
             }
+            fn root_of_four(k: $float) -> $float {
+                if k > 0.0 {
+                    root::<$float>(4.0 * k)
+                } else {
+                    0.0
+                }
+            }
+            #[inline(always)]
+            fn affordable(e: $float, f: $float) -> ($float, $float) {
+                // In exact arithmetic nothing is left over.
+                if f > 0.0 && e > 0.0 {
+                    (e / f, 0.0)
+                } else {
+                    (0.0, if e > 0.0 { e } else { 0.0 })
+                }
+            }
             #[inline(always)]
             fn passivity_step(e: $float, f: $float, d: $float) -> ($float, $float) {
                 let e = if e < 0.0 { 0.0 } else { e };

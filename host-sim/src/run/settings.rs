@@ -89,6 +89,11 @@ pub fn settings(scene: &Scene) -> Result<Settings> {
     })
 }
 
+/// A value as a person would write it: the exact format's own rounding is left out.
+fn tidy(value: Si) -> f64 {
+    (value.to_num::<f64>() * 1e6).round() / 1e6
+}
+
 /// Dotted path in a scene of a setting.
 fn path(field: Field) -> &'static str {
     match field {
@@ -119,22 +124,32 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
             max,
         } => scene.error(
             path(*field),
-            format!("{value} is out of range"),
-            format!("give a value from {min} to {max}"),
+            format!("{} is out of range", tidy(*value)),
+            format!("give a value from {} to {}", tidy(*min), tidy(*max)),
         ),
         SettingsError::OutOfFormat {
             field,
             value,
             format,
-        } => scene.error(
-            path(*field),
-            format!("its coefficient {value:.3} does not fit the number format {format}"),
-            "give a smaller value, or law.number = \"fixed32\" or \"f64\"",
-        ),
+        } => {
+            let wider = if *format == "fixed32" {
+                "\"f64\""
+            } else {
+                "\"fixed32\" or \"f64\""
+            };
+            scene.error(
+                path(*field),
+                format!("its coefficient {value:.3} does not fit the number format {format}"),
+                format!("give a smaller value, or law.number = {wider}"),
+            )
+        }
         SettingsError::NoCompensation { k_filter, .. } => scene.error(
             "law.regulate",
             "mass-compensated cannot reach k_de, which is not below k_f (thesis 3.5)",
-            format!("give k_desired_n_m_per_rad below {k_filter}, or regulate = \"hip\""),
+            format!(
+                "give k_desired_n_m_per_rad below {}, or regulate = \"hip\"",
+                tidy(*k_filter)
+            ),
         ),
     }
 }
@@ -142,18 +157,19 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
 /// What a warning says, at its place in the scene: bound, value, what is lost.
 pub fn warned(scene: &Scene, warning: &Warning) -> Error {
     let (path, fix) = match warning {
-        Warning::SoftAboveCritical { k_critical, .. } => {
-            ("law.k_v_n_m_per_rad", format!("give {k_critical} or less"))
-        }
+        Warning::SoftAboveCritical { k_critical, .. } => (
+            "law.k_v_n_m_per_rad",
+            format!("give {} or less", tidy(*k_critical)),
+        ),
         Warning::CouplingAboveBound { bound, .. } => (
             "law.filter.stiffness_n_m_per_rad",
-            format!("give {bound} or less"),
+            format!("give {} or less", tidy(*bound)),
         ),
         Warning::GroundDampingBelowBound { bound, .. } => {
             let least = bound.to_num::<f64>() / f64::from(scene.timing.rate_hz);
             (
                 "law.filter.damping_to_ground_n_m_s_per_rad",
-                format!("give {least:e} or more"),
+                format!("give {} or more", (least * 1e9).round() / 1e9),
             )
         }
         Warning::ThesisObserver => ("law.observer", "give exact".to_owned()),
