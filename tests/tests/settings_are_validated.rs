@@ -91,7 +91,11 @@ fn every_field_is_checked_on_both_sides_of_both_ends() {
             let text = error.to_string();
             assert_one_line(&text);
             assert!(text.starts_with(&format!("{} = ", field.name())), "{text}");
-            assert!(text.contains(&value.to_string()) && text.contains(&max.to_string()));
+            let range = format!("{min:.6} to {max:.6}");
+            assert!(
+                text.contains(&format!("{value:.6}")) && text.ends_with(&range),
+                "{text}"
+            );
         }
     }
 }
