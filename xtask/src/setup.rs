@@ -1,7 +1,7 @@
 //! `cargo xtask setup [--install]`: what is installed, what is missing, what it is for and how to get it.
 //!
 //! rustfmt and clippy, which every test run needs, are fetched by rustup without asking, and so is valgrind, by apt-get as
-//! root, when something is to be counted; the other system packages only with `--install`.
+//! root, when something is to be counted; the rest only with `--install`.
 
 use std::process::Command;
 
@@ -22,8 +22,8 @@ struct Tool {
     version: fn() -> Option<String>,
     /// How to get it.
     hint: &'static str,
-    /// Debian's package.
-    package: Option<&'static str>,
+    /// Debian's packages, for what a step of the tests needs.
+    packages: &'static [&'static str],
 }
 
 const TOOLS: &[Tool] = &[
@@ -33,7 +33,7 @@ const TOOLS: &[Tool] = &[
         purpose: "everything",
         version: rustc,
         hint: "rustup toolchain install stable (1.95 or newer)",
-        package: None,
+        packages: &[],
     },
     Tool {
         name: "rustfmt",
@@ -41,7 +41,7 @@ const TOOLS: &[Tool] = &[
         purpose: "fmt",
         version: || component("rustfmt"),
         hint: "rustup component add rustfmt",
-        package: None,
+        packages: &[],
     },
     Tool {
         name: "clippy",
@@ -49,7 +49,7 @@ const TOOLS: &[Tool] = &[
         purpose: "lint",
         version: || component("clippy"),
         hint: "rustup component add clippy",
-        package: None,
+        packages: &[],
     },
     Tool {
         name: "valgrind",
@@ -57,7 +57,7 @@ const TOOLS: &[Tool] = &[
         purpose: "bench: counts instructions",
         version: valgrind,
         hint: "apt-get install valgrind",
-        package: Some("valgrind"),
+        packages: &["valgrind"],
     },
     Tool {
         name: "thumb",
@@ -65,7 +65,8 @@ const TOOLS: &[Tool] = &[
         purpose: "float-free: looks at the microcontroller's code",
         version: || thumb::find().map(|found| found.to_string()),
         hint: "rustup target add thumbv7em-none-eabi",
-        package: None,
+        // A compiler with its library's source, where rustup cannot fetch the target.
+        packages: &["rustc-web", "rust-web-src"],
     },
     Tool {
         name: "python3",
@@ -73,7 +74,7 @@ const TOOLS: &[Tool] = &[
         purpose: "prove: the integer obligations",
         version: || first_line(&["python3", "--version"]),
         hint: "apt-get install python3",
-        package: Some("python3"),
+        packages: &["python3"],
     },
     Tool {
         name: "venv",
@@ -87,7 +88,7 @@ const TOOLS: &[Tool] = &[
             ])
         },
         hint: "apt-get install python3-venv",
-        package: Some("python3-venv"),
+        packages: &["python3-venv"],
     },
     Tool {
         name: "kani",
@@ -95,7 +96,7 @@ const TOOLS: &[Tool] = &[
         purpose: "prove: the harnesses",
         version: || first_line(&["cargo", "kani", "--version"]),
         hint: "cargo install --locked kani-verifier, then cargo kani setup",
-        package: None,
+        packages: &[],
     },
     Tool {
         name: "chromium",
@@ -103,7 +104,7 @@ const TOOLS: &[Tool] = &[
         purpose: "looking at the report in a browser",
         version: chromium,
         hint: "apt-get install chromium",
-        package: Some("chromium"),
+        packages: &[],
     },
 ];
 
@@ -118,7 +119,7 @@ fn rustc() -> Option<String> {
 }
 
 /// Whether `rustc 1.95.0 (…)` is at least the oldest that will do.
-fn is_new_enough(version: &str) -> bool {
+pub fn is_new_enough(version: &str) -> bool {
     let number = version.split_whitespace().nth(1).unwrap_or("");
     let mut parts = number.split('.').map(|part| part.parse().unwrap_or(0));
     (parts.next().unwrap_or(0), parts.next().unwrap_or(0)) >= RUST
@@ -169,24 +170,31 @@ fn apt_get(packages: &[&str]) {
         println!("to install: apt-get install {}", packages.join(" "));
         return;
     }
-    let mut update = shell::program("apt-get");
-    update.args(["update", "-qq"]);
-    let mut install = shell::program("apt-get");
-    install
-        .args(["install", "-y", "-qq", "--no-install-recommends"])
-        .args(packages)
-        .env("DEBIAN_FRONTEND", "noninteractive");
-    let _ = shell::run_all([update, install]);
+    let apt_get = |words: &[&str]| {
+        let mut command = shell::program("apt-get");
+        command.args(words).env("DEBIAN_FRONTEND", "noninteractive");
+        shell::run(&mut command)
+    };
+    apt_get(&["update", "-qq"]);
+    // One by one: a package that this system does not have must not keep the others away.
+    for package in packages {
+        let options = ["install", "-y", "-qq", "--no-install-recommends"];
+        apt_get(&[&options[..], &[package]].concat());
+    }
 }
 
 pub fn run(args: &[String]) -> Outcome {
     match args {
         [] => {}
         [install] if install == "--install" => {
+            // rustup first: it fetches the target itself where it has a network.
+            if thumb::find().is_none() {
+                shell::run(shell::program("rustup").args(["target", "add", thumb::TARGET]));
+            }
             let packages: Vec<_> = TOOLS
                 .iter()
                 .filter(|tool| (tool.version)().is_none())
-                .filter_map(|tool| tool.package)
+                .flat_map(|tool| tool.packages.iter().copied())
                 .collect();
             if !packages.is_empty() {
                 apt_get(&packages);
