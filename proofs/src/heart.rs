@@ -211,7 +211,10 @@ mod contract {
         assert!(step.force <= force);
         let paid = force.times(moved) <= energy;
         assert!(paid || step.energy < u64::from(moved));
-        kani::cover!(!paid && step.force > 0 && step.force < force, "force reduced");
+        kani::cover!(
+            !paid && step.force > 0 && step.force < force,
+            "force reduced"
+        );
         kani::cover!(paid && step.energy < energy, "paid");
     }
 }
