@@ -2,18 +2,8 @@
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{
-    FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings, Si,
+    FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings,
 };
-
-/// An SI value from its decimal text.
-///
-/// # Panics
-/// For a text that is no number.
-#[must_use]
-pub fn si(text: &str) -> Si {
-    text.parse()
-        .unwrap_or_else(|error| panic!("{text}: {error}"))
-}
 
 const OBSERVERS: [ObserverForm; 2] = [ObserverForm::Exact, ObserverForm::Thesis];
 const FIRST_CONTACTS: [FirstContact; 2] = [FirstContact::KeepForce, FirstContact::ZeroOffset];

@@ -5,7 +5,8 @@ use touchstone_control::{
     Controller, Fixed8, Fixed16, Fixed32, Force, Number, Position, Settings, Si,
 };
 use touchstone_tests::random::Random;
-use touchstone_tests::variants::{all, si};
+use touchstone_tests::si::si;
+use touchstone_tests::variants::all;
 
 /// Every sequence of this many positions.
 const LENGTH: u32 = 6;
