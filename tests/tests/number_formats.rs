@@ -116,8 +116,8 @@ fn f32_is_within_a_hundredth_of_a_millinewtonmetre_of_f64() {
 #[test]
 fn fixed16_shows_the_wall_to_a_tenth_of_the_press_and_no_better() {
     let worst = worst::<Fixed16>();
-    // Steps of the offset end where they round to zero: at 6.1e-5 rad, a share c/k_de of the force's error. What is left of
-    // that error is a tenth of the press of 0.1 N·m.
+    // A step of the offset, c/k_de of the force's error, rounds to zero below q = 6.1e-5 rad: that leaves up to q k_de/c, 5 mN·m
+    // at 1 N·m/rad and 25 at 5. The mass stands still below q (m/T² + k_f + c_env/T), 0.9 mN·m. A tenth of the press is measured.
     assert!(worst < 1e-2);
     // The bar that fixed32 passes is one that a format can fail.
     assert!(worst > 1e-3);
