@@ -59,7 +59,11 @@ pub struct Symbolic;
 impl Source for Symbolic {
     fn bits(&mut self, bits: u32) -> u64 {
         let any: u64 = kani::any();
-        if bits < 64 { any & ((1 << bits) - 1) } else { any }
+        if bits < 64 {
+            any & ((1 << bits) - 1)
+        } else {
+            any
+        }
     }
     fn assume(&mut self, holds: bool) -> bool {
         kani::assume(holds);
@@ -159,11 +163,9 @@ pub fn sample(name: &str, property: fn(&mut Sampler)) {
     const ACCEPTED: u64 = 20_000;
     const TRIES: u64 = 20_000_000;
     // A seed of its own for each property, the same in every run.
-    let seed = name
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        });
+    let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
     let mut source = Sampler {
         state: seed,
         rejected: false,
@@ -178,7 +180,11 @@ pub fn sample(name: &str, property: fn(&mut Sampler)) {
             return;
         }
     }
-    let missing: Vec<_> = source.covers.iter().filter(|(_, count)| *count == 0).collect();
+    let missing: Vec<_> = source
+        .covers
+        .iter()
+        .filter(|(_, count)| *count == 0)
+        .collect();
     panic!("{name}: {accepted} samples accepted, covers never reached: {missing:?}");
 }
 

@@ -238,12 +238,22 @@ mod tests {
     #[test]
     fn the_way_to_armed_and_out_of_a_fault() {
         let mut machine = Machine::new();
-        let fault = Context { code: FaultCode::EncoderLost, tick: 7, value: -1 };
+        let fault = Context {
+            code: FaultCode::EncoderLost,
+            tick: 7,
+            value: -1,
+        };
         assert_eq!(machine.tick(None, false, Some(Command::Arm)), Outputs::Off);
-        assert_eq!(machine.tick(None, false, Some(Command::Calibrate)), Outputs::On);
+        assert_eq!(
+            machine.tick(None, false, Some(Command::Calibrate)),
+            Outputs::On
+        );
         assert_eq!(machine.tick(None, true, None), Outputs::Off);
         assert_eq!(machine.tick(None, false, Some(Command::Arm)), Outputs::On);
-        assert_eq!(machine.tick(Some(fault), true, Some(Command::Stop)), Outputs::Off);
+        assert_eq!(
+            machine.tick(Some(fault), true, Some(Command::Stop)),
+            Outputs::Off
+        );
         assert_eq!(machine.fault(), Some(fault));
         for command in [Command::Arm, Command::Calibrate, Command::Disarm] {
             assert_eq!(machine.tick(None, true, Some(command)), Outputs::Off);
