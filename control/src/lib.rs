@@ -35,10 +35,6 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
-// The contracts in `magnitude` are attributes of the model checker.
-#[cfg(kani)]
-extern crate kani;
-
 // The float reference takes square roots, which `core` does not have; it never runs where `std` is missing.
 #[cfg(feature = "float")]
 extern crate std;

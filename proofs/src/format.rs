@@ -10,24 +10,32 @@ use touchstone_control::{
 pub trait Format: Number {
     /// Fractional bits of a gain.
     const GAIN_BITS: u32;
+    /// Half the largest gain, rounded down.
+    const HALF_GAIN: i64;
+    /// The lowest signal.
+    const LOWEST: Self::Signal;
+    /// The highest signal.
+    const HIGHEST: Self::Signal;
     /// Fractional bits of a signal.
     const SIGNAL_BITS: u32;
     /// Any position.
-    fn position<S: Source>(s: &mut S) -> Position<Self>;
+    fn any_position<S: Source>(s: &mut S) -> Position<Self>;
     /// Any force.
-    fn force<S: Source>(s: &mut S) -> Force<Self>;
+    fn any_force<S: Source>(s: &mut S) -> Force<Self>;
     /// Any stiffness, negative ones (that no setting gives) included.
-    fn stiffness<S: Source>(s: &mut S) -> Stiffness<Self>;
+    fn any_stiffness<S: Source>(s: &mut S) -> Stiffness<Self>;
     /// Any compliance.
-    fn compliance<S: Source>(s: &mut S) -> Compliance<Self>;
+    fn any_compliance<S: Source>(s: &mut S) -> Compliance<Self>;
     /// Any ratio.
-    fn ratio<S: Source>(s: &mut S) -> Ratio<Self>;
+    fn any_ratio<S: Source>(s: &mut S) -> Ratio<Self>;
     /// Any energy.
-    fn energy<S: Source>(s: &mut S) -> Energy<Self>;
+    fn any_energy<S: Source>(s: &mut S) -> Energy<Self>;
     /// Any tension.
-    fn tension<S: Source>(s: &mut S) -> Tension<Self>;
+    fn any_tension<S: Source>(s: &mut S) -> Tension<Self>;
     /// The bits of a position or force.
     fn of_signal(x: Self::Signal) -> i64;
+    /// The bits of a ratio or compliance.
+    fn of_signal_ratio(x: Self::Ratio) -> i64;
     /// The bits of a stiffness.
     fn of_gain(x: Self::Gain) -> i64;
     /// The bits of an energy.
@@ -42,29 +50,35 @@ macro_rules! format {
     ($name:ident, $word:ident, $wide:ident) => {
         impl Format for $name {
             const GAIN_BITS: u32 = <$name as Number>::Gain::FRAC_NBITS;
+            const HALF_GAIN: i64 = ($word::MAX >> 1) as i64;
+            const LOWEST: Self::Signal = <$name as Number>::Signal::MIN;
+            const HIGHEST: Self::Signal = <$name as Number>::Signal::MAX;
             const SIGNAL_BITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
-            fn position<S: Source>(s: &mut S) -> Position<Self> {
+            fn any_position<S: Source>(s: &mut S) -> Position<Self> {
                 Position(<$name as Number>::Signal::from_bits(s.$word()))
             }
-            fn force<S: Source>(s: &mut S) -> Force<Self> {
+            fn any_force<S: Source>(s: &mut S) -> Force<Self> {
                 Force(<$name as Number>::Signal::from_bits(s.$word()))
             }
-            fn stiffness<S: Source>(s: &mut S) -> Stiffness<Self> {
+            fn any_stiffness<S: Source>(s: &mut S) -> Stiffness<Self> {
                 Stiffness(<$name as Number>::Gain::from_bits(s.$word()))
             }
-            fn compliance<S: Source>(s: &mut S) -> Compliance<Self> {
+            fn any_compliance<S: Source>(s: &mut S) -> Compliance<Self> {
                 Compliance(<$name as Number>::Ratio::from_bits(s.$word()))
             }
-            fn ratio<S: Source>(s: &mut S) -> Ratio<Self> {
+            fn any_ratio<S: Source>(s: &mut S) -> Ratio<Self> {
                 Ratio(<$name as Number>::Ratio::from_bits(s.$word()))
             }
-            fn energy<S: Source>(s: &mut S) -> Energy<Self> {
+            fn any_energy<S: Source>(s: &mut S) -> Energy<Self> {
                 Energy(<$name as Number>::Energy::from_bits(s.$wide()))
             }
-            fn tension<S: Source>(s: &mut S) -> Tension<Self> {
+            fn any_tension<S: Source>(s: &mut S) -> Tension<Self> {
                 Tension(s.$wide())
             }
             fn of_signal(x: Self::Signal) -> i64 {
+                i64::from(x.to_bits())
+            }
+            fn of_signal_ratio(x: Self::Ratio) -> i64 {
                 i64::from(x.to_bits())
             }
             fn of_gain(x: Self::Gain) -> i64 {

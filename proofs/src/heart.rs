@@ -3,7 +3,6 @@
 //! Magnitudes of signed words are at most `2^(BITS-1)`; energies at most the signed limit of the double width. That is all
 //! that is assumed, and the types of the callers enforce it.
 
-use crate::source::Source;
 use crate::{assume, cover, property};
 use touchstone_control::magnitude::{
     Root, Word, affordable, passivity_step, quotient, root, root_digit, scale,
@@ -18,16 +17,14 @@ macro_rules! heart {
             const FULL: $wide = $wide::MAX >> 1;
 
             property! {
-                /// P1, inward: the wall stores at most the work, and exactly the work below the cap; the force stays.
-                by $products
-                fn p1_step_inward(s) {
+                /// P1, inward: the wall stores exactly the work, at most the signed limit; the force stays.
+                by $bits fn p1_step_inward(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
                     assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
                     let step = passivity_step::<$word>(energy, force, moved, true);
                     let sum = energy + $wide::from(force) * $wide::from(moved);
                     assert!(step.force == force);
-                    assert!(step.energy <= sum);
-                    assert!(step.energy == sum || step.energy == FULL);
+                    assert!(step.energy == sum.min(FULL));
                     cover!(s, sum > FULL, "cap reached");
                     cover!(s, sum < FULL && sum > energy, "stored");
                     cover!(s, energy == 0 && sum > 0, "from an empty store");
@@ -50,20 +47,31 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1, outward, without enough: a smaller force, exactly its work is given, less than one quantum of force is
-                /// withheld.
-                by $products
-                fn p1_step_clamped(s) {
+                /// P1, outward, without enough: the energy that is left is the rest of the division, so that exactly the
+                /// work of the quotient is given.
+                by $products fn p1_step_clamped_energy(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
                     assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
                     assume!(s, $wide::from(force) * $wide::from(moved) > energy);
                     let step = passivity_step::<$word>(energy, force, moved, false);
-                    let work = $wide::from(step.force) * $wide::from(moved);
+                    let work = energy / $wide::from(moved) * $wide::from(moved);
                     assert!(work <= energy);
                     assert!(step.energy == energy - work);
                     cover!(s, step.force > 0 && step.force < force, "force reduced");
                     cover!(s, step.force == 0, "no force left");
                     cover!(s, step.energy > 0, "a rest stays");
+                }
+            }
+            property! {
+                /// P1, outward, without enough: the force is that quotient; the two limits beside it never bind.
+                by $products fn p1_step_clamped_force(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    assert!($wide::from(step.force) == energy / $wide::from(moved));
+                    cover!(s, step.force > 0 && step.force < force, "force reduced");
+                    cover!(s, step.force == 0, "no force left");
                 }
             }
             property! {
@@ -96,44 +104,48 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 for the enhanced law: with a smaller force, rest plus saving is exactly the energy minus the work.
-                by $products
-                fn p1_smaller_force(s) {
-                    let (energy, force, smaller) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && force > 0 && smaller <= force);
-                    let retreat = affordable::<$word>(energy, force);
-                    let work = $wide::from(smaller) * $wide::from(retreat.moved);
-                    let saved = $wide::from(force - smaller) * $wide::from(retreat.moved);
-                    assert!(retreat.rest + saved + work == energy);
-                    cover!(s, smaller > 0 && saved > 0 && work > 0 && retreat.rest > 0, "all parts");
-                    cover!(s, smaller == force, "full force");
-                    cover!(s, smaller == 0, "no force");
+                /// P1, the lemma behind the clamp, and its second witness by another solver: the division accounts for at most
+                /// the energy, and less than `moved` is left.
+                by $bits fn p1_divide(s) {
+                    let (energy, moved) = (s.$wide(), s.$word());
+                    assume!(s, moved > 0);
+                    let (quotient, accounted) = moved.divides(energy);
+                    assert!(accounted <= energy);
+                    assert!(energy - accounted < moved.widen());
+                    assert!(quotient <= energy);
+                    cover!(s, quotient > 1 && accounted < energy, "rounded");
+                    cover!(s, accounted == energy && quotient > 1, "no rest");
                 }
             }
             property! {
-                /// P5/P8: a digit keeps `square = root² <= radicand`.
-                by $products
-                fn p5_root_digit(s) {
-                    let (radicand, so_far, bit) = (s.$wide(), s.$word(), s.$word());
-                    let square = $wide::from(so_far) * $wide::from(so_far);
-                    assume!(s, square <= radicand);
-                    let next = root_digit::<$word>(Root { root: so_far, square }, radicand, bit);
-                    assert!(next.square <= radicand);
-                    assert!(next.root == so_far || next.square == next.root.times(next.root));
-                    assert!(next.root != so_far || next.square == square);
-                    cover!(s, next.root > so_far, "kept");
-                    cover!(s, next.root == so_far && bit > 0, "refused");
+                /// P1 by the SAT solver: after a correction the energy is a remainder: `0 <= energy' < moved`.
+                by $bits fn p1_step_remainder(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    let paid = force.times(moved) <= energy;
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    assert!(step.energy <= energy);
+                    assert!(step.force <= force);
+                    assert!(paid || step.energy < moved.widen());
+                    cover!(s, !paid && step.force > 0 && step.force < force, "force reduced");
+                    cover!(s, paid && step.energy < energy, "paid");
                 }
             }
             property! {
-                /// P5/P3: the square found never exceeds the radicand; no overflow.
-                fn p5_root(s) {
-                    let radicand = s.$wide();
-                    let found = root::<$word>(radicand);
-                    assert!(found.square <= radicand);
-                    cover!(s, found.root > 2 && found.square == radicand, "perfect square");
-                    cover!(s, found.root == $word::MAX, "largest root");
-                    cover!(s, found.root == 0, "no root");
+                /// P5: a digit is kept, with its square, if that square does not exceed the radicand, and else nothing changes:
+                /// by induction `square = root² <= radicand` for the whole root.
+                by $bits fn p5_root_digit(s) {
+                    let (radicand, bit) = (s.$wide(), s.$word());
+                    let so_far = Root::<$word> { root: s.$word(), square: s.$wide() };
+                    let with = so_far.root | bit;
+                    let square = with.times(with);
+                    let next = root_digit(so_far, radicand, bit);
+                    if next != so_far {
+                        assert!(next.root == with && next.square == square);
+                        assert!(square <= radicand);
+                    }
+                    cover!(s, next.root > so_far.root, "kept");
+                    cover!(s, next == so_far && square > radicand, "refused");
                 }
             }
             property! {
@@ -179,42 +191,39 @@ heart!(
     w8, u8, u16, products cadical, bits cadical
 );
 
-/// The second witnesses: the same facts from the contract of the division alone, by a SAT solver.
-#[cfg(kani)]
-mod contract {
+/// The whole root, at 8 bits: 32 products in a row do not finish at full width, where the digit and induction carry it.
+pub mod root8 {
     use super::*;
-    use touchstone_control::magnitude::{divide_u8, divide_u32};
+    property! {
+        /// P5/P3: the square found never exceeds the radicand, and the next one would; no overflow.
+        fn p5_root(s) {
+            let radicand = s.u16();
+            let found = root::<u8>(radicand);
+            assert!(found.square == found.root.times(found.root));
+            assert!(found.square <= radicand);
+            assert!(u32::from(found.root).pow(2) + 2 * u32::from(found.root) + 1 > u32::from(radicand));
+            cover!(s, found.root > 2 && found.square == radicand, "perfect square");
+            cover!(s, found.root == u8::MAX, "largest root");
+            cover!(s, found.root == 0, "no root");
+        }
+    }
+}
 
-    /// The contract of the one division, at full width.
-    #[kani::proof_for_contract(divide_u32)]
-    #[kani::solver(kissat)]
-    fn p1_divide_u32() {
-        let (wide, by) = (kani::any(), kani::any());
-        let r = divide_u32(wide, by);
-        kani::cover!(r.0 > 1 && r.1 < wide, "rounded");
-    }
-    /// The same at 8 bits, for mutants.
-    #[kani::proof_for_contract(divide_u8)]
-    fn p1_divide_u8() {
-        let (wide, by) = (kani::any(), kani::any());
-        let r = divide_u8(wide, by);
-        kani::cover!(r.0 > 1 && r.1 < wide, "rounded");
-    }
-    /// P1 by the contract: never more energy than before, less than `moved` after a correction, never more force.
-    #[kani::proof]
-    #[kani::stub_verified(divide_u32)]
-    fn p1_step_by_contract() {
-        let (energy, force, moved): (u64, u32, u32) = (kani::any(), kani::any(), kani::any());
-        kani::assume(energy <= u64::MAX >> 1 && force <= 1 << 31 && moved <= 1 << 31);
-        let step = passivity_step::<u32>(energy, force, moved, false);
-        assert!(step.energy <= energy);
-        assert!(step.force <= force);
-        let paid = force.times(moved) <= energy;
-        assert!(paid || step.energy < u64::from(moved));
-        kani::cover!(
-            !paid && step.force > 0 && step.force < force,
-            "force reduced"
-        );
-        kani::cover!(paid && step.energy < energy, "paid");
+/// Algebra without code: why the energy after a retreat is a sum of what is not negative.
+pub mod algebra {
+    use super::*;
+    property! {
+        /// P1 for the enhanced law: work and saving of a smaller force add up to the work of the full one, so that with
+        /// `p1_affordable` rest plus saving is exactly the energy minus the work.
+        by cvc5 fn p1_smaller_force(s) {
+            let (saved_force, smaller, moved) = (s.u64(), s.u64(), s.u64());
+            assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31);
+            let work = smaller * moved;
+            let saved = saved_force * moved;
+            assert!(saved + work == (saved_force + smaller) * moved);
+            cover!(s, smaller > 0 && saved > 0 && work > 0, "both parts");
+            cover!(s, saved_force == 0, "full force");
+            cover!(s, smaller == 0, "no force");
+        }
     }
 }

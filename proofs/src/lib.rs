@@ -10,6 +10,9 @@
 // The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
 #![allow(clippy::missing_panics_doc)]
 
+pub mod edges;
 pub mod format;
 pub mod heart;
 pub mod source;
+pub mod tdpa;
+pub mod valid;

@@ -111,7 +111,7 @@ pub struct EnhancedState<N: Number> {
 impl<N: Number> EnhancedSfa<N> {
     /// First contact is over: puts the mass where it can start without energy from nowhere.
     #[inline]
-    fn hand_over(&self, state: &mut EnhancedState<N>) {
+    pub fn hand_over(&self, state: &mut EnhancedState<N>) {
         let e = state.last;
         let (position, offset) = match self.first_contact {
             FirstContact::ZeroOffset => (self.mass.rest(e, self.series), Position::zero()),
@@ -146,7 +146,7 @@ impl<N: Number> EnhancedSfa<N> {
 
     /// Lines 3–13: the new offset, never negative (a negative one would end the contact inside the wall, §3.1).
     #[inline]
-    fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
+    pub fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
         let held = &state.augmented;
         let due = match self.update {
             OffsetUpdate::TurnInward | OffsetUpdate::Inward => held.mass.moved > Position::zero(),
@@ -171,7 +171,7 @@ impl<N: Number> EnhancedSfa<N> {
 
     /// Chooses the force on the mass and moves it, so that the energy stays non-negative. Returns the force.
     #[inline]
-    fn move_mass(
+    pub fn move_mass(
         &self,
         state: &mut EnhancedState<N>,
         wanted: Force<N>,

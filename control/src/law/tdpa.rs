@@ -48,7 +48,7 @@ pub struct TdpaState<N: Number> {
 impl<N: Number> Tdpa<N> {
     /// The force for a displacement after which the thesis' sum must not be negative; updates the sum.
     #[inline]
-    fn thesis_force(
+    pub fn thesis_force(
         &self,
         energy: &mut Energy<N>,
         wanted: Force<N>,
@@ -63,7 +63,7 @@ impl<N: Number> Tdpa<N> {
 
     /// The force for the coming tick, given the exact energy so far and the last displacement as a guess of the next.
     #[inline]
-    fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
+    pub fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
         if moved == Position::zero() || energy + wanted * moved >= Energy::zero() {
             return wanted;
         }

@@ -89,11 +89,6 @@ pub fn settings(scene: &Scene) -> Result<Settings> {
     })
 }
 
-/// A value as a person would write it: the exact format's own rounding is left out.
-fn tidy(value: Si) -> f64 {
-    (value.to_num::<f64>() * 1e6).round() / 1e6
-}
-
 /// Dotted path in a scene of a setting.
 fn path(field: Field) -> &'static str {
     match field {
@@ -124,8 +119,8 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
             max,
         } => scene.error(
             path(*field),
-            format!("{} is out of range", tidy(*value)),
-            format!("give a value from {} to {}", tidy(*min), tidy(*max)),
+            format!("{} is out of range", short(*value)),
+            format!("give a value from {} to {}", short(*min), short(*max)),
         ),
         SettingsError::OutOfFormat {
             field,
@@ -148,32 +143,56 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
             "mass-compensated cannot reach k_de, which is not below k_f (thesis 3.5)",
             format!(
                 "give k_desired_n_m_per_rad below {}, or regulate = \"hip\"",
-                tidy(*k_filter)
+                short(*k_filter)
             ),
         ),
     }
 }
 
+/// A value as a person would write it: the control crate's exact format has more digits than the scene did.
+fn short(value: Si) -> f64 {
+    let value = value.to_num::<f64>();
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 /// What a warning says, at its place in the scene: bound, value, what is lost.
 pub fn warned(scene: &Scene, warning: &Warning) -> Error {
-    let (path, fix) = match warning {
-        Warning::SoftAboveCritical { k_critical, .. } => (
+    let (path, problem, fix) = match *warning {
+        Warning::SoftAboveCritical { k_soft, k_critical } => (
             "law.k_v_n_m_per_rad",
-            format!("give {} or less", tidy(*k_critical)),
+            format!(
+                "k_v = {} is above k_c = 2 c_i/T = {}: the soft spring is then not stable by itself, and so nothing built on it",
+                short(k_soft),
+                short(k_critical)
+            ),
+            format!("give {} or less", short(k_critical)),
         ),
-        Warning::CouplingAboveBound { bound, .. } => (
+        Warning::CouplingAboveBound { k_filter, bound } => (
             "law.filter.stiffness_n_m_per_rad",
-            format!("give {} or less", tidy(*bound)),
+            format!(
+                "k_f = {} is above 2 (c_i - c_f)/T = {}: the filter is then passive only with the hand's help",
+                short(k_filter),
+                short(bound)
+            ),
+            format!("give {} or less", short(bound)),
         ),
-        Warning::GroundDampingBelowBound { bound, .. } => {
-            let least = bound.to_num::<f64>() / f64::from(scene.timing.rate_hz);
+        Warning::GroundDampingBelowBound { .. } => {
+            let least = 0.5 * scene.law.k_v_n_m_per_rad * scene.timing.period_s();
             (
                 "law.filter.damping_to_ground_n_m_s_per_rad",
-                format!("give {} or more", (least * 1e9).round() / 1e9),
+                format!(
+                    "c_env = {:e} is below k_v T/2 = {least:e}: the virtual mass may then gain energy from its own delay",
+                    scene.law.filter.damping_to_ground_n_m_s_per_rad
+                ),
+                format!("give {least:e} or more"),
             )
         }
-        Warning::ThesisObserver => ("law.observer", "give exact".to_owned()),
-        Warning::EnergyCredit { .. } => ("law.energy_credit_j", "give 0".to_owned()),
+        Warning::ThesisObserver => ("law.observer", warning.to_string(), "give exact".to_owned()),
+        Warning::EnergyCredit { .. } => (
+            "law.energy_credit_j",
+            warning.to_string(),
+            "give 0".to_owned(),
+        ),
     };
-    scene.error(path, warning.to_string(), fix)
+    scene.error(path, problem, fix)
 }
