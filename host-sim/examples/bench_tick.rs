@@ -16,11 +16,12 @@ use touchstone::run::{self, Recorder};
 use touchstone::scene::Scene;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Number, Si};
 
-const REPEATS: usize = 25;
+const REPEATS: usize = 100;
 
-/// Seconds of hold: long, so that the wall is in contact for nearly all of the run.
-const HOLD_S: &str = "operator.motion.hold_s=200";
-const DURATION_S: &str = "timing.duration_s=203";
+/// Long enough for nearly all of the run to be in contact, short enough (a millisecond or two of this machine's time) for some
+/// repeats to go undisturbed.
+const HOLD_S: &str = "operator.motion.hold_s=20";
+const DURATION_S: &str = "timing.duration_s=23";
 
 /// Ticks with a force, and what the encoder read.
 #[derive(Default)]
@@ -75,7 +76,7 @@ fn timed(ticks: usize, work: impl FnOnce()) -> f64 {
 fn whole_ticks() -> Result<()> {
     let press = Scene::load("thesis-knob")?.with_overrides(&[HOLD_S, DURATION_S])?;
     let steady = Scene::load("press-wiggle-release")?
-        .with_overrides(&["operator.motion.wiggle_s=200", "timing.duration_s=203"])?;
+        .with_overrides(&["operator.motion.wiggle_s=20", "timing.duration_s=23"])?;
     let without = |scene: &Scene| {
         let mut scene = scene.clone();
         scene.device.friction = None;
