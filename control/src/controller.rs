@@ -33,14 +33,6 @@ fn over(a: Si, b: Si) -> Si {
     }
 }
 
-/// `floor(sqrt(x))` of an SI value, 32 fractional bits kept as 32.
-fn root(x: Si) -> Si {
-    // sqrt(bits · 2^-32) = sqrt(bits · 2^32) · 2^-32
-    let bits = x.max(Si::ZERO).to_bits().unsigned_abs();
-    let wide = u128::from(bits) << 32;
-    Si::from_bits(i64::try_from(wide.isqrt()).unwrap_or(i64::MAX))
-}
-
 impl<N: Number> Controller<N> {
     /// Validates the settings and computes the coefficients of their law.
     ///
@@ -93,12 +85,12 @@ impl<N: Number> Controller<N> {
                 Self::Tdpa(law, TdpaState::default())
             }
             LawKind::Fba => {
-                let four = Si::const_from_int(4);
-                let bound = root(derived.device_damping_per_tick.saturating_mul(four));
+                let damping = device_damping()?;
                 let law = Fba {
                     desired,
-                    device_damping: device_damping()?,
-                    bound: stiffness(Field::DeviceDamping, bound)?,
+                    device_damping: damping,
+                    // Of the damping as stored, not as set: the bound must not count on what the observer does not count.
+                    bound: Stiffness(N::root_of_four(damping.0)),
                     limit,
                     energy_cap,
                 };

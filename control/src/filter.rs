@@ -20,13 +20,13 @@ use crate::{Energy, Force, Number, Position, Stiffness, Tension};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualMass<N: Number> {
     /// `m/T²`.
-    pub(crate) inertia: Stiffness<N>,
+    pub inertia: Stiffness<N>,
     /// `k_f`.
-    pub(crate) stiffness: Stiffness<N>,
+    pub stiffness: Stiffness<N>,
     /// `c_f/T`.
-    pub(crate) damping: Stiffness<N>,
+    pub damping: Stiffness<N>,
     /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
-    pub(crate) total: Stiffness<N>,
+    pub total: Stiffness<N>,
 }
 
 /// State of the virtual mass, in penetration.
@@ -47,10 +47,17 @@ impl<N: Number> VirtualMass<N> {
         self.inertia * mass.moved + self.stiffness * (e - mass.position) + self.damping * moved
     }
 
-    /// Displacement under the drive and the wall's force, towards zero.
+    /// Displacement under the drive and the wall's force, towards zero, and not beyond the range of positions: what the
+    /// observer counts must be what the mass moves.
     #[inline(always)]
-    pub fn displacement(&self, drive: Tension<N>, force: Force<N>) -> Position<N> {
-        (drive - force.lift()).over(self.total)
+    pub fn displacement(
+        &self,
+        from: Position<N>,
+        drive: Tension<N>,
+        force: Force<N>,
+    ) -> Position<N> {
+        let step = (drive - force.lift()).over(self.total);
+        from + step - from
     }
 
     /// The wall's force under which the mass moves outward by exactly `out`, rounded up (so that the mass never moves further
@@ -72,11 +79,13 @@ impl<N: Number> VirtualMass<N> {
         (self.stiffness * e).over(stiffness_sum)
     }
 
-    /// Energy in the coupling spring for a stretch, rounded up.
+    /// Energy in the coupling spring for a stretch, rounded up; `None` where its force is beyond the format, since a
+    /// saturated force would understate the energy.
     #[inline(always)]
-    pub fn stored(&self, stretch: Position<N>) -> Energy<N> {
-        let force = (self.stiffness * stretch.modulus()).rounded_up();
+    pub fn stored(&self, stretch: Position<N>) -> Option<Energy<N>> {
+        let tension = self.stiffness * stretch.modulus();
+        let force = tension.rounded_up();
         let doubled = force * stretch.modulus();
-        Energy(N::half_energy_up(doubled.0))
+        (force.lift() >= tension).then_some(Energy(N::half_energy_up(doubled.0)))
     }
 }

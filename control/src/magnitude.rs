@@ -34,8 +34,10 @@ pub trait Word: Copy + Debug + Ord + 'static {
     fn narrow(wide: Self::Wide) -> Self;
     /// The word in the double width.
     fn widen(self) -> Self::Wide;
-    /// `floor(sqrt(wide))`.
-    fn root(wide: Self::Wide) -> Self;
+    /// The word with the bits of both.
+    fn with(self, bit: Self) -> Self;
+    /// The bit of the word that stands for `2^position`.
+    fn bit(position: u32) -> Self;
     /// `wide >> bits`, the floor of the quotient by a power of two.
     fn shift_down(wide: Self::Wide, bits: u32) -> Self::Wide;
     /// `a - b`, 0 where `b` is larger.
@@ -45,7 +47,20 @@ pub trait Word: Copy + Debug + Ord + 'static {
 }
 
 macro_rules! word {
-    ($word:ty, $wide:ty) => {
+    ($word:ty, $wide:ty, $divide:ident) => {
+        /// `(floor(wide / by), floor(wide / by) · by)`; for `by = 0` both are 0.
+        ///
+        /// The one division of the laws. It hands out the product with the quotient, so that no caller multiplies a second
+        /// time, which is what lets a solver follow the callers.
+        #[inline(always)]
+        pub fn $divide(wide: $wide, by: $word) -> ($wide, $wide) {
+            match wide.checked_div(<$wide>::from(by)) {
+                // q · by <= wide, so the product cannot overflow.
+                Some(q) => (q, q.wrapping_mul(<$wide>::from(by))),
+                None => (0, 0),
+            }
+        }
+
         impl Word for $word {
             type Wide = $wide;
             const BITS: u32 = <$word>::BITS;
@@ -62,11 +77,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn divides(self, wide: $wide) -> ($wide, $wide) {
-                match wide.checked_div(<$wide>::from(self)) {
-                    // q · self <= wide, so the product cannot overflow.
-                    Some(q) => (q, q.wrapping_mul(<$wide>::from(self))),
-                    None => (0, 0),
-                }
+                $divide(wide, self)
             }
             #[inline(always)]
             fn narrow(wide: $wide) -> Self {
@@ -81,9 +92,12 @@ macro_rules! word {
                 <$wide>::from(self)
             }
             #[inline(always)]
-            fn root(wide: $wide) -> Self {
-                // The square root of a double-width word fits the word.
-                wide.isqrt() as $word
+            fn with(self, bit: Self) -> Self {
+                self | bit
+            }
+            #[inline(always)]
+            fn bit(position: u32) -> Self {
+                (1 as $word).wrapping_shl(position)
             }
             #[inline(always)]
             fn shift_down(wide: $wide, bits: u32) -> $wide {
@@ -101,9 +115,9 @@ macro_rules! word {
     };
 }
 
-word!(u8, u16);
-word!(u16, u32);
-word!(u32, u64);
+word!(u8, u16, divide_u8);
+word!(u16, u32, divide_u16);
+word!(u32, u64, divide_u32);
 
 /// What a passivity step decides: the energy left, the force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,17 +160,66 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
     }
 }
 
-/// How far a body may move outward against the full force before the stored energy is used up: `floor(energy / force)`.
-#[inline(always)]
-pub fn affordable<W: Word>(energy: W::Wide, force: W) -> W {
-    W::narrow(force.divides(energy).0)
+/// A retreat that stored energy pays for, and what is left of the energy after it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Retreat<W: Word> {
+    /// Displacement: `floor(energy / force)`, saturating.
+    pub moved: W,
+    /// `energy - force · moved`, never negative.
+    pub rest: W::Wide,
 }
 
-/// Largest force whose work over any next displacement is covered by the energy and the device's own damping
-/// (thesis 2.7a): `floor(sqrt(energy)) · gain`, with `gain = floor(sqrt(4 c_i/T))` in `gain_bits` fractional bits.
+/// How far a body may move outward against the full force before the stored energy is used up, and the rest of the division.
+///
+/// For every input with a force: `force·moved + rest = energy`. Without one, nothing moves.
 #[inline(always)]
-pub fn force_bound<W: Word>(energy: W::Wide, gain: W, gain_bits: u32) -> W {
-    W::narrow(W::shift_down(W::root(energy).times(gain), gain_bits))
+pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
+    let (quotient, accounted) = force.divides(energy);
+    if quotient <= W::MAX_SIGNED.widen() {
+        return Retreat {
+            moved: W::narrow(quotient),
+            rest: W::minus(energy, accounted),
+        };
+    }
+    // Further than the format reaches: to its end, which costs less than the division accounted for.
+    Retreat {
+        moved: W::MAX_SIGNED,
+        rest: W::minus(energy, force.times(W::MAX_SIGNED)),
+    }
+}
+
+/// A root in the making: the digits found so far, with their square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Root<W: Word> {
+    /// The digits found so far.
+    pub root: W,
+    /// Its square, never above the radicand.
+    pub square: W::Wide,
+}
+
+/// Keeps a binary digit of the root if the square does not exceed the radicand with it.
+#[inline(always)]
+pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, bit: W) -> Root<W> {
+    let root = so_far.root.with(bit);
+    let square = root.times(root);
+    if square <= radicand {
+        Root { root, square }
+    } else {
+        so_far
+    }
+}
+
+/// `floor(sqrt(radicand))`, digit by digit from the top: one product and one comparison per digit, no division.
+#[inline]
+pub fn root<W: Word>(radicand: W::Wide) -> Root<W> {
+    let mut found = Root {
+        root: W::ZERO,
+        square: W::WIDE_ZERO,
+    };
+    for position in (0..W::BITS).rev() {
+        found = root_digit(found, radicand, W::bit(position));
+    }
+    found
 }
 
 /// `floor(gain · x)` with `bits` fractional bits in the gain, saturating.

@@ -189,11 +189,12 @@ impl<N: Number> Energy<N> {
     pub fn per_displacement(self, d: Position<N>) -> Force<N> {
         Force(N::energy_per(self.0, d.0))
     }
-    /// `|e| / |f|` rounded towards zero: the displacement that `f` can pay with this energy.
+    /// How far `f` may be pushed back until this energy is used up, and what is left of it then.
     #[inline(always)]
     #[must_use]
-    pub fn per_force(self, f: Force<N>) -> Position<N> {
-        Position(N::energy_per(self.0, f.0))
+    pub fn affordable(self, f: Force<N>) -> (Position<N>, Self) {
+        let (moved, rest) = N::affordable(self.0, f.0);
+        (Position(moved), Self(rest))
     }
     /// In SI, for reports.
     #[cfg(feature = "float")]

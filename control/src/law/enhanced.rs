@@ -29,11 +29,11 @@ use crate::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Augmentation<N: Number> {
     /// `c/k_v` or `c/k_de`, the fraction of the ideal step (3.7, 3.8), see [`crate::IdealStep`].
-    pub(crate) of_ideal: Compliance<N>,
+    pub of_ideal: Compliance<N>,
     /// `b/k_v`, the limit by the force (3.9).
-    pub(crate) of_force: Compliance<N>,
+    pub of_force: Compliance<N>,
     /// `a`, the limit by the penetration (3.11).
-    pub(crate) of_penetration: Ratio<N>,
+    pub of_penetration: Ratio<N>,
 }
 
 impl<N: Number> Augmentation<N> {
@@ -52,50 +52,66 @@ impl<N: Number> Augmentation<N> {
 /// The enhanced law for a desired stiffness above the soft one; below, `build` makes a plain spring (§3.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
-    pub(crate) desired: Stiffness<N>,
+    /// Desired stiffness `k_de`.
+    pub desired: Stiffness<N>,
     /// The stiffness that is regulated towards: `k_de`, or (3.5) at the mass.
-    pub(crate) target: Stiffness<N>,
-    pub(crate) soft: Stiffness<N>,
+    pub target: Stiffness<N>,
+    /// Soft stiffness `k_v`.
+    pub soft: Stiffness<N>,
     /// `1/k_v`.
-    pub(crate) compliance: Compliance<N>,
-    pub(crate) augmentation: Augmentation<N>,
-    pub(crate) regulate: Regulate,
-    pub(crate) update: OffsetUpdate,
-    pub(crate) observer: ObserverForm,
-    pub(crate) first_contact: FirstContact,
-    pub(crate) mass: VirtualMass<N>,
+    pub compliance: Compliance<N>,
+    /// How the offset is changed.
+    pub augmentation: Augmentation<N>,
+    /// Which stiffness is regulated.
+    pub regulate: Regulate,
+    /// When the offset is changed.
+    pub update: OffsetUpdate,
+    /// Which observer.
+    pub observer: ObserverForm,
+    /// What happens to the force when the first contact ends.
+    pub first_contact: FirstContact,
+    /// The virtual mass.
+    pub mass: VirtualMass<N>,
     /// `k_f + k_v`.
-    pub(crate) series: Stiffness<N>,
-    pub(crate) credit: Energy<N>,
-    pub(crate) energy_cap: Energy<N>,
-    pub(crate) limit: Force<N>,
+    pub series: Stiffness<N>,
+    /// Energy lent to each contact.
+    pub credit: Energy<N>,
+    /// Cap of the stored energy, see [`super::Tdpa`].
+    pub energy_cap: Energy<N>,
+    /// Largest force ever commanded.
+    pub limit: Force<N>,
 }
 
 /// What the augmented phase remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Augmented<N: Number> {
-    pub(crate) mass: MassState<N>,
-    pub(crate) offset: Position<N>,
+    /// The virtual mass.
+    pub mass: MassState<N>,
+    /// Offset `O`.
+    pub offset: Position<N>,
     /// Force of the wall on the mass in the last tick, never negative.
-    pub(crate) at_mass: Force<N>,
+    pub at_mass: Force<N>,
 }
 
 /// Memory of [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
-    pub(crate) contact: Contact,
-    pub(crate) last: Position<N>,
+    /// Where the contact stands.
+    pub contact: Contact,
+    /// Penetration of the last tick.
+    pub last: Position<N>,
     /// Force at the HIP.
-    pub(crate) force: Force<N>,
+    pub force: Force<N>,
     /// Energy left, credit included, never negative while augmenting.
-    pub(crate) energy: Energy<N>,
-    pub(crate) augmented: Augmented<N>,
+    pub energy: Energy<N>,
+    /// The augmented phase.
+    pub augmented: Augmented<N>,
 }
 
 impl<N: Number> EnhancedSfa<N> {
     /// First contact is over: puts the mass where it can start without energy from nowhere.
     #[inline]
-    fn hand_over(&self, state: &mut EnhancedState<N>) {
+    pub fn hand_over(&self, state: &mut EnhancedState<N>) {
         let e = state.last;
         let (position, offset) = match self.first_contact {
             FirstContact::ZeroOffset => (self.mass.rest(e, self.series), Position::zero()),
@@ -110,13 +126,11 @@ impl<N: Number> EnhancedSfa<N> {
         };
         // Where the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the HIP instead.
         let stored = self.mass.stored(e - position);
-        let covered = stored <= state.energy;
-        let position = if covered { position } else { e };
-        state.energy = if covered {
-            state.energy - stored
-        } else {
-            state.energy.max(Energy::zero())
-        };
+        let left = stored
+            .map(|stored| state.energy - stored)
+            .filter(|left| *left >= Energy::zero());
+        let position = if left.is_some() { position } else { e };
+        state.energy = left.unwrap_or(state.energy.max(Energy::zero()));
         state.contact = Contact::Augmenting;
         state.augmented = Augmented {
             mass: MassState {
@@ -132,7 +146,7 @@ impl<N: Number> EnhancedSfa<N> {
 
     /// Lines 3–13: the new offset, never negative (a negative one would end the contact inside the wall, §3.1).
     #[inline]
-    fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
+    pub fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
         let held = &state.augmented;
         let due = match self.update {
             OffsetUpdate::TurnInward | OffsetUpdate::Inward => held.mass.moved > Position::zero(),
@@ -157,7 +171,7 @@ impl<N: Number> EnhancedSfa<N> {
 
     /// Chooses the force on the mass and moves it, so that the energy stays non-negative. Returns the force.
     #[inline]
-    fn move_mass(
+    pub fn move_mass(
         &self,
         state: &mut EnhancedState<N>,
         wanted: Force<N>,
@@ -167,12 +181,15 @@ impl<N: Number> EnhancedSfa<N> {
         let mass = &mut state.augmented.mass;
         let drive = self.mass.drive(mass, e, moved);
         let (force, step) = match self.observer {
-            ObserverForm::Exact => self.affordable_move(drive, wanted, &mut state.energy),
+            ObserverForm::Exact => {
+                self.affordable_move(mass.position, drive, wanted, &mut state.energy)
+            }
             ObserverForm::Thesis => {
                 // Fig. 3.18: the last displacement stands for the next one.
                 let (after, force) = N::passivity_step(state.energy.0, wanted.0, mass.moved.0);
                 state.energy = Energy(after).min(self.energy_cap);
-                (Force(force), self.mass.displacement(drive, Force(force)))
+                let step = self.mass.displacement(mass.position, drive, Force(force));
+                (Force(force), step)
             }
         };
         *mass = MassState {
@@ -205,26 +222,29 @@ impl<N: Number> EnhancedSfa<N> {
 
     /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.
     #[inline]
-    pub(crate) fn affordable_move(
+    pub fn affordable_move(
         &self,
+        from: Position<N>,
         drive: Tension<N>,
         wanted: Force<N>,
         energy: &mut Energy<N>,
     ) -> (Force<N>, Position<N>) {
-        let step = self.mass.displacement(drive, wanted);
+        let step = self.mass.displacement(from, drive, wanted);
         let after = *energy + wanted * step;
         if after >= Energy::zero() {
             *energy = after.min(self.energy_cap);
             return (wanted, step);
         }
         // `wanted > 0` and `step < 0` here. At full force the energy pays for a retreat of `E/f`, less than the step.
-        let retreat = energy.per_force(wanted);
+        let (retreat, rest) = energy.affordable(wanted);
         let force = self.mass.force_for_retreat(drive, retreat).min(wanted);
         if force <= Force::zero() {
             // The mass is pulled out faster than that without any help of the wall: no force, no work.
-            return (Force::zero(), self.mass.displacement(drive, Force::zero()));
+            let step = self.mass.displacement(from, drive, Force::zero());
+            return (Force::zero(), step);
         }
-        *energy = *energy - force * retreat;
+        // E - f·retreat, as a sum of what is not negative: the rest of the division, and what the smaller force saves.
+        *energy = rest + (wanted - force) * retreat;
         (force, -retreat)
     }
 }

@@ -10,29 +10,35 @@ use crate::{Energy, Force, Number, Position, Stiffness};
 /// FBA around the spring `k_de`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fba<N: Number> {
-    pub(crate) desired: Stiffness<N>,
+    /// Desired stiffness `k_de`.
+    pub desired: Stiffness<N>,
     /// `c_i/T`.
-    pub(crate) device_damping: Stiffness<N>,
+    pub device_damping: Stiffness<N>,
     /// `sqrt(4 c_i/T)`, rounded down, in the format of a stiffness.
-    pub(crate) bound: Stiffness<N>,
-    pub(crate) limit: Force<N>,
+    pub bound: Stiffness<N>,
+    /// Largest force ever commanded.
+    pub limit: Force<N>,
     /// Cap of the stored energy, see [`super::Tdpa`].
-    pub(crate) energy_cap: Energy<N>,
+    pub energy_cap: Energy<N>,
 }
 
 /// Memory of [`Fba`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FbaState<N: Number> {
-    pub(crate) last: Position<N>,
-    pub(crate) force: Force<N>,
-    pub(crate) energy: Energy<N>,
-    pub(crate) inside: bool,
+    /// Penetration of the last tick.
+    pub last: Position<N>,
+    /// Force of the last tick.
+    pub force: Force<N>,
+    /// Observed energy.
+    pub energy: Energy<N>,
+    /// Whether the HIP was in the wall.
+    pub inside: bool,
 }
 
 impl<N: Number> Fba<N> {
     /// Largest force that the energy allows, thesis (2.7a).
     #[inline]
-    pub(crate) fn largest_force(&self, energy: Energy<N>) -> Force<N> {
+    pub fn largest_force(&self, energy: Energy<N>) -> Force<N> {
         // sqrt(E) has the digits of a signal; as a position it takes the bound as a gain.
         let root = Position(N::root(energy.0));
         (self.bound * root).towards_zero()

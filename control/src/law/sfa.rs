@@ -10,25 +10,35 @@ use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Rat
 /// SFA around the soft spring `k_v`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sfa<N: Number> {
-    pub(crate) desired: Stiffness<N>,
-    pub(crate) soft: Stiffness<N>,
+    /// Desired stiffness `k_de`.
+    pub desired: Stiffness<N>,
+    /// Soft stiffness `k_v`.
+    pub soft: Stiffness<N>,
     /// `k_c/k_v - 1`, the gain of (2.14a).
-    pub(crate) gain: Ratio<N>,
+    pub gain: Ratio<N>,
     /// `1/k_v`.
-    pub(crate) compliance: Compliance<N>,
-    pub(crate) update: OffsetUpdate,
-    pub(crate) first_contact: FirstContact,
-    pub(crate) limit: Force<N>,
+    pub compliance: Compliance<N>,
+    /// When the offset is changed.
+    pub update: OffsetUpdate,
+    /// What happens to the force when the first contact ends.
+    pub first_contact: FirstContact,
+    /// Largest force ever commanded.
+    pub limit: Force<N>,
 }
 
 /// Memory of [`Sfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SfaState<N: Number> {
-    contact: Contact,
-    last: Position<N>,
-    before_last: Position<N>,
-    offset: Position<N>,
-    force: Force<N>,
+    /// Where the contact stands.
+    pub contact: Contact,
+    /// Penetration of the last tick.
+    pub last: Position<N>,
+    /// Penetration of the tick before the last.
+    pub before_last: Position<N>,
+    /// Offset `O`.
+    pub offset: Position<N>,
+    /// Force of the last tick.
+    pub force: Force<N>,
 }
 
 impl<N: Number> Sfa<N> {

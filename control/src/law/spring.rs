@@ -6,17 +6,21 @@ use crate::{Force, Number, Position, Stiffness};
 /// `f = k_de e + (b/T) Δe`, never pulling, zero outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring<N: Number> {
-    pub(crate) desired: Stiffness<N>,
+    /// Desired stiffness `k_de`.
+    pub desired: Stiffness<N>,
     /// Virtual damping per tick, `b/T`; zero for the plain spring.
-    pub(crate) damping: Stiffness<N>,
-    pub(crate) limit: Force<N>,
+    pub damping: Stiffness<N>,
+    /// Largest force ever commanded.
+    pub limit: Force<N>,
 }
 
 /// Memory of [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringState<N: Number> {
-    last: Position<N>,
-    inside: bool,
+    /// Penetration of the last tick.
+    pub last: Position<N>,
+    /// Whether the HIP was in the wall.
+    pub inside: bool,
 }
 
 impl<N: Number> Law<N> for Spring<N> {

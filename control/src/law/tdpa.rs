@@ -1,9 +1,14 @@
 //! Time-domain passivity approach over a virtual spring (thesis 2.1–2.6).
 //!
 //! With the thesis' observer the force is chosen so that the very sum that uses it never becomes negative: `E >= 0` is an
-//! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. With the
-//! exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the last: `E`
-//! can dip below zero by at most `|f|·|Δe|` of one tick, and the correction then only dissipates.
+//! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
+//! spring there is never anything to correct: for every force that grows with `e`, and its potential `G`,
+//! `f(n) Δe(n) >= G(n) - G(n-1)`, so that sum is never negative by itself, and the law is the plain spring.
+//!
+//! With the exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the
+//! last. Where the motion goes on at least as fast, a deficit is gone after one tick. Where it turns, the correction itself
+//! gives away up to `|f|·|Δe|` more, and a motion that turns at every tick makes that happen at every tick, without end. What
+//! holds for every next displacement is [`super::Fba`].
 //!
 //! Where `e` did not change, thesis (2.2) divides by zero. Here nothing can be corrected over a displacement of zero: the
 //! deficit stays in `E` for the next tick that moves.
@@ -15,28 +20,35 @@ use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 /// TDPA around the spring `k_de`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tdpa<N: Number> {
-    pub(crate) desired: Stiffness<N>,
-    pub(crate) observer: ObserverForm,
+    /// Desired stiffness `k_de`.
+    pub desired: Stiffness<N>,
+    /// Which observer.
+    pub observer: ObserverForm,
     /// `c_i/T` if the device's own damping counts as dissipation (2.6), else zero.
-    pub(crate) device_damping: Stiffness<N>,
-    pub(crate) limit: Force<N>,
+    pub device_damping: Stiffness<N>,
+    /// Largest force ever commanded.
+    pub limit: Force<N>,
     /// Cap of the stored energy; keeps the sum inside its format. Capping downwards is conservative.
-    pub(crate) energy_cap: Energy<N>,
+    pub energy_cap: Energy<N>,
 }
 
 /// Memory of [`Tdpa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TdpaState<N: Number> {
-    pub(crate) last: Position<N>,
-    pub(crate) force: Force<N>,
-    pub(crate) energy: Energy<N>,
-    pub(crate) inside: bool,
+    /// Penetration of the last tick.
+    pub last: Position<N>,
+    /// Force of the last tick.
+    pub force: Force<N>,
+    /// Observed energy.
+    pub energy: Energy<N>,
+    /// Whether the HIP was in the wall.
+    pub inside: bool,
 }
 
 impl<N: Number> Tdpa<N> {
     /// The force for a displacement after which the thesis' sum must not be negative; updates the sum.
     #[inline]
-    fn thesis_force(
+    pub fn thesis_force(
         &self,
         energy: &mut Energy<N>,
         wanted: Force<N>,
@@ -51,7 +63,7 @@ impl<N: Number> Tdpa<N> {
 
     /// The force for the coming tick, given the exact energy so far and the last displacement as a guess of the next.
     #[inline]
-    fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
+    pub fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
         if moved == Position::zero() || energy + wanted * moved >= Energy::zero() {
             return wanted;
         }

@@ -191,7 +191,27 @@ macro_rules! fixed_number {
                 if e.is_negative() {
                     return <$signal>::ZERO;
                 }
-                Self::signed(<$word as Word>::root(e.to_bits().unsigned_abs()), false)
+                Self::signed(
+                    magnitude::root::<$word>(e.to_bits().unsigned_abs()).root,
+                    false,
+                )
+            }
+            fn root_of_four(k: $gain) -> $gain {
+                // sqrt(4 k 2^-b) = sqrt(k 2^(2+b)) 2^-b; the root of a word is far below the signed limit.
+                let radicand = <$word as Word>::widen(k.to_bits().max(0).unsigned_abs())
+                    .wrapping_shl(Self::GAIN_BITS + 2);
+                let root = magnitude::root::<$word>(radicand).root;
+                <$gain>::from_bits(root.min(<$word as Word>::MAX_SIGNED) as $int)
+            }
+            #[inline(always)]
+            fn affordable(e: $energy, f: $signal) -> ($signal, $energy) {
+                let energy = e.to_bits().max(0).unsigned_abs();
+                let retreat = magnitude::affordable(energy, Self::magnitude(f));
+                let rest = retreat.rest.min(<$word as Word>::WIDE_MAX_SIGNED) as $wide;
+                (
+                    Self::signed(retreat.moved, false),
+                    <$energy>::from_bits(rest),
+                )
             }
 
             #[inline(always)]

@@ -1,7 +1,10 @@
-//! The float reference: the same law with rounding to nearest and no saturation worth the name.
+//! The float reference: the same law with rounding to nearest; what is measured saturates, what is calculated does not.
 
 use super::Number;
 use crate::Si;
+
+/// Where a measured value saturates: the range of [`super::Fixed32`].
+const LARGEST: f64 = 128.0;
 
 macro_rules! float_number {
     ($float:ty, $text:literal) => {
@@ -105,6 +108,22 @@ macro_rules! float_number {
             fn root(e: $float) -> $float {
                 if e > 0.0 { root::<$float>(e) } else { 0.0 }
             }
+            fn root_of_four(k: $float) -> $float {
+                if k > 0.0 {
+                    root::<$float>(4.0 * k)
+                } else {
+                    0.0
+                }
+            }
+            #[inline(always)]
+            fn affordable(e: $float, f: $float) -> ($float, $float) {
+                // In exact arithmetic nothing is left over.
+                if f > 0.0 && e > 0.0 {
+                    (e / f, 0.0)
+                } else {
+                    (0.0, if e > 0.0 { e } else { 0.0 })
+                }
+            }
             #[inline(always)]
             fn passivity_step(e: $float, f: $float, d: $float) -> ($float, $float) {
                 let e = if e < 0.0 { 0.0 } else { e };
@@ -121,7 +140,12 @@ macro_rules! float_number {
                 f64::from(x)
             }
             fn signal_from_f64(x: f64) -> $float {
-                if x.is_nan() { 0.0 } else { x as $float }
+                // An infinity, or a number whose products are infinite, would make a NaN of the next difference.
+                if x.is_nan() {
+                    0.0
+                } else {
+                    x.clamp(-LARGEST, LARGEST) as $float
+                }
             }
             fn energy_to_f64(e: $float) -> f64 {
                 f64::from(e)

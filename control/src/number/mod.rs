@@ -88,6 +88,12 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     /// The largest signal whose square does not exceed `e`; 0 for a negative `e`.
     fn root(e: Self::Energy) -> Self::Signal;
 
+    /// `floor(sqrt(4 k))` in the format of a gain: its square never exceeds `4 k` as stored.
+    fn root_of_four(k: Self::Gain) -> Self::Gain;
+    /// How far a force `f > 0` may be pushed back until the energy `e >= 0` is used up, and the rest:
+    /// `f · moved + rest = e`. See [`crate::magnitude::affordable`].
+    fn affordable(e: Self::Energy, f: Self::Signal) -> (Self::Signal, Self::Energy);
+
     /// One passivity step for a stored energy `e >= 0`, a wanted force `f >= 0` and a displacement `d` (positive: inward, the
     /// force absorbs): energy and force after it. See [`crate::magnitude::passivity_step`].
     fn passivity_step(

@@ -1,6 +1,7 @@
 //! `touchstone identify`: Algorithm 2.1.
 
 use super::SceneOptions;
+use super::out::{print, say};
 use crate::error::{Error, Result};
 use crate::identify::{Search, identify};
 
@@ -54,19 +55,20 @@ pub fn main(options: &Options) -> Result<()> {
     };
     let quiet = options.json;
     if !quiet {
-        println!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
+        say!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
     }
     let mut step = 0;
     let found = identify(&scene, search, |trial| {
         step += 1;
         if !quiet {
             let word = if trial.settles() { "settles" } else { "grows" };
-            println!(
-                "{step:>4}  {:<16.4e}  {:9.4} → {:9.4}  {word}",
+            // A line of progress that cannot be printed is not worth stopping for.
+            let _ = print(format_args!(
+                "{step:>4}  {:<16.4e}  {:9.4} → {:9.4}  {word}\n",
                 trial.damping,
                 1e3 * trial.early_rad,
                 1e3 * trial.late_rad
-            );
+            ));
         }
     })?;
     let error = found.damping / found.plant - 1.0;
@@ -78,16 +80,16 @@ pub fn main(options: &Options) -> Result<()> {
             "plant": found.plant,
             "k_critical": 2.0 * found.damping * f64::from(scene.timing.rate_hz),
         });
-        println!("{value:#}");
+        say!("{value:#}");
     } else {
-        println!();
-        println!(
+        say!("");
+        say!(
             "c_i  {:.4e} ± {:.1e} N·m·s/rad,  k_c = 2 c_i/T  {:.3} N·m/rad",
             found.damping,
             found.uncertainty,
             2.0 * found.damping * f64::from(scene.timing.rate_hz)
         );
-        println!(
+        say!(
             "plant (device and pad)  {:.4e} N·m·s/rad,  difference {:+.1} %",
             found.plant,
             100.0 * error

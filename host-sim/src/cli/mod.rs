@@ -1,6 +1,7 @@
 //! The command line: `touchstone [thesis | run | identify | scenes]`.
 
 mod identify;
+mod out;
 mod run;
 mod thesis;
 
@@ -8,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::run as runner;
 use crate::scene::{self, Scene};
 use clap::{Parser, Subcommand};
+use out::say;
 use std::process::ExitCode;
 use touchstone_control::Warning;
 
@@ -57,7 +59,7 @@ pub fn main() -> ExitCode {
 
 fn scenes() -> Result<()> {
     for name in scene::names() {
-        println!("{name:24}{}", Scene::load(name)?.description);
+        say!("{name:24}{}", Scene::load(name)?.description);
     }
     Ok(())
 }

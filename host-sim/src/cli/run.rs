@@ -1,6 +1,7 @@
 //! `touchstone run`: one scene.
 
 use super::SceneOptions;
+use super::out::say;
 use crate::error::Result;
 use crate::report::{self, Colour, ReportInput, json, table};
 use crate::run;
@@ -29,7 +30,7 @@ pub struct Options {
 pub fn main(options: &Options) -> Result<()> {
     let (scene, warnings) = options.changes.load(&options.scene)?;
     if options.print {
-        print!("{}", scene.to_toml());
+        say!("{}", scene.to_toml().trim_end());
         return Ok(());
     }
     let motion = Motion::from_scene(&scene)?;
@@ -55,9 +56,9 @@ pub fn main(options: &Options) -> Result<()> {
         None => None,
     };
     if options.json {
-        println!("{}", json::render(&runs, &[]));
+        say!("{}", json::render(&runs, &[]));
     } else {
-        print!("{}", table::render(&runs, Colour::detect()));
+        say!("{}", table::render(&runs, Colour::detect()).trim_end());
     }
     if let Some(written) = written {
         eprintln!("report  {}", written.page.display());

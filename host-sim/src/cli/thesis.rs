@@ -1,6 +1,7 @@
 //! `touchstone thesis`: the main job.
 
 use super::check;
+use super::out::say;
 use crate::error::Result;
 use crate::report::{self, Block, Colour, ReportInput, Section, table};
 use crate::run::record::{LawKind, Run, Verdict};
@@ -53,11 +54,11 @@ pub fn main(options: &Options) -> Result<()> {
         .filter(|run| run.trace.is_some())
         .cloned()
         .collect();
-    print!("{}", table::render(&plotted, Colour::detect()));
-    println!();
-    println!("{}", others(&runs));
-    println!();
-    print!("{}", claims_text(&claims));
+    say!("{}", table::render(&plotted, Colour::detect()).trim_end());
+    say!("");
+    say!("{}", others(&runs));
+    say!("");
+    say!("{}", claims_text(&claims).trim_end());
 
     let k_critical = 2.0 * base.law.c_i_n_m_s_per_rad * f64::from(base.timing.rate_hz);
     let section = claims_section(&claims);
@@ -74,8 +75,8 @@ pub fn main(options: &Options) -> Result<()> {
         sections: &[section],
     };
     let written = report::write(&input, &options.out)?;
-    println!();
-    println!(
+    say!("");
+    say!(
         "report  {}  ({} runs, {} files, {:.1} MB, {:.1} s)",
         written.page.display(),
         runs.len(),

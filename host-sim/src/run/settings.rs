@@ -119,22 +119,32 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
             max,
         } => scene.error(
             path(*field),
-            format!("{value} is out of range"),
-            format!("give a value from {min} to {max}"),
+            format!("{} is out of range", short(*value)),
+            format!("give a value from {} to {}", short(*min), short(*max)),
         ),
         SettingsError::OutOfFormat {
             field,
             value,
             format,
-        } => scene.error(
-            path(*field),
-            format!("its coefficient {value:.3} does not fit the number format {format}"),
-            "give a smaller value, or law.number = \"fixed32\" or \"f64\"",
-        ),
+        } => {
+            let wider = if *format == "fixed32" {
+                "\"f64\""
+            } else {
+                "\"fixed32\" or \"f64\""
+            };
+            scene.error(
+                path(*field),
+                format!("its coefficient {value:.3} does not fit the number format {format}"),
+                format!("give a smaller value, or law.number = {wider}"),
+            )
+        }
         SettingsError::NoCompensation { k_filter, .. } => scene.error(
             "law.regulate",
             "mass-compensated cannot reach k_de, which is not below k_f (thesis 3.5)",
-            format!("give k_desired_n_m_per_rad below {k_filter}, or regulate = \"hip\""),
+            format!(
+                "give k_desired_n_m_per_rad below {}, or regulate = \"hip\"",
+                short(*k_filter)
+            ),
         ),
     }
 }

@@ -1,0 +1,157 @@
+//! The signed edges: every function of `Number` is total (P3), and those that the proofs stand on are the heart's functions of
+//! the magnitudes, with the sign put back.
+
+use crate::format::Format;
+use crate::{assume, cover, property};
+use touchstone_control::magnitude::{self, Word};
+use touchstone_control::{Energy, Fixed8, Fixed32, Number, Position, Tension};
+
+macro_rules! edges {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            type N = $number;
+
+            property! {
+                /// P1: the signed step is the heart's step of the magnitudes.
+                by cadical fn p1_edge_step(s) {
+                    let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
+                    assume!(s, energy >= Energy::zero() && force.0 >= 0);
+                    let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
+                    let heart = magnitude::passivity_step::<$word>(
+                        energy.0.to_bits().unsigned_abs(),
+                        force.0.to_bits().unsigned_abs(),
+                        moved.0.to_bits().unsigned_abs(),
+                        moved.0 >= 0,
+                    );
+                    assert!(after >= 0 && shown >= 0);
+                    assert!(after.to_bits().unsigned_abs() == heart.energy);
+                    assert!(shown.to_bits().unsigned_abs() == heart.force);
+                    cover!(s, moved.0 < 0 && shown > 0 && shown < force.0, "force reduced");
+                    cover!(s, moved.0 == N::LOWEST, "largest displacement outward");
+                }
+            }
+            property! {
+                /// P1: the signed retreat is the heart's.
+                by cadical fn p1_edge_affordable(s) {
+                    let (energy, force) = (N::any_energy(s), N::any_force(s));
+                    assume!(s, energy >= Energy::zero() && force.0 >= 0);
+                    let (moved, rest) = energy.affordable(force);
+                    let heart = magnitude::affordable::<$word>(
+                        energy.0.to_bits().unsigned_abs(),
+                        force.0.to_bits().unsigned_abs(),
+                    );
+                    assert!(moved >= Position::zero() && rest >= Energy::zero());
+                    assert!(moved.0.to_bits().unsigned_abs() == heart.moved);
+                    assert!(rest.0.to_bits().unsigned_abs() == heart.rest);
+                    cover!(s, moved > Position::zero() && rest > Energy::zero(), "retreat with a rest");
+                }
+            }
+            property! {
+                /// P1: force times displacement is the exact energy: its magnitude is the product of the magnitudes.
+                fn p1_edge_work(s) {
+                    let (force, moved) = (N::any_force(s), N::any_position(s));
+                    let work = (force * moved).0.to_bits();
+                    let product = $wide::from(force.0.to_bits()) * $wide::from(moved.0.to_bits());
+                    assert!(work == product);
+                    cover!(s, work < 0, "given");
+                    cover!(s, force.0 == N::LOWEST && moved.0 == N::LOWEST, "largest");
+                }
+            }
+            property! {
+                /// P2: a scaled signal keeps its sign and is the heart's `scale` of the magnitudes.
+                fn p2_edge_scale(s) {
+                    let (ratio, x) = (N::any_ratio(s), N::any_position(s));
+                    assume!(s, ratio.0 >= 0);
+                    let scaled = (ratio * x).0.to_bits();
+                    let heart = magnitude::scale::<$word>(
+                        ratio.0.to_bits().unsigned_abs(),
+                        x.0.to_bits().unsigned_abs(),
+                        N::SIGNAL_BITS,
+                    );
+                    assert!(scaled.unsigned_abs() == heart);
+                    assert!(scaled == 0 || (scaled < 0) == (x.0 < 0));
+                    cover!(s, scaled < 0, "negative");
+                    cover!(s, heart == $word::MAX >> 1, "saturated");
+                }
+            }
+            property! {
+                /// P6: the quotient keeps the sign of the tension and is the heart's quotient.
+                by cadical fn p6_edge_divide(s) {
+                    let (tension, k) = (N::any_tension(s), N::any_stiffness(s));
+                    assume!(s, k.0 >= 0);
+                    let x = tension.over(k).0.to_bits();
+                    let heart = magnitude::quotient::<$word>(tension.0.unsigned_abs(), k.0.to_bits().unsigned_abs());
+                    assert!(x.unsigned_abs() == heart);
+                    assert!(x == 0 || (x < 0) == (tension.0 < 0));
+                    cover!(s, x < 0, "negative");
+                    cover!(s, k.0 == 0, "no stiffness");
+                }
+            }
+            property! {
+                /// P2/P4: rounding a tension to a force towards zero takes less than a quantum and never adds to it.
+                fn p2_edge_round_to_zero(s) {
+                    let tension = N::any_tension(s);
+                    let force = tension.towards_zero();
+                    let (size, back) = (tension.0.unsigned_abs(), force.lift().0.unsigned_abs());
+                    assert!(back <= size);
+                    assert!(size - back < 1 << N::GAIN_BITS || force.0.to_bits().unsigned_abs() == <$word>::MAX_SIGNED);
+                    assert!(force.0 == 0 || (force.0 < 0) == (tension.0 < 0));
+                    cover!(s, force.0 < 0 && back < size, "negative, rounded");
+                    cover!(s, tension.0 == $wide::MIN, "lowest tension");
+                }
+            }
+            property! {
+                /// P6: rounding upwards never gives less than the tension, unless it saturates, and less than a quantum more.
+                fn p6_edge_round_up(s) {
+                    let tension = N::any_tension(s);
+                    let force = tension.rounded_up();
+                    let lifted = force.lift();
+                    let saturated = force.0.to_bits().unsigned_abs() == <$word>::MAX_SIGNED;
+                    assert!(saturated || lifted >= tension);
+                    assert!(saturated || lifted.0 - tension.0 < 1 << N::GAIN_BITS);
+                    cover!(s, !saturated && lifted > tension && force.0 < 0, "negative, rounded");
+                    cover!(s, tension == Tension::zero(), "zero");
+                }
+            }
+            property! {
+                /// P3: everything else is total: no panic, no overflow, for all inputs whatever.
+                by cadical fn p3_total(s) {
+                    let (a, b) = (N::any_position(s), N::any_position(s));
+                    let (k, r) = (N::any_stiffness(s), N::any_ratio(s));
+                    let (p, q) = (N::any_tension(s), N::any_tension(s));
+                    let (d, e) = (N::any_energy(s), N::any_energy(s));
+                    let _ = (a + b, a - b, -a, a.modulus(), a.within(b), r * a, k * a);
+                    let _ = (p + q, p - q, p.towards_zero(), p.rounded_up(), p.over(k));
+                    let _ = (d + e, d - e, d.per_displacement(a), N::half_energy_up(d.0));
+                    let _ = N::passivity_step(d.0, a.0, b.0);
+                    let _ = d.affordable(touchstone_control::Force(a.0));
+                    cover!(s, a.0 == N::LOWEST && d.0.to_bits() == $wide::MIN, "lowest values");
+                }
+            }
+            property! {
+                /// P3: the narrowing of the width loses nothing: sums are exact or at the end of the range.
+                fn p3_sums_saturate(s) {
+                    let (a, b) = (N::any_position(s), N::any_position(s));
+                    let exact = N::of_signal(a.0) + N::of_signal(b.0);
+                    let sum = N::of_signal((a + b).0);
+                    assert!(sum == exact.clamp(N::of_signal(N::LOWEST), N::of_signal(N::HIGHEST)));
+                    let exact = N::of_signal(a.0) - N::of_signal(b.0);
+                    let difference = N::of_signal((a - b).0);
+                    assert!(difference == exact.clamp(N::of_signal(N::LOWEST), N::of_signal(N::HIGHEST)));
+                    cover!(s, exact > sum, "end of the range");
+                }
+            }
+        }
+    };
+}
+
+edges!(
+    /// At the width that the firmware runs.
+    w32, Fixed32, u32, i64
+);
+edges!(
+    /// At 8 bits: where mutants are refuted quickly.
+    w8, Fixed8, u8, i16
+);

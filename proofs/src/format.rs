@@ -1,0 +1,102 @@
+//! Any value of a number format, and its bits as an `i64`.
+
+use crate::source::Source;
+use touchstone_control::{
+    Compliance, Energy, Fixed8, Fixed16, Fixed32, Force, Number, Position, Ratio, Stiffness,
+    Tension,
+};
+
+/// A number format whose values a property can choose and look into.
+pub trait Format: Number {
+    /// Fractional bits of a gain.
+    const GAIN_BITS: u32;
+    /// Half the largest gain, rounded down.
+    const HALF_GAIN: i64;
+    /// The lowest signal.
+    const LOWEST: Self::Signal;
+    /// The highest signal.
+    const HIGHEST: Self::Signal;
+    /// Fractional bits of a signal.
+    const SIGNAL_BITS: u32;
+    /// Any position.
+    fn any_position<S: Source>(s: &mut S) -> Position<Self>;
+    /// Any force.
+    fn any_force<S: Source>(s: &mut S) -> Force<Self>;
+    /// Any stiffness, negative ones (that no setting gives) included.
+    fn any_stiffness<S: Source>(s: &mut S) -> Stiffness<Self>;
+    /// Any compliance.
+    fn any_compliance<S: Source>(s: &mut S) -> Compliance<Self>;
+    /// Any ratio.
+    fn any_ratio<S: Source>(s: &mut S) -> Ratio<Self>;
+    /// Any energy.
+    fn any_energy<S: Source>(s: &mut S) -> Energy<Self>;
+    /// Any tension.
+    fn any_tension<S: Source>(s: &mut S) -> Tension<Self>;
+    /// The bits of a position or force.
+    fn of_signal(x: Self::Signal) -> i64;
+    /// The bits of a ratio or compliance.
+    fn of_signal_ratio(x: Self::Ratio) -> i64;
+    /// The bits of a stiffness.
+    fn of_gain(x: Self::Gain) -> i64;
+    /// The bits of an energy.
+    fn of_energy(x: Self::Energy) -> i64;
+    /// The bits of a tension.
+    fn of_tension(x: Self::Product) -> i64;
+    /// The energy cap of every law: a quarter of the format.
+    fn energy_cap() -> Energy<Self>;
+}
+
+macro_rules! format {
+    ($name:ident, $word:ident, $wide:ident) => {
+        impl Format for $name {
+            const GAIN_BITS: u32 = <$name as Number>::Gain::FRAC_NBITS;
+            const HALF_GAIN: i64 = ($word::MAX >> 1) as i64;
+            const LOWEST: Self::Signal = <$name as Number>::Signal::MIN;
+            const HIGHEST: Self::Signal = <$name as Number>::Signal::MAX;
+            const SIGNAL_BITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
+            fn any_position<S: Source>(s: &mut S) -> Position<Self> {
+                Position(<$name as Number>::Signal::from_bits(s.$word()))
+            }
+            fn any_force<S: Source>(s: &mut S) -> Force<Self> {
+                Force(<$name as Number>::Signal::from_bits(s.$word()))
+            }
+            fn any_stiffness<S: Source>(s: &mut S) -> Stiffness<Self> {
+                Stiffness(<$name as Number>::Gain::from_bits(s.$word()))
+            }
+            fn any_compliance<S: Source>(s: &mut S) -> Compliance<Self> {
+                Compliance(<$name as Number>::Ratio::from_bits(s.$word()))
+            }
+            fn any_ratio<S: Source>(s: &mut S) -> Ratio<Self> {
+                Ratio(<$name as Number>::Ratio::from_bits(s.$word()))
+            }
+            fn any_energy<S: Source>(s: &mut S) -> Energy<Self> {
+                Energy(<$name as Number>::Energy::from_bits(s.$wide()))
+            }
+            fn any_tension<S: Source>(s: &mut S) -> Tension<Self> {
+                Tension(s.$wide())
+            }
+            fn of_signal(x: Self::Signal) -> i64 {
+                i64::from(x.to_bits())
+            }
+            fn of_signal_ratio(x: Self::Ratio) -> i64 {
+                i64::from(x.to_bits())
+            }
+            fn of_gain(x: Self::Gain) -> i64 {
+                i64::from(x.to_bits())
+            }
+            fn of_energy(x: Self::Energy) -> i64 {
+                i64::from(x.to_bits())
+            }
+            fn of_tension(x: Self::Product) -> i64 {
+                i64::from(x)
+            }
+            fn energy_cap() -> Energy<Self> {
+                Energy(<$name as Number>::Energy::from_bits(($wide::MAX >> 1) + 1))
+            }
+        }
+    };
+}
+
+format!(Fixed32, i32, i64);
+format!(Fixed16, i16, i32);
+format!(Fixed8, i8, i16);

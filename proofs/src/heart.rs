@@ -1,0 +1,229 @@
+//! The unsigned heart, `touchstone_control::magnitude`: one nonlinear fact per property.
+//!
+//! Magnitudes of signed words are at most `2^(BITS-1)`; energies at most the signed limit of the double width. That is all
+//! that is assumed, and the types of the callers enforce it.
+
+use crate::{assume, cover, property};
+use touchstone_control::magnitude::{
+    Root, Word, affordable, passivity_step, quotient, root, root_digit, scale,
+};
+
+macro_rules! heart {
+    ($(#[doc = $doc:literal])* $module:ident, $word:ident, $wide:ident, products $products:ident, bits $bits:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            const LARGEST: $word = 1 << ($word::BITS - 1);
+            const FULL: $wide = $wide::MAX >> 1;
+
+            property! {
+                /// P1, inward: the wall stores exactly the work, at most the signed limit; the force stays.
+                by $bits fn p1_step_inward(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    let step = passivity_step::<$word>(energy, force, moved, true);
+                    let sum = energy + $wide::from(force) * $wide::from(moved);
+                    assert!(step.force == force);
+                    assert!(step.energy == sum.min(FULL));
+                    cover!(s, sum > FULL, "cap reached");
+                    cover!(s, sum < FULL && sum > energy, "stored");
+                    cover!(s, energy == 0 && sum > 0, "from an empty store");
+                }
+            }
+            property! {
+                /// P1, outward, with enough energy: exactly the work is given, the force stays.
+                by $products
+                fn p1_step_paid(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    let work = $wide::from(force) * $wide::from(moved);
+                    assume!(s, work <= energy);
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    assert!(step.force == force);
+                    assert!(step.energy == energy - work);
+                    cover!(s, work == energy && work > 0, "spent to the last quantum");
+                    cover!(s, work == 0 && energy > 0, "no work");
+                    cover!(s, work > 0 && work < energy, "some left");
+                }
+            }
+            property! {
+                /// P1, outward, without enough: the energy that is left is the rest of the division, so that exactly the
+                /// work of the quotient is given.
+                by $products fn p1_step_clamped_energy(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    let work = energy / $wide::from(moved) * $wide::from(moved);
+                    assert!(work <= energy);
+                    assert!(step.energy == energy - work);
+                    cover!(s, step.force > 0 && step.force < force, "force reduced");
+                    cover!(s, step.force == 0, "no force left");
+                    cover!(s, step.energy > 0, "a rest stays");
+                }
+            }
+            property! {
+                /// P1, outward, without enough: the force is that quotient; the two limits beside it never bind.
+                by $products fn p1_step_clamped_force(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    assert!($wide::from(step.force) == energy / $wide::from(moved));
+                    cover!(s, step.force > 0 && step.force < force, "force reduced");
+                    cover!(s, step.force == 0, "no force left");
+                }
+            }
+            property! {
+                /// P1/P4, outward, without enough: the force shrinks, and no more than needed: less than `moved` is left.
+                by $products
+                fn p1_step_force_shrinks(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    assert!(step.force <= force);
+                    assert!(step.energy < $wide::from(moved));
+                    cover!(s, step.force + 1 == force, "reduced by one quantum");
+                    cover!(s, moved == LARGEST, "largest displacement");
+                }
+            }
+            property! {
+                /// P1 for the enhanced law: what a retreat costs at full force and what is left make up the energy.
+                by $products
+                fn p1_affordable(s) {
+                    let (energy, force) = (s.$wide(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && force > 0);
+                    let retreat = affordable::<$word>(energy, force);
+                    let cost = $wide::from(force) * $wide::from(retreat.moved);
+                    assert!(cost <= energy);
+                    assert!(retreat.rest == energy - cost);
+                    cover!(s, retreat.moved == <$word>::MAX_SIGNED, "end of the format");
+                    cover!(s, retreat.moved == 0 && energy > 0, "too little for one step");
+                    cover!(s, retreat.rest > 0 && retreat.moved > 1, "a rest stays");
+                }
+            }
+            property! {
+                /// P1, the lemma behind the clamp, and its second witness by another solver: the division accounts for at most
+                /// the energy, and less than `moved` is left.
+                by $bits fn p1_divide(s) {
+                    let (energy, moved) = (s.$wide(), s.$word());
+                    assume!(s, moved > 0);
+                    let (quotient, accounted) = moved.divides(energy);
+                    assert!(accounted <= energy);
+                    assert!(energy - accounted < moved.widen());
+                    assert!(quotient <= energy);
+                    cover!(s, quotient > 1 && accounted < energy, "rounded");
+                    cover!(s, accounted == energy && quotient > 1, "no rest");
+                }
+            }
+            property! {
+                /// P1 by the SAT solver: after a correction the energy is a remainder: `0 <= energy' < moved`.
+                by $bits fn p1_step_remainder(s) {
+                    let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    let paid = force.times(moved) <= energy;
+                    let step = passivity_step::<$word>(energy, force, moved, false);
+                    assert!(step.energy <= energy);
+                    assert!(step.force <= force);
+                    assert!(paid || step.energy < moved.widen());
+                    cover!(s, !paid && step.force > 0 && step.force < force, "force reduced");
+                    cover!(s, paid && step.energy < energy, "paid");
+                }
+            }
+            property! {
+                /// P5: a digit is kept, with its square, if that square does not exceed the radicand, and else nothing changes:
+                /// by induction `square = root² <= radicand` for the whole root.
+                by $bits fn p5_root_digit(s) {
+                    let (radicand, bit) = (s.$wide(), s.$word());
+                    let so_far = Root::<$word> { root: s.$word(), square: s.$wide() };
+                    let with = so_far.root | bit;
+                    let square = with.times(with);
+                    let next = root_digit(so_far, radicand, bit);
+                    if next != so_far {
+                        assert!(next.root == with && next.square == square);
+                        assert!(square <= radicand);
+                    }
+                    cover!(s, next.root > so_far.root, "kept");
+                    cover!(s, next == so_far && square > radicand, "refused");
+                }
+            }
+            property! {
+                /// P2: a gain rounds towards zero: `scale(g, x) · 2^bits <= g·x`, and the rest is below one quantum.
+                by $bits
+                fn p2_scale(s) {
+                    let (gain, x) = (s.$word(), s.$word());
+                    assume!(s, gain <= LARGEST && x <= LARGEST);
+                    const BITS: u32 = $word::BITS * 3 / 4;
+                    let product = gain.times(x);
+                    let scaled = scale::<$word>(gain, x, BITS).widen();
+                    assert!(scaled << BITS <= product);
+                    assert!(product - (scaled << BITS) < 1 << BITS || scaled == <$word>::MAX_SIGNED.widen());
+                    cover!(s, scaled > 1 && scaled << BITS < product, "rounded");
+                    cover!(s, scaled == <$word>::MAX_SIGNED.widen(), "saturated");
+                    cover!(s, scaled == 0 && product > 0, "lost");
+                }
+            }
+            property! {
+                /// P6: a quotient rounds towards zero: `quotient·divisor <= dividend`.
+                by $products
+                fn p6_quotient(s) {
+                    let (wide, divisor) = (s.$wide(), s.$word());
+                    assume!(s, divisor <= LARGEST);
+                    let q = quotient::<$word>(wide, divisor);
+                    assert!(q.times(divisor) <= wide);
+                    assert!(q <= <$word>::MAX_SIGNED);
+                    cover!(s, divisor == 0, "no divisor");
+                    cover!(s, q > 1 && q.times(divisor) < wide, "rounded");
+                    cover!(s, q == <$word>::MAX_SIGNED, "saturated");
+                }
+            }
+        }
+    };
+}
+
+heart!(
+    /// At the width that the firmware runs.
+    w32, u32, u64, products cvc5, bits kissat
+);
+heart!(
+    /// At 8 bits: where mutants are refuted quickly.
+    w8, u8, u16, products cadical, bits cadical
+);
+
+/// The whole root, at 8 bits: 32 products in a row do not finish at full width, where the digit and induction carry it.
+pub mod root8 {
+    use super::*;
+    property! {
+        /// P5/P3: the square found never exceeds the radicand, and the next one would; no overflow.
+        fn p5_root(s) {
+            let radicand = s.u16();
+            let found = root::<u8>(radicand);
+            assert!(found.square == found.root.times(found.root));
+            assert!(found.square <= radicand);
+            assert!(u32::from(found.root).pow(2) + 2 * u32::from(found.root) + 1 > u32::from(radicand));
+            cover!(s, found.root > 2 && found.square == radicand, "perfect square");
+            cover!(s, found.root == u8::MAX, "largest root");
+            cover!(s, found.root == 0, "no root");
+        }
+    }
+}
+
+/// Algebra without code: why the energy after a retreat is a sum of what is not negative.
+pub mod algebra {
+    use super::*;
+    property! {
+        /// P1 for the enhanced law: work and saving of a smaller force add up to the work of the full one, so that with
+        /// `p1_affordable` rest plus saving is exactly the energy minus the work.
+        by cvc5 fn p1_smaller_force(s) {
+            let (saved_force, smaller, moved) = (s.u64(), s.u64(), s.u64());
+            assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31);
+            let work = smaller * moved;
+            let saved = saved_force * moved;
+            assert!(saved + work == (saved_force + smaller) * moved);
+            cover!(s, smaller > 0 && saved > 0 && work > 0, "both parts");
+            cover!(s, saved_force == 0, "full force");
+            cover!(s, smaller == 0, "no force");
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! What is proved about the control laws: each property a body, run by Kani for all inputs and without it on seeded samples.
+//!
+//! `cargo xtask prove` runs all of it and writes the table in this directory's README; `cargo test -p touchstone-proofs` runs
+//! the sampled form and the exhaustive 8-bit form on stable Rust.
+//!
+//! Read from the bottom: [`heart`] (unsigned magnitudes), [`edges`] (signed numbers around them), one file per law, the
+//! filter, settings, the encoder and the fault machine.
+// Bodies name the checker's macros only under the checker.
+#![cfg_attr(kani, allow(missing_docs))]
+// The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
+#![allow(clippy::missing_panics_doc)]
+
+pub mod edges;
+pub mod format;
+pub mod heart;
+pub mod source;
+pub mod tdpa;
+pub mod valid;

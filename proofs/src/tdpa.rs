@@ -1,0 +1,146 @@
+//! Time-domain passivity approach: what each of its two observers can promise.
+
+use crate::format::Format;
+use crate::valid::Valid;
+use crate::{assume, cover, property};
+use touchstone_control::law::{Law, Tdpa, TdpaState};
+
+use touchstone_control::observer::damping_loss;
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, ObserverForm, Position};
+
+macro_rules! tdpa {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, by $solver:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            type N = $number;
+
+            property! {
+                /// P1, P3, P4 and the invariant, either observer: from any memory that satisfies it, for any configuration and
+                /// position, one tick does not panic, shows at most the limit, and keeps the invariant, of which the
+                /// thesis' form contains `E >= 0`.
+                by $solver fn p4_tick_keeps_invariant(s) {
+                    let law = Tdpa::<N>::any(s);
+                    let before = <Tdpa<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    assert!(law.holds(&state));
+                    assert!(force.modulus() <= law.limit);
+                    assert!(law.observer == ObserverForm::Exact || force >= Force::zero());
+                    cover!(s, law.observer == ObserverForm::Thesis && state.energy == Energy::zero() && force > Force::zero(), "thesis, spent");
+                    cover!(s, law.observer == ObserverForm::Exact && force < Force::zero(), "exact, pulls");
+                    cover!(s, force == law.limit && force > Force::zero(), "limit reached");
+                    cover!(s, state.energy == law.energy_cap, "cap reached");
+                    cover!(s, before.inside && state.inside && e < before.last, "outward");
+                }
+            }
+            property! {
+                /// P1, thesis' observer: a tick inside is the passivity step of the stored energy plus what the counted
+                /// damper took, capped. With the heart: `0 <= E' <= E + loss + f'·Δe`.
+                by $solver fn p1_thesis_is_the_step(s) {
+                    let law = Tdpa::<N>::any(s);
+                    let before = <Tdpa<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    assume!(s, law.observer == ObserverForm::Thesis && e > Position::zero());
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    let moved = e - before.last;
+                    let wanted = (law.desired * e).towards_zero().min(law.limit);
+                    let store = (before.energy + damping_loss(law.device_damping, moved)).min(law.energy_cap);
+                    let (after, shown) = N::passivity_step(store.0, wanted.0, moved.0);
+                    assert!(force.0 == shown && state.force == force);
+                    assert!(state.energy == Energy(after).min(law.energy_cap));
+                    assert!(state.last == e);
+                    // Inside, both positions are in the wall: the displacement is exact.
+                    assert!(N::of_signal(moved.0) == N::of_signal(e.0) - N::of_signal(before.last.0));
+                    cover!(s, force > Force::zero() && force < wanted, "force reduced");
+                    cover!(s, force == wanted && moved < Position::zero() && force > Force::zero(), "paid in full");
+                }
+            }
+            property! {
+                /// The counted damper never gives energy: `loss >= 0`.
+                fn p1_loss_is_not_negative(s) {
+                    let law = Tdpa::<N>::any(s);
+                    let moved = N::any_position(s);
+                    assume!(s, law.valid());
+                    let loss = damping_loss(law.device_damping, moved);
+                    assert!(loss >= Energy::zero());
+                    cover!(s, loss > Energy::zero() && moved < Position::zero(), "outward");
+                }
+            }
+            property! {
+                /// P1, exact observer: the sum is the port's energy (plus the counted damping), capped from above only.
+                by $solver fn p1_exact_is_the_sum(s) {
+                    let law = Tdpa::<N>::any(s);
+                    let before = <Tdpa<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    assume!(s, law.observer == ObserverForm::Exact && e > Position::zero());
+                    // A deficit of a quarter of the format (16 kJ) is outside the claim: the sum would saturate.
+                    assume!(s, before.energy + law.energy_cap >= Energy::zero());
+                    let mut state = before;
+                    let _ = law.tick(&mut state, e);
+                    let moved = e - before.last;
+                    let work = N::of_energy((before.force * moved).0);
+                    let loss = N::of_energy(damping_loss(law.device_damping, moved).0);
+                    let sum = N::of_energy(before.energy.0) + work + loss;
+                    assert!(N::of_energy(state.energy.0) == sum.min(N::of_energy(law.energy_cap.0)));
+                    cover!(s, before.energy >= Energy::zero() && state.energy < Energy::zero(), "the dip of one tick");
+                    cover!(s, loss > 0 && work < 0, "damped");
+                }
+            }
+            property! {
+                /// P1, exact observer: the corrected force is the heart's quotient `|E|/|Δe|` with the sign that pays back
+                /// over a displacement like the last one; without need, the wall's own force.
+                by $solver fn p1_exact_correction(s) {
+                    let law = Tdpa::<N>::any(s);
+                    let (energy, wanted, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
+                    assume!(s, wanted >= Force::zero() && energy <= law.energy_cap);
+                    let force = law.exact_force(energy, wanted, moved);
+                    let repeat = energy + wanted * moved;
+                    if moved == Position::zero() || repeat >= Energy::zero() {
+                        assert!(force == wanted);
+                    } else {
+                        let quotient = touchstone_control::magnitude::quotient::<$word>(
+                            energy.0.to_bits().unsigned_abs(),
+                            moved.0.to_bits().unsigned_abs(),
+                        );
+                        assert!(force.0.to_bits().unsigned_abs() == quotient);
+                        // A surplus is spent outward; a deficit is worked off against the motion.
+                        let absorbs = (force.0 > 0) == (moved.0 > 0);
+                        assert!(quotient == 0 || absorbs == (energy < Energy::zero()));
+                        assert!(energy < Energy::zero() || moved < Position::zero());
+                    }
+                    cover!(s, force < Force::zero(), "pulls");
+                    cover!(s, energy < Energy::zero() && force > wanted, "pushes harder");
+                    cover!(s, energy > Energy::zero() && force < wanted && force > Force::zero(), "force reduced");
+                    cover!(s, moved == Position::zero() && energy < Energy::zero(), "deficit kept at rest");
+                }
+            }
+            property! {
+                /// P7: outside the wall the force is 0 and nothing is remembered.
+                fn p7_leaves(s) {
+                    let law = Tdpa::<N>::any(s);
+                    let mut state = <Tdpa<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, e <= Position::zero());
+                    cover!(s, state.inside && state.energy < Energy::zero() && e == Position::zero(), "with a deficit");
+                    assert!(law.tick(&mut state, e) == Force::zero());
+                    assert!(state == TdpaState::default());
+                }
+            }
+        }
+    };
+}
+
+tdpa!(
+    /// At the width that the firmware runs.
+    w32, Fixed32, u32, by kissat
+);
+tdpa!(
+    /// At 8 bits: where mutants are refuted quickly.
+    w8, Fixed8, u8, by cadical
+);

@@ -1,0 +1,320 @@
+//! What every accepted configuration satisfies (`Valid`), and the invariant of every law's memory (`holds`): the properties
+//! start from any configuration and any memory that satisfy these, and show that a tick keeps the latter.
+//!
+//! `settings.rs` proves and tests that whatever `Controller::new` accepts is valid; the memory that it starts with satisfies
+//! the invariant (`p8_initial`).
+
+use crate::format::Format;
+use crate::source::Source;
+use touchstone_control::filter::{MassState, VirtualMass};
+use touchstone_control::law::{
+    Augmentation, Augmented, Contact, EnhancedSfa, EnhancedState, Fba, FbaState, Sfa, SfaState,
+    Spring, SpringState, Tdpa, TdpaState,
+};
+use touchstone_control::{
+    Energy, FirstContact, Force, ObserverForm, OffsetUpdate, Position, Regulate, Stiffness,
+};
+
+/// A configuration that settings can give, with the memory that goes with it.
+pub trait Valid<N: Format>: Sized {
+    /// Its memory.
+    type State;
+    /// Any values whatever.
+    fn any<S: Source>(s: &mut S) -> Self;
+    /// Any memory whatever.
+    fn any_state<S: Source>(s: &mut S) -> Self::State;
+    /// What `Controller::new` sees to.
+    fn valid(&self) -> bool;
+    /// The invariant of the memory.
+    fn holds(&self, state: &Self::State) -> bool;
+}
+
+fn limit_ok<N: Format>(limit: Force<N>) -> bool {
+    limit >= Force::zero()
+}
+fn gain_ok<N: Format>(k: Stiffness<N>) -> bool {
+    k >= Stiffness::zero()
+}
+fn shown<N: Format>(force: Force<N>, limit: Force<N>) -> bool {
+    force >= Force::zero() && force <= limit
+}
+
+impl<N: Format> Valid<N> for Spring<N> {
+    type State = SpringState<N>;
+    fn any<S: Source>(s: &mut S) -> Self {
+        Self {
+            desired: N::any_stiffness(s),
+            damping: N::any_stiffness(s),
+            limit: N::any_force(s),
+        }
+    }
+    fn any_state<S: Source>(s: &mut S) -> SpringState<N> {
+        SpringState {
+            last: N::any_position(s),
+            inside: s.bool(),
+        }
+    }
+    fn valid(&self) -> bool {
+        gain_ok(self.desired) && gain_ok(self.damping) && limit_ok(self.limit)
+    }
+    fn holds(&self, state: &SpringState<N>) -> bool {
+        if state.inside {
+            state.last > Position::zero()
+        } else {
+            state.last == Position::zero()
+        }
+    }
+}
+
+impl<N: Format> Valid<N> for Tdpa<N> {
+    type State = TdpaState<N>;
+    fn any<S: Source>(s: &mut S) -> Self {
+        Self {
+            desired: N::any_stiffness(s),
+            observer: any_observer(s),
+            device_damping: N::any_stiffness(s),
+            limit: N::any_force(s),
+            energy_cap: N::energy_cap(),
+        }
+    }
+    fn any_state<S: Source>(s: &mut S) -> TdpaState<N> {
+        TdpaState {
+            last: N::any_position(s),
+            force: N::any_force(s),
+            energy: N::any_energy(s),
+            inside: s.bool(),
+        }
+    }
+    fn valid(&self) -> bool {
+        gain_ok(self.desired) && gain_ok(self.device_damping) && limit_ok(self.limit)
+    }
+    fn holds(&self, state: &TdpaState<N>) -> bool {
+        if !state.inside {
+            return *state == TdpaState::default();
+        }
+        state.last > Position::zero()
+            && state.force.modulus() <= self.limit
+            && state.energy <= self.energy_cap
+            && match self.observer {
+                ObserverForm::Thesis => {
+                    state.energy >= Energy::zero() && state.force >= Force::zero()
+                }
+                ObserverForm::Exact => true,
+            }
+    }
+}
+
+impl<N: Format> Valid<N> for Fba<N> {
+    type State = FbaState<N>;
+    fn any<S: Source>(s: &mut S) -> Self {
+        Self {
+            desired: N::any_stiffness(s),
+            device_damping: N::any_stiffness(s),
+            bound: N::any_stiffness(s),
+            limit: N::any_force(s),
+            energy_cap: N::energy_cap(),
+        }
+    }
+    fn any_state<S: Source>(s: &mut S) -> FbaState<N> {
+        FbaState {
+            last: N::any_position(s),
+            force: N::any_force(s),
+            energy: N::any_energy(s),
+            inside: s.bool(),
+        }
+    }
+    /// The bound itself, `bound² <= 4 c_i/T`, is `p5_bound_of_damping`.
+    fn valid(&self) -> bool {
+        gain_ok(self.desired)
+            && gain_ok(self.device_damping)
+            && gain_ok(self.bound)
+            && limit_ok(self.limit)
+    }
+    fn holds(&self, state: &FbaState<N>) -> bool {
+        if !state.inside {
+            return *state == FbaState::default();
+        }
+        state.last > Position::zero()
+            && shown(state.force, self.limit)
+            && state.energy <= self.energy_cap
+            // With a deficit (the counted damping is rounded down) nothing is shown until it is worked off.
+            && (state.energy >= Energy::zero() || state.force == Force::zero())
+    }
+}
+
+impl<N: Format> Valid<N> for Sfa<N> {
+    type State = SfaState<N>;
+    fn any<S: Source>(s: &mut S) -> Self {
+        Self {
+            desired: N::any_stiffness(s),
+            soft: N::any_stiffness(s),
+            gain: N::any_ratio(s),
+            compliance: N::any_compliance(s),
+            update: any_update(s),
+            first_contact: any_first(s),
+            limit: N::any_force(s),
+        }
+    }
+    fn any_state<S: Source>(s: &mut S) -> SfaState<N> {
+        SfaState {
+            contact: any_contact(s),
+            last: N::any_position(s),
+            before_last: N::any_position(s),
+            offset: N::any_position(s),
+            force: N::any_force(s),
+        }
+    }
+    fn valid(&self) -> bool {
+        gain_ok(self.desired) && gain_ok(self.soft) && limit_ok(self.limit)
+    }
+    fn holds(&self, state: &SfaState<N>) -> bool {
+        shown(state.force, self.limit)
+            && match state.contact {
+                Contact::Free => state.offset == Position::zero() && state.force == Force::zero(),
+                Contact::First => state.offset == Position::zero(),
+                Contact::Augmenting => true,
+            }
+    }
+}
+
+impl<N: Format> Valid<N> for EnhancedSfa<N> {
+    type State = EnhancedState<N>;
+    fn any<S: Source>(s: &mut S) -> Self {
+        Self {
+            desired: N::any_stiffness(s),
+            target: N::any_stiffness(s),
+            soft: N::any_stiffness(s),
+            compliance: N::any_compliance(s),
+            augmentation: any_augmentation(s),
+            regulate: match (s.bool(), s.bool()) {
+                (false, false) => Regulate::Mass,
+                (false, true) => Regulate::MassCompensated,
+                (true, _) => Regulate::Hip,
+            },
+            update: any_update(s),
+            observer: any_observer(s),
+            first_contact: any_first(s),
+            mass: any_mass(s),
+            series: N::any_stiffness(s),
+            credit: N::any_energy(s),
+            energy_cap: N::energy_cap(),
+            limit: N::any_force(s),
+        }
+    }
+    fn any_state<S: Source>(s: &mut S) -> EnhancedState<N> {
+        EnhancedState {
+            contact: any_contact(s),
+            last: N::any_position(s),
+            force: N::any_force(s),
+            energy: N::any_energy(s),
+            augmented: Augmented {
+                mass: MassState {
+                    position: N::any_position(s),
+                    moved: N::any_position(s),
+                },
+                offset: N::any_position(s),
+                at_mass: N::any_force(s),
+            },
+        }
+    }
+    fn valid(&self) -> bool {
+        gain_ok(self.desired)
+            && gain_ok(self.target)
+            && gain_ok(self.soft)
+            && gain_ok(self.series)
+            && augmentation_ok(&self.augmentation)
+            && mass_ok(&self.mass)
+            && self.credit >= Energy::zero()
+            && self.credit <= self.energy_cap
+            && limit_ok(self.limit)
+    }
+    fn holds(&self, state: &EnhancedState<N>) -> bool {
+        match state.contact {
+            Contact::Free => {
+                *state
+                    == EnhancedState {
+                        last: state.last,
+                        ..EnhancedState::default()
+                    }
+            }
+            Contact::First => {
+                state.last > Position::zero()
+                    && shown(state.force, self.limit)
+                    && state.energy >= Energy::zero()
+                    && state.energy <= self.energy_cap
+                    && state.augmented == Augmented::default()
+            }
+            Contact::Augmenting => {
+                state.force.modulus() <= self.limit
+                    && state.energy >= Energy::zero()
+                    && state.energy <= self.energy_cap
+                    && state.augmented.offset >= Position::zero()
+                    && state.augmented.at_mass >= Force::zero()
+            }
+        }
+    }
+}
+
+/// Any way of changing the offset.
+pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
+    Augmentation {
+        of_ideal: N::any_compliance(s),
+        of_force: N::any_compliance(s),
+        of_penetration: N::any_ratio(s),
+    }
+}
+/// Its shares are not negative.
+pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
+    N::of_signal_ratio(a.of_ideal.0) >= 0
+        && N::of_signal_ratio(a.of_force.0) >= 0
+        && N::of_signal_ratio(a.of_penetration.0) >= 0
+}
+/// Any virtual mass.
+pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
+    VirtualMass {
+        inertia: N::any_stiffness(s),
+        stiffness: N::any_stiffness(s),
+        damping: N::any_stiffness(s),
+        total: N::any_stiffness(s),
+    }
+}
+/// Its coefficients are not negative, their sum is at most the total, and twice the total fits the format.
+pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
+    let [inertia, stiffness, damping, total] =
+        [mass.inertia, mass.stiffness, mass.damping, mass.total].map(|k| N::of_gain(k.0));
+    inertia >= 0
+        && stiffness >= 0
+        && damping >= 0
+        && total > 0
+        && inertia + stiffness + damping <= total
+        && total <= N::HALF_GAIN
+}
+
+fn any_observer<S: Source>(s: &mut S) -> ObserverForm {
+    if s.bool() {
+        ObserverForm::Thesis
+    } else {
+        ObserverForm::Exact
+    }
+}
+fn any_first<S: Source>(s: &mut S) -> FirstContact {
+    if s.bool() {
+        FirstContact::KeepForce
+    } else {
+        FirstContact::ZeroOffset
+    }
+}
+fn any_update<S: Source>(s: &mut S) -> OffsetUpdate {
+    match (s.bool(), s.bool()) {
+        (false, false) => OffsetUpdate::TurnInward,
+        (false, true) => OffsetUpdate::Inward,
+        (true, _) => OffsetUpdate::EveryTick,
+    }
+}
+fn any_contact<S: Source>(s: &mut S) -> Contact {
+    match (s.bool(), s.bool()) {
+        (false, false) => Contact::Free,
+        (false, true) => Contact::First,
+        (true, _) => Contact::Augmenting,
+    }
+}

@@ -1,0 +1,266 @@
+//! The states that decide whether the outputs may be on.
+//!
+//! ```text
+//! Boot -> Calibrating -> Ready -> Armed
+//!              \           \        \      any fault
+//!               +-----------+--------+--------------> Fault(context) -> Stopped -> Calibrating
+//! ```
+//!
+//! Outputs may be on in `Calibrating` and `Armed` only. A fault is latched with its context: later faults do not overwrite the
+//! first, which is the cause, and only an explicit command leaves it, to `Stopped`. From there the way back to `Armed` leads
+//! through a calibration. A fault is taken in every state, before any command of the same tick.
+
+/// Why the outputs were switched off. The numbers go over the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum FaultCode {
+    /// Phase current above its limit.
+    OverCurrent = 1,
+    /// Bus voltage above its limit.
+    OverVoltage = 2,
+    /// Bus voltage below its limit.
+    UnderVoltage = 3,
+    /// Driver or motor too hot.
+    OverTemperature = 4,
+    /// The encoder did not answer, or its check failed.
+    EncoderLost = 5,
+    /// The encoder moved further in one tick than the shaft can.
+    EncoderJump = 6,
+    /// A tick was not finished when the next was due.
+    Overrun = 7,
+    /// The hardware break input pulled.
+    HardwareBreak = 8,
+    /// The gate driver reported an error.
+    GateDriver = 9,
+    /// Calibration found no plausible result.
+    CalibrationFailed = 10,
+    /// Stored settings are damaged or were refused.
+    SettingsInvalid = 11,
+    /// The supervisor missed its sign of life.
+    Watchdog = 12,
+    /// The shaft turned faster than allowed.
+    OverSpeed = 13,
+}
+
+impl FaultCode {
+    /// All of them.
+    pub const ALL: [Self; 13] = [
+        Self::OverCurrent,
+        Self::OverVoltage,
+        Self::UnderVoltage,
+        Self::OverTemperature,
+        Self::EncoderLost,
+        Self::EncoderJump,
+        Self::Overrun,
+        Self::HardwareBreak,
+        Self::GateDriver,
+        Self::CalibrationFailed,
+        Self::SettingsInvalid,
+        Self::Watchdog,
+        Self::OverSpeed,
+    ];
+
+    /// The fault that a number on the wire stands for.
+    #[must_use]
+    pub fn from_wire(number: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
+    }
+
+    /// The number on the wire.
+    #[must_use]
+    pub const fn to_wire(self) -> u8 {
+        self as u8
+    }
+}
+
+/// What is kept of a fault: the first cause, not what followed from it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Context {
+    /// Why.
+    pub code: FaultCode,
+    /// Tick in which it was seen.
+    pub tick: u32,
+    /// The measured value that broke the limit, in the raw unit of its source.
+    pub value: i32,
+}
+
+/// Where the device stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum State {
+    /// Power is on, nothing is known yet.
+    #[default]
+    Boot,
+    /// Encoder and current offsets are being found; the outputs move the shaft.
+    Calibrating,
+    /// Calibrated, outputs off.
+    Ready,
+    /// The control law drives the outputs.
+    Armed,
+    /// Switched off for a reason.
+    Fault(Context),
+    /// Switched off by command; calibration is forgotten.
+    Stopped,
+}
+
+/// What may be done with the outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outputs {
+    /// Bridge off, command zero.
+    Off,
+    /// Bridge on.
+    On,
+}
+
+/// What a person or the desktop asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Command {
+    /// Start a calibration, from `Boot` (self-test over) or `Stopped`.
+    Calibrate,
+    /// Switch the outputs on.
+    Arm,
+    /// Switch the outputs off, keep the calibration.
+    Disarm,
+    /// Switch off and forget; the only way out of a fault.
+    Stop,
+}
+
+/// What happened in a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Event {
+    /// Nothing.
+    Tick,
+    /// A fault was seen.
+    Fault(Context),
+    /// The calibration succeeded.
+    Calibrated,
+    /// A command came in.
+    Command(Command),
+}
+
+/// The machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Machine {
+    state: State,
+}
+
+impl Machine {
+    /// Just switched on.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { state: State::Boot }
+    }
+
+    /// At a state; for whoever restores or examines one.
+    #[must_use]
+    pub const fn at(state: State) -> Self {
+        Self { state }
+    }
+
+    /// Where the device stands.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// What may be done with the outputs now.
+    #[must_use]
+    pub const fn outputs(&self) -> Outputs {
+        match self.state {
+            State::Calibrating | State::Armed => Outputs::On,
+            State::Boot | State::Ready | State::Fault(_) | State::Stopped => Outputs::Off,
+        }
+    }
+
+    /// The latched fault.
+    #[must_use]
+    pub const fn fault(&self) -> Option<Context> {
+        match self.state {
+            State::Fault(context) => Some(context),
+            _ => None,
+        }
+    }
+
+    /// Takes one event. Returns whether it had an effect, so that a command that is not allowed can be answered so.
+    pub fn take(&mut self, event: Event) -> bool {
+        let next = match (self.state, event) {
+            // The first cause stays.
+            (State::Fault(context), Event::Fault(_)) => State::Fault(context),
+            (_, Event::Fault(context)) => State::Fault(context),
+            (State::Boot | State::Stopped, Event::Command(Command::Calibrate)) => {
+                State::Calibrating
+            }
+            (State::Calibrating, Event::Calibrated) => State::Ready,
+            (State::Ready, Event::Command(Command::Arm)) => State::Armed,
+            (State::Armed, Event::Command(Command::Disarm)) => State::Ready,
+            (_, Event::Command(Command::Stop)) => State::Stopped,
+            (state, _) => state,
+        };
+        let changed = next != self.state;
+        self.state = next;
+        changed
+    }
+
+    /// Takes everything of one tick: the fault first, so that no command of the same tick can arm past it.
+    pub fn tick(
+        &mut self,
+        fault: Option<Context>,
+        calibrated: bool,
+        command: Option<Command>,
+    ) -> Outputs {
+        if let Some(context) = fault {
+            // A stop in the tick of a fault would hide the fault: it has to be asked for again.
+            self.take(Event::Fault(context));
+            return self.outputs();
+        }
+        if calibrated {
+            self.take(Event::Calibrated);
+        }
+        if let Some(command) = command {
+            self.take(Event::Command(command));
+        }
+        self.outputs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_numbers_on_the_wire_come_back() {
+        for code in FaultCode::ALL {
+            assert_eq!(FaultCode::from_wire(code.to_wire()), Some(code));
+        }
+        assert_eq!(FaultCode::from_wire(0), None);
+        assert_eq!(FaultCode::from_wire(14), None);
+    }
+
+    #[test]
+    fn the_way_to_armed_and_out_of_a_fault() {
+        let mut machine = Machine::new();
+        let fault = Context {
+            code: FaultCode::EncoderLost,
+            tick: 7,
+            value: -1,
+        };
+        assert_eq!(machine.tick(None, false, Some(Command::Arm)), Outputs::Off);
+        assert_eq!(
+            machine.tick(None, false, Some(Command::Calibrate)),
+            Outputs::On
+        );
+        assert_eq!(machine.tick(None, true, None), Outputs::Off);
+        assert_eq!(machine.tick(None, false, Some(Command::Arm)), Outputs::On);
+        assert_eq!(
+            machine.tick(Some(fault), true, Some(Command::Stop)),
+            Outputs::Off
+        );
+        assert_eq!(machine.fault(), Some(fault));
+        for command in [Command::Arm, Command::Calibrate, Command::Disarm] {
+            assert_eq!(machine.tick(None, true, Some(command)), Outputs::Off);
+            assert_eq!(machine.fault(), Some(fault));
+        }
+        machine.tick(None, false, Some(Command::Stop));
+        assert_eq!(machine.state(), State::Stopped);
+        assert_eq!(machine.tick(None, true, Some(Command::Arm)), Outputs::Off);
+    }
+}
