@@ -184,7 +184,7 @@ fn bad_keys() {
     );
     refused(
         &["motion.velocity_rad_per_s=2"],
-        "--set motion.velocity_rad_per_s=2: the motion `ramp-and-hold` has no such field; remove it, or use it with tap",
+        "--set motion.velocity_rad_per_s=2: the motion `touch-and-press` has no such field; remove it, or use it with tap",
     );
 }
 
@@ -212,6 +212,6 @@ fn bad_values() {
     );
     refused(
         &["static_n_m=1e-4"],
-        "--set static_n_m=1e-4: must be at least kinetic_n_m, is 0.0001 below 0.001; write static_n_m = 0.001 or leave it out",
+        "--set static_n_m=1e-4: must be at least kinetic_n_m, is 0.0001 below 0.0003; write static_n_m = 0.0003 or leave it out",
     );
 }
