@@ -197,13 +197,15 @@ pub struct Root<W: Word> {
     pub square: W::Wide,
 }
 
-/// Keeps a binary digit of the root if the square does not exceed the radicand with it.
+/// Takes the candidate, a root with one more binary digit, if its square does not exceed the radicand.
 #[inline(always)]
-pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, bit: W) -> Root<W> {
-    let root = so_far.root.with(bit);
-    let square = root.times(root);
+pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> Root<W> {
+    let square = candidate.times(candidate);
     if square <= radicand {
-        Root { root, square }
+        Root {
+            root: candidate,
+            square,
+        }
     } else {
         so_far
     }
@@ -217,7 +219,8 @@ pub fn root<W: Word>(radicand: W::Wide) -> Root<W> {
         square: W::WIDE_ZERO,
     };
     for position in (0..W::BITS).rev() {
-        found = root_digit(found, radicand, W::bit(position));
+        let candidate = found.root.with(W::bit(position));
+        found = root_digit(found, radicand, candidate);
     }
     found
 }

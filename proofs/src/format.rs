@@ -1,5 +1,6 @@
 //! Any value of a number format, and its bits as an `i64`.
 
+use crate::facts::Facts32;
 use crate::source::Source;
 use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed16, Fixed32, Force, Number, Position, Ratio, Stiffness,
@@ -8,6 +9,8 @@ use touchstone_control::{
 
 /// A number format whose values a property can choose and look into.
 pub trait Format: Number {
+    /// Bits of a signal.
+    const BITS: u32;
     /// Fractional bits of a gain.
     const GAIN_BITS: u32;
     /// Half the largest gain, rounded down.
@@ -49,6 +52,7 @@ pub trait Format: Number {
 macro_rules! format {
     ($name:ident, $word:ident, $wide:ident) => {
         impl Format for $name {
+            const BITS: u32 = $word::BITS;
             const GAIN_BITS: u32 = <$name as Number>::Gain::FRAC_NBITS;
             const HALF_GAIN: i64 = ($word::MAX >> 1) as i64;
             const LOWEST: Self::Signal = <$name as Number>::Signal::MIN;
@@ -98,5 +102,6 @@ macro_rules! format {
 }
 
 format!(Fixed32, i32, i64);
+format!(Facts32, i32, i64);
 format!(Fixed16, i16, i32);
 format!(Fixed8, i8, i16);

@@ -11,8 +11,12 @@
 #![allow(clippy::missing_panics_doc)]
 
 pub mod edges;
+pub mod enhanced;
+pub mod facts;
+pub mod fba;
 pub mod format;
 pub mod heart;
 pub mod source;
+pub mod spring_sfa;
 pub mod tdpa;
 pub mod valid;

@@ -160,7 +160,7 @@ impl Source for Sampler {
 /// If the property does, if hardly any sample satisfies the assumptions, or if a cover is never reached.
 #[cfg(not(kani))]
 pub fn sample(name: &str, property: fn(&mut Sampler)) {
-    const ACCEPTED: u64 = 20_000;
+    const ACCEPTED: u64 = 5_000;
     const TRIES: u64 = 20_000_000;
     // A seed of its own for each property, the same in every run.
     let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {

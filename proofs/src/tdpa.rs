@@ -1,12 +1,13 @@
 //! Time-domain passivity approach: what each of its two observers can promise.
 
+use crate::facts::Facts32;
 use crate::format::Format;
 use crate::valid::Valid;
 use crate::{assume, cover, property};
 use touchstone_control::law::{Law, Tdpa, TdpaState};
 
 use touchstone_control::observer::damping_loss;
-use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, ObserverForm, Position};
+use touchstone_control::{Energy, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! tdpa {
     ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, by $solver:ident) => {
@@ -86,7 +87,8 @@ macro_rules! tdpa {
                     let moved = e - before.last;
                     let work = N::of_energy((before.force * moved).0);
                     let loss = N::of_energy(damping_loss(law.device_damping, moved).0);
-                    let sum = N::of_energy(before.energy.0) + work + loss;
+                    // Beyond the width the sum is beyond the cap as well.
+                    let sum = N::of_energy(before.energy.0).saturating_add(work).saturating_add(loss);
                     assert!(N::of_energy(state.energy.0) == sum.min(N::of_energy(law.energy_cap.0)));
                     cover!(s, before.energy >= Energy::zero() && state.energy < Energy::zero(), "the dip of one tick");
                     cover!(s, loss > 0 && work < 0, "damped");
@@ -137,8 +139,8 @@ macro_rules! tdpa {
 }
 
 tdpa!(
-    /// At the width that the firmware runs.
-    w32, Fixed32, u32, by kissat
+    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    w32, Facts32, u32, by cadical
 );
 tdpa!(
     /// At 8 bits: where mutants are refuted quickly.

@@ -244,7 +244,8 @@ impl<N: Number> EnhancedSfa<N> {
             return (Force::zero(), step);
         }
         // E - f·retreat, as a sum of what is not negative: the rest of the division, and what the smaller force saves.
-        *energy = rest + (wanted - force) * retreat;
+        // (The cap never binds here; it keeps that a matter of comparisons.)
+        *energy = (rest + (wanted - force) * retreat).min(self.energy_cap);
         (force, -retreat)
     }
 }

@@ -247,15 +247,26 @@ impl<R: Recorder> Visitor for Loop<'_, R> {
         let mut recorder = self.recorder;
         let ticks = self.scene.timing.ticks();
         let period_s = self.scene.timing.period_s();
-        cycle(
-            prepared,
-            wall,
-            |time_s| motion.rest_rad(time_s),
-            ticks,
-            period_s,
-            &mut recorder,
-        );
+        follow(prepared, wall, motion, ticks, period_s, &mut recorder);
         recorder
+    }
+}
+
+/// [`cycle`] with the hand's motion. A hand that does not move is not asked where it is.
+pub fn follow<C: Crossing, S: Sensor, A: Amplifier, R: Recorder>(
+    prepared: Prepared<C, S, A>,
+    wall: &mut dyn Wall,
+    motion: &Motion,
+    ticks: u64,
+    period_s: f64,
+    recorder: &mut R,
+) -> <C::Plant as Stepper>::State {
+    match motion.still_rad() {
+        Some(rest_rad) => cycle(prepared, wall, |_| rest_rad, ticks, period_s, recorder),
+        None => {
+            let rest_rad = |time_s| motion.rest_rad(time_s);
+            cycle(prepared, wall, rest_rad, ticks, period_s, recorder)
+        }
     }
 }
 

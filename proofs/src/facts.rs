@@ -1,0 +1,396 @@
+//! Numbers of which only proved facts are known: what lets the laws be proved at full width.
+//!
+//! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over
+//! [`Number`], so they can run on one more: [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and
+//! roundings, and of each product, quotient and root it knows only that it is a function (same arguments, same result) with
+//! the facts below. What holds for every such function holds for `Fixed32`, provided that `Fixed32` has the facts; that is
+//! what the harnesses of `facts::fixed32` prove at full width. The law's source is the shipped one, nothing is stubbed.
+//!
+//! Without the checker `Facts32` calls `Fixed32` and asserts the facts, so that every sampled test checks them too.
+
+use touchstone_control::{Fixed32, Number, Si};
+
+type Signal = <Fixed32 as Number>::Signal;
+type Gain = <Fixed32 as Number>::Gain;
+type Energy = <Fixed32 as Number>::Energy;
+
+/// `Fixed32` reduced to proved facts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Facts32;
+
+/// The facts, one function each, so that assumption and proof are the same text.
+pub mod fact {
+    /// Zero, or the sign of `x`.
+    pub fn sign_of(result: i64, x: i64) -> bool {
+        (x != 0 || result == 0) && (x <= 0 || result >= 0) && (x >= 0 || result <= 0)
+    }
+    /// The sign of a product of two signed numbers, and a size that leaves room for one addition.
+    pub fn work(result: i64, f: i64, d: i64) -> bool {
+        result.unsigned_abs() <= 1 << 62 && sign_of(result, f.signum() * d.signum())
+    }
+    /// A passivity step: energy and force stay non-negative, the force never grows; inward the force stays and the energy does
+    /// not shrink, outward the energy does not grow.
+    pub fn step(after: i64, shown: i64, e: i64, f: i64, d: i64) -> bool {
+        after >= 0
+            && shown >= 0
+            && shown <= f
+            && if d >= 0 {
+                shown == f && after >= e
+            } else {
+                after <= e
+            }
+    }
+    /// A retreat: non-negative, and no more left than there was.
+    pub fn affordable(moved: i64, rest: i64, e: i64) -> bool {
+        moved >= 0 && rest >= 0 && rest <= e
+    }
+    /// A root: non-negative, and 0 of nothing.
+    pub fn root(result: i64, e: i64) -> bool {
+        result >= 0 && (e > 0 || result == 0)
+    }
+}
+
+/// Operations that are known by facts only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(not(kani), allow(dead_code))]
+enum Op {
+    Scale,
+    Product,
+    Divide,
+    Work,
+    Per,
+    Root,
+    StepEnergy,
+    StepForce,
+    Moved,
+    Rest,
+}
+
+#[cfg(kani)]
+mod known {
+    //! Any function: arguments seen before get their result again.
+    use super::Op;
+    use std::cell::Cell;
+
+    const SLOTS: usize = 20;
+    #[derive(Clone, Copy)]
+    struct Entry {
+        op: Op,
+        arguments: [i64; 3],
+        result: i64,
+    }
+    const EMPTY: Entry = Entry {
+        op: Op::Scale,
+        arguments: [0; 3],
+        result: 0,
+    };
+    thread_local! {
+        static SEEN: Cell<(usize, [Entry; SLOTS])> = const { Cell::new((0, [EMPTY; SLOTS])) };
+    }
+
+    pub fn apply(op: Op, arguments: [i64; 3]) -> i64 {
+        SEEN.with(|seen| {
+            let (count, mut entries) = seen.get();
+            for (at, entry) in entries.iter().enumerate() {
+                if at < count && entry.op == op && entry.arguments == arguments {
+                    return entry.result;
+                }
+            }
+            // More calls than slots would be cut off here: fail instead.
+            assert!(count < SLOTS);
+            let result: i64 = kani::any();
+            entries[count] = Entry {
+                op,
+                arguments,
+                result,
+            };
+            seen.set((count + 1, entries));
+            result
+        })
+    }
+}
+
+/// One operation: unknown but for its fact under the checker; computed, and its fact checked, without.
+#[cfg(kani)]
+macro_rules! known {
+    ($op:expr, [$($a:expr),*], $exact:expr, |$r:ident| $fact:expr) => {{
+        let $r = known::apply($op, [$($a),*]);
+        kani::assume($fact);
+        $r
+    }};
+}
+#[cfg(not(kani))]
+macro_rules! known {
+    ($op:expr, [$($a:expr),*], $exact:expr, |$r:ident| $fact:expr) => {{
+        let _ = $op;
+        let $r: i64 = $exact;
+        assert!($fact, "{:?} {:?} gave {}", $op, [$($a),*], $r);
+        $r
+    }};
+}
+
+fn bits(x: Signal) -> i64 {
+    i64::from(x.to_bits())
+}
+fn signal(bits: i64) -> Signal {
+    Signal::from_bits(bits as i32)
+}
+/// A result that is a word at all.
+fn word(bits: i64) -> bool {
+    i32::try_from(bits).is_ok()
+}
+
+impl Number for Facts32 {
+    type Signal = Signal;
+    type Gain = Gain;
+    type Ratio = Signal;
+    type Energy = Energy;
+    type Product = i64;
+    const NAME: &'static str = "facts32";
+    const QUANTUM: Signal = Fixed32::QUANTUM;
+
+    fn signal(si: Si) -> Option<Signal> {
+        Fixed32::signal(si)
+    }
+    fn saturating_signal(si: Si) -> Signal {
+        Fixed32::saturating_signal(si)
+    }
+    fn gain(si: Si) -> Option<Gain> {
+        Fixed32::gain(si)
+    }
+    fn ratio(si: Si) -> Option<Signal> {
+        Fixed32::ratio(si)
+    }
+    fn energy(si: Si) -> Option<Energy> {
+        Fixed32::energy(si)
+    }
+    fn add(a: Signal, b: Signal) -> Signal {
+        Fixed32::add(a, b)
+    }
+    fn sub(a: Signal, b: Signal) -> Signal {
+        Fixed32::sub(a, b)
+    }
+    fn neg(a: Signal) -> Signal {
+        Fixed32::neg(a)
+    }
+    fn scale(r: Signal, x: Signal) -> Signal {
+        signal(known!(
+            Op::Scale,
+            [bits(r), bits(x), 0],
+            bits(Fixed32::scale(r, x)),
+            |y| word(y) && fact::sign_of(y, bits(x))
+        ))
+    }
+    fn product(k: Gain, x: Signal) -> i64 {
+        let gain = i64::from(k.to_bits());
+        known!(
+            Op::Product,
+            [gain, bits(x), 0],
+            Fixed32::product(k, x),
+            |y| fact::work(y, gain, bits(x))
+        )
+    }
+    fn lift(x: Signal) -> i64 {
+        Fixed32::lift(x)
+    }
+    fn add_product(a: i64, b: i64) -> i64 {
+        Fixed32::add_product(a, b)
+    }
+    fn sub_product(a: i64, b: i64) -> i64 {
+        Fixed32::sub_product(a, b)
+    }
+    fn round_to_zero(p: i64) -> Signal {
+        Fixed32::round_to_zero(p)
+    }
+    fn round_up(p: i64) -> Signal {
+        Fixed32::round_up(p)
+    }
+    fn divide(p: i64, k: Gain) -> Signal {
+        let gain = i64::from(k.to_bits());
+        signal(known!(
+            Op::Divide,
+            [p, gain, 0],
+            bits(Fixed32::divide(p, k)),
+            |y| word(y) && fact::sign_of(y, p)
+        ))
+    }
+    fn work(f: Signal, d: Signal) -> Energy {
+        Energy::from_bits(known!(
+            Op::Work,
+            [bits(f), bits(d), 0],
+            Fixed32::work(f, d).to_bits(),
+            |y| { fact::work(y, bits(f), bits(d)) }
+        ))
+    }
+    fn add_energy(a: Energy, b: Energy) -> Energy {
+        Fixed32::add_energy(a, b)
+    }
+    fn sub_energy(a: Energy, b: Energy) -> Energy {
+        Fixed32::sub_energy(a, b)
+    }
+    fn half_energy_up(e: Energy) -> Energy {
+        Fixed32::half_energy_up(e)
+    }
+    fn energy_per(e: Energy, x: Signal) -> Signal {
+        signal(known!(
+            Op::Per,
+            [e.to_bits(), bits(x), 0],
+            bits(Fixed32::energy_per(e, x)),
+            |y| word(y) && y >= 0
+        ))
+    }
+    fn root(e: Energy) -> Signal {
+        signal(known!(
+            Op::Root,
+            [e.to_bits(), 0, 0],
+            bits(Fixed32::root(e)),
+            |y| word(y) && fact::root(y, e.to_bits())
+        ))
+    }
+    fn root_of_four(k: Gain) -> Gain {
+        Fixed32::root_of_four(k)
+    }
+    fn affordable(e: Energy, f: Signal) -> (Signal, Energy) {
+        let (stored, force) = (e.to_bits(), bits(f));
+        let (_exact_moved, _exact_rest) = if cfg!(kani) {
+            (Signal::ZERO, Energy::ZERO)
+        } else {
+            Fixed32::affordable(e, f)
+        };
+        // Outside the contract nothing is known; the laws never leave it.
+        let inside = stored >= 0 && force > 0;
+        let moved = known!(Op::Moved, [stored, force, 0], bits(_exact_moved), |y| word(
+            y
+        )
+            && (!inside || y >= 0));
+        let rest = known!(
+            Op::Rest,
+            [stored, force, 0],
+            _exact_rest.to_bits(),
+            |y| !inside || fact::affordable(moved, y, stored)
+        );
+        (signal(moved), Energy::from_bits(rest))
+    }
+    fn passivity_step(e: Energy, f: Signal, d: Signal) -> (Energy, Signal) {
+        let arguments = [e.to_bits(), bits(f), bits(d)];
+        let (_exact_energy, _exact_force) = if cfg!(kani) {
+            (Energy::ZERO, Signal::ZERO)
+        } else {
+            Fixed32::passivity_step(e, f, d)
+        };
+        let inside = e.to_bits() >= 0 && bits(f) >= 0;
+        let shown = known!(
+            Op::StepForce,
+            [arguments[0], arguments[1], arguments[2]],
+            bits(_exact_force),
+            |y| word(y) && (!inside || (y >= 0 && y <= bits(f)))
+        );
+        let after = known!(
+            Op::StepEnergy,
+            [arguments[0], arguments[1], arguments[2]],
+            _exact_energy.to_bits(),
+            |y| !inside || fact::step(y, shown, e.to_bits(), bits(f), bits(d))
+        );
+        (Energy::from_bits(after), signal(shown))
+    }
+}
+
+/// `Fixed32` has the facts.
+pub mod fixed32 {
+    use super::{Energy, Fixed32, Gain, Number, Signal, bits, fact};
+    use crate::{assume, cover, property};
+
+    property! {
+        /// Fact `Scale`.
+        by kissat fn p3_fact_scale(s) {
+            let (r, x) = (Signal::from_bits(s.i32()), Signal::from_bits(s.i32()));
+            let y = Fixed32::scale(r, x);
+            assert!(fact::sign_of(bits(y), bits(x)));
+            cover!(s, y < 0, "negative");
+        }
+    }
+    property! {
+        /// Fact `Product`: its sign. `validate` keeps gains non-negative; it holds for all.
+        by kissat fn p3_fact_product_sign(s) {
+            let (k, x) = (s.i32(), s.i32());
+            let y = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
+            assert!(fact::sign_of(y, i64::from(k.signum()) * i64::from(x.signum())));
+            cover!(s, y < 0 && k > 1, "negative");
+        }
+    }
+    property! {
+        /// Facts `Product` and `Work`: the size. Both are the same product of two words.
+        by kissat fn p3_fact_work_size(s) {
+            let (f, d) = (s.i32(), s.i32());
+            let y = Fixed32::work(Signal::from_bits(f), Signal::from_bits(d)).to_bits();
+            assert!(y.unsigned_abs() <= 1 << 62);
+            cover!(s, y == 1 << 62, "largest");
+        }
+    }
+    property! {
+        /// Fact `Work`: its sign.
+        by kissat fn p3_fact_work_sign(s) {
+            let (f, d) = (s.i32(), s.i32());
+            let y = Fixed32::work(Signal::from_bits(f), Signal::from_bits(d)).to_bits();
+            assert!(fact::sign_of(y, i64::from(f.signum()) * i64::from(d.signum())));
+            cover!(s, y < 0, "given");
+        }
+    }
+    property! {
+        /// Fact `Divide`.
+        by kissat fn p3_fact_divide(s) {
+            let (p, k) = (s.i64(), s.i32());
+            let y = Fixed32::divide(p, Gain::from_bits(k));
+            assert!(fact::sign_of(bits(y), p));
+            cover!(s, y < -5, "negative");
+        }
+    }
+    property! {
+        /// Fact `Per`.
+        by kissat fn p3_fact_per(s) {
+            let y = Fixed32::energy_per(Energy::from_bits(s.i64()), Signal::from_bits(s.i32()));
+            assert!(y >= 0);
+            cover!(s, y > 5, "some");
+        }
+    }
+    property! {
+        /// Fact `Root`: 0 of nothing; a word by its type.
+        by kissat fn p3_fact_root(s) {
+            let e = Energy::from_bits(s.i64());
+            assume!(s, e <= 0);
+            let y = Fixed32::root(e);
+            assert!(y == 0);
+            cover!(s, e < 0, "deficit");
+        }
+    }
+    property! {
+        /// Facts `Moved` and `Rest`.
+        by kissat fn p3_fact_affordable(s) {
+            let (e, f) = (s.i64(), s.i32());
+            assume!(s, e >= 0 && f > 0);
+            let (moved, rest) = Fixed32::affordable(Energy::from_bits(e), Signal::from_bits(f));
+            assert!(fact::affordable(bits(moved), rest.to_bits(), e));
+            cover!(s, moved > 5 && rest > 0, "some");
+        }
+    }
+    property! {
+        /// Facts `StepEnergy` and `StepForce`, outward.
+        by kissat fn p3_fact_step_outward(s) {
+            let (e, f, d) = (s.i64(), s.i32(), s.i32());
+            assume!(s, e >= 0 && f >= 0 && d < 0);
+            let (after, shown) = Fixed32::passivity_step(Energy::from_bits(e), Signal::from_bits(f), Signal::from_bits(d));
+            assert!(fact::step(after.to_bits(), bits(shown), e, i64::from(f), i64::from(d)));
+            cover!(s, bits(shown) < i64::from(f) && shown > 0, "force reduced");
+        }
+    }
+    property! {
+        /// Facts `StepEnergy` and `StepForce`, inward.
+        by kissat fn p3_fact_step_inward(s) {
+            let (e, f, d) = (s.i64(), s.i32(), s.i32());
+            assume!(s, e >= 0 && f >= 0 && d >= 0);
+            let (after, shown) = Fixed32::passivity_step(Energy::from_bits(e), Signal::from_bits(f), Signal::from_bits(d));
+            assert!(fact::step(after.to_bits(), bits(shown), e, i64::from(f), i64::from(d)));
+            cover!(s, after.to_bits() > e, "stored");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Force bounding: `f <= sqrt(4 E c_i/T)`, so that no next displacement whatever makes the energy negative.
+//!
+//! In quanta, with `b` the fractional bits of a gain, three facts of the code make one of arithmetic:
+//!
+//! ```text
+//! f 2^b <= bound root      p5_force_below_bound
+//! root² <= E               heart::w32::p5_root_digit, by induction over the digits
+//! bound² <= c 2^(b+2)      p5_bound_of_damping
+//! => f² 2^b <= 4 c E  =>  2^b (E + f Δ) + c Δ² >= 0 for every Δ       proofs/obligations, in two solvers
+//! ```
+
+use crate::facts::Facts32;
+use crate::format::Format;
+use crate::valid::Valid;
+use crate::{assume, cover, property};
+use touchstone_control::law::{Fba, FbaState, Law};
+use touchstone_control::observer::damping_loss;
+use touchstone_control::{Energy, Fixed8, Force, Number, Position};
+
+macro_rules! fba {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            type N = $number;
+
+            property! {
+                /// P5: the bound times the root, rounded towards zero, is the largest force; with a deficit it is 0.
+                by $solver fn p5_force_below_bound(s) {
+                    let law = Fba::<N>::any(s);
+                    let energy = N::any_energy(s);
+                    assume!(s, law.valid());
+                    let force = law.largest_force(energy);
+                    let root = Position::<N>(N::root(energy.0));
+                    assert!(force >= Force::zero());
+                    assert!(force.lift() <= law.bound * root);
+                    assert!(energy > Energy::zero() || force == Force::zero());
+                    cover!(s, force > Force::zero() && force.lift() < law.bound * root, "rounded");
+                    cover!(s, force == Force::zero() && energy > Energy::zero(), "too little for one quantum");
+                }
+            }
+            property! {
+                /// P1, P3, P4 and the invariant: one tick does not panic, shows at most the limit, never pulls, keeps the
+                /// invariant; its energy is the port's with the counted damping, capped from above only.
+                by $solver fn p4_tick_keeps_invariant(s) {
+                    let law = Fba::<N>::any(s);
+                    let before = <Fba<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    assert!(law.holds(&state));
+                    assert!(force >= Force::zero() && force <= law.limit && force == state.force);
+                    cover!(s, force == law.limit && force > Force::zero(), "limit reached");
+                    cover!(s, state.energy < Energy::zero(), "deficit");
+                    cover!(s, state.energy == law.energy_cap, "cap reached");
+                }
+            }
+            property! {
+                /// P5: the force of a tick is at most the largest that its energy allows.
+                by $solver fn p5_tick_is_bounded(s) {
+                    let law = Fba::<N>::any(s);
+                    let before = <Fba<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before) && e > Position::zero());
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    let allowed = law.largest_force(state.energy);
+                    assert!(force <= allowed);
+                    cover!(s, force == allowed && force > Force::zero(), "bound reached");
+                    cover!(s, force > Force::zero() && force < allowed, "below the bound");
+                }
+            }
+            property! {
+                /// P1: the energy of a tick is the sum of what was, the work of the force that acted, and the damper's part.
+                by $solver fn p1_energy_is_the_sum(s) {
+                    let law = Fba::<N>::any(s);
+                    let before = <Fba<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before) && e > Position::zero());
+                    // A deficit of a quarter of the format is outside the claim, and p5 keeps it far smaller.
+                    assume!(s, before.energy + law.energy_cap >= Energy::zero());
+                    let mut state = before;
+                    let _ = law.tick(&mut state, e);
+                    let moved = e - before.last;
+                    // Beyond the width the sum is beyond the cap as well.
+                    let sum = N::of_energy(before.energy.0)
+                        .saturating_add(N::of_energy((before.force * moved).0))
+                        .saturating_add(N::of_energy(damping_loss(law.device_damping, moved).0));
+                    assert!(N::of_energy(state.energy.0) == sum.min(N::of_energy(law.energy_cap.0)));
+                    cover!(s, state.energy < before.energy, "gives");
+                    cover!(s, state.energy > before.energy && moved < Position::zero(), "damped outward");
+                }
+            }
+            property! {
+                /// P5: what the counted damping leaves out by rounding is less than a quantum of force over the displacement,
+                /// so that a deficit can never be larger than that.
+                by $solver fn p5_damping_rounds_down(s) {
+                    let law = Fba::<N>::any(s);
+                    let moved = N::any_position(s);
+                    assume!(s, law.valid());
+                    let exact = law.device_damping * moved;
+                    let force = exact.towards_zero();
+                    let size = force.lift().0.unsigned_abs();
+                    assert!(size <= exact.0.unsigned_abs());
+                    assert!(damping_loss(law.device_damping, moved) >= Energy::zero());
+                    cover!(s, size < exact.0.unsigned_abs() && size > 0, "rounded");
+                }
+            }
+            property! {
+                /// P7: outside the wall the force is 0 and nothing is remembered.
+                fn p7_leaves(s) {
+                    let law = Fba::<N>::any(s);
+                    let mut state = <Fba<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, e <= Position::zero());
+                    cover!(s, state.inside && e == Position::zero(), "from inside");
+                    assert!(law.tick(&mut state, e) == Force::zero());
+                    assert!(state == FbaState::default());
+                }
+            }
+        }
+    };
+}
+
+fba!(
+    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    w32, Facts32, by cadical
+);
+fba!(
+    /// At 8 bits: where mutants are refuted quickly.
+    w8, Fixed8, by cadical
+);

@@ -1,0 +1,97 @@
+//! The spring, with and without damping, and the original successive force augmentation: limits and leaving.
+
+use crate::facts::Facts32;
+use crate::format::Format;
+use crate::valid::Valid;
+use crate::{assume, cover, property};
+use touchstone_control::law::{Contact, Law, Sfa, SfaState, Spring, SpringState};
+use touchstone_control::{Fixed8, Force, Position};
+
+macro_rules! spring_sfa {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            type N = $number;
+
+            property! {
+                /// P3, P4, P7, spring: no panic, never pulls, at most the limit; outside force 0 and memory cleared.
+                by $solver fn p4_spring(s) {
+                    let law = Spring::<N>::any(s);
+                    let before = <Spring<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    assert!(law.holds(&state));
+                    assert!(force >= Force::zero() && force <= law.limit);
+                    if e <= Position::zero() {
+                        assert!(force == Force::zero() && state == SpringState::default());
+                    }
+                    cover!(s, force == law.limit && force > Force::zero(), "limit reached");
+                    cover!(s, e > Position::zero() && force == Force::zero(), "the damper takes it all");
+                    cover!(s, before.inside && e < Position::zero(), "leaves");
+                }
+            }
+            property! {
+                /// P1: the plain spring's force is `k e` towards zero, or the limit; nothing depends on the past.
+                by $solver fn p1_spring_is_a_spring(s) {
+                    let mut law = Spring::<N>::any(s);
+                    law.damping = touchstone_control::Stiffness::zero();
+                    let before = <Spring<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before) && e > Position::zero());
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    assert!(force == (law.desired * e).towards_zero().min(law.limit));
+                    cover!(s, force > Force::zero() && force < law.limit, "below the limit");
+                }
+            }
+            property! {
+                /// P3, P4 and the invariant, SFA in all its forms: no panic, never pulls, at most the limit.
+                by $solver fn p4_sfa(s) {
+                    let law = Sfa::<N>::any(s);
+                    let before = <Sfa<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    assert!(law.holds(&state));
+                    assert!(force >= Force::zero() && force <= law.limit && force == state.force);
+                    cover!(s, force == law.limit && state.contact == Contact::Augmenting, "limit reached");
+                    cover!(s, before.contact == Contact::First && state.contact == Contact::Augmenting, "first contact over");
+                    cover!(s, e < Position::zero() && force > Force::zero(), "pushes outside the undeformed wall");
+                }
+            }
+            property! {
+                /// P7, SFA: without force the contact is over, and only the positions are remembered.
+                by $solver fn p7_sfa_leaves(s) {
+                    let law = Sfa::<N>::any(s);
+                    let before = <Sfa<N> as Valid<N>>::any_state(s);
+                    let e = N::any_position(s);
+                    assume!(s, law.valid() && law.holds(&before));
+                    let mut state = before;
+                    let force = law.tick(&mut state, e);
+                    assert!(state.last == e && state.before_last == before.last);
+                    if force == Force::zero() && law.limit > Force::zero() {
+                        let cleared = SfaState { last: e, before_last: before.last, ..SfaState::default() };
+                        assert!(state == cleared);
+                    }
+                    // In first contact the surface is the undeformed wall's.
+                    let first = before.contact != Contact::Augmenting && state.contact != Contact::Augmenting;
+                    assert!(!(first && e <= Position::zero()) || force == Force::zero());
+                    cover!(s, before.contact == Contact::Augmenting && force == Force::zero(), "leaves");
+                }
+            }
+        }
+    };
+}
+
+spring_sfa!(
+    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    w32, Facts32, by cadical
+);
+spring_sfa!(
+    /// At 8 bits: where mutants are refuted quickly.
+    w8, Fixed8, by cadical
+);
