@@ -52,6 +52,8 @@ pub mod validate;
 
 pub use controller::Controller;
 pub use encoder::CountScale;
+#[cfg(feature = "float")]
+pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use observer::ObserverForm;
 pub use quantity::{Compliance, Energy, Force, Position, Ratio, Stiffness, Tension};

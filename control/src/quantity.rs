@@ -121,18 +121,6 @@ macro_rules! signal_quantity {
             pub fn within(self, limit: Self) -> Self {
                 self.min(limit).max(-limit)
             }
-            /// In SI, for reports.
-            #[cfg(feature = "float")]
-            #[must_use]
-            pub fn to_f64(self) -> f64 {
-                N::signal_to_f64(self.0)
-            }
-            /// From SI, to the nearest, saturating.
-            #[cfg(feature = "float")]
-            #[must_use]
-            pub fn from_f64(x: f64) -> Self {
-                Self(N::signal_from_f64(x))
-            }
         }
     };
 }
@@ -195,12 +183,6 @@ impl<N: Number> Energy<N> {
     pub fn affordable(self, f: Force<N>) -> (Position<N>, Self) {
         let (moved, rest) = N::affordable(self.0, f.0);
         (Position(moved), Self(rest))
-    }
-    /// In SI, for reports.
-    #[cfg(feature = "float")]
-    #[must_use]
-    pub fn to_f64(self) -> f64 {
-        N::energy_to_f64(self.0)
     }
 }
 impl<N: Number> Add for Tension<N> {

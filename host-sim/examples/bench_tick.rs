@@ -14,7 +14,7 @@ use touchstone::run::settings::settings;
 use touchstone::run::wall::{Controlled, Wall};
 use touchstone::run::{self, Recorder};
 use touchstone::scene::Scene;
-use touchstone_control::{CountScale, Fixed16, Fixed32, Number, Si};
+use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 
 const REPEATS: usize = 100;
 
@@ -127,7 +127,7 @@ fn whole_ticks() -> Result<()> {
 /// One law in one format, ready to be fed with counts.
 type Law = Box<dyn FnMut(&[i64]) -> Vec<f64>>;
 
-fn law<N: Number + 'static>(scene: &Scene) -> Law {
+fn law<N: Reported + 'static>(scene: &Scene) -> Law {
     let scene = scene.clone();
     Box::new(move |counts| {
         let encoder = scene.encoder.as_ref().expect("a scene with an encoder");

@@ -1,9 +1,9 @@
 //! How finely each number format tells forces, stiffnesses and energies apart: what error bounds are made of.
 
-use touchstone_control::{Fixed16, Fixed32, Number};
+use touchstone_control::{Fixed16, Fixed32, Reported};
 
 /// The grains of a format, for forces of at most 0.5 N·m.
-pub trait Grain: Number {
+pub trait Grain: Reported {
     /// Largest error of a rounded force, N·m: one step where a format truncates, half a step where it rounds to nearest.
     const FORCE_N_M: f64;
     /// Largest error of a stiffness that a law derives, N·m/rad.

@@ -2,11 +2,11 @@
 //! limit, no pull where it has no business to pull, nothing remembered after leaving, the same again for the same input.
 
 use touchstone_control::law::Contact;
-use touchstone_control::{Controller, Force, LawKind, Number, Position, Settings};
+use touchstone_control::{Controller, Force, LawKind, Position, Reported, Settings};
 use touchstone_tests::random::Random;
 use touchstone_tests::variants::all;
 
-fn walls<N: Number>() -> Vec<(String, Settings, Controller<N>)> {
+fn walls<N: Reported>() -> Vec<(String, Settings, Controller<N>)> {
     all(&Settings::default())
         .into_iter()
         .map(|(name, settings)| {
@@ -17,7 +17,7 @@ fn walls<N: Number>() -> Vec<(String, Settings, Controller<N>)> {
 }
 
 /// Positions as they come: a random walk around the surface, with jumps and stays.
-fn walk<N: Number>(random: &mut Random, ticks: usize) -> Vec<Position<N>> {
+fn walk<N: Reported>(random: &mut Random, ticks: usize) -> Vec<Position<N>> {
     let mut e = 0.0_f64;
     (0..ticks)
         .map(|_| {
@@ -33,15 +33,15 @@ fn walk<N: Number>(random: &mut Random, ticks: usize) -> Vec<Position<N>> {
         .collect()
 }
 
-fn limit_of<N: Number>(settings: &Settings) -> Force<N> {
+fn limit_of<N: Reported>(settings: &Settings) -> Force<N> {
     Force(N::signal(settings.force_limit).unwrap())
 }
 
-fn assert_within<N: Number>(name: &str, f: Force<N>, limit: Force<N>) {
+fn assert_within<N: Reported>(name: &str, f: Force<N>, limit: Force<N>) {
     assert!(f <= limit && f >= -limit, "{name}: {f:?}, limit {limit:?}");
 }
 
-fn a_wall_not_touched_gives_no_force<N: Number>() {
+fn a_wall_not_touched_gives_no_force<N: Reported>() {
     let mut random = Random::new(3);
     for (name, _, mut wall) in walls::<N>() {
         let fresh = wall.view();
@@ -55,7 +55,7 @@ fn a_wall_not_touched_gives_no_force<N: Number>() {
     }
 }
 
-fn the_force_stays_within_its_limit<N: Number>() {
+fn the_force_stays_within_its_limit<N: Reported>() {
     let mut random = Random::new(4);
     let path = walk::<N>(&mut random, 20_000);
     for (name, settings, mut wall) in walls::<N>() {
@@ -71,7 +71,7 @@ fn the_force_stays_within_its_limit<N: Number>() {
 }
 
 /// Only TDPA with the exact observer (against a deficit) and the coupling of the enhanced law may pull, and only inside.
-fn a_wall_pushes<N: Number>() {
+fn a_wall_pushes<N: Reported>() {
     let mut random = Random::new(7);
     let path = walk::<N>(&mut random, 20_000);
     for (name, settings, mut wall) in walls::<N>() {
@@ -87,7 +87,7 @@ fn a_wall_pushes<N: Number>() {
 }
 
 /// (2.15) lets an offset push outside the undeformed wall; laws without one have nothing to push with there.
-fn laws_without_an_offset_give_no_force_outside<N: Number>() {
+fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);
     for (name, settings, mut wall) in walls::<N>() {
@@ -105,7 +105,7 @@ fn laws_without_an_offset_give_no_force_outside<N: Number>() {
     }
 }
 
-fn the_same_input_gives_the_same_force<N: Number>() {
+fn the_same_input_gives_the_same_force<N: Reported>() {
     let mut random = Random::new(5);
     let path = walk::<N>(&mut random, 4_000);
     for (name, _, wall) in walls::<N>() {
@@ -122,7 +122,7 @@ fn the_same_input_gives_the_same_force<N: Number>() {
 }
 
 /// Away from the wall further than any offset reaches.
-fn leaving_clears_the_memory<N: Number>() {
+fn leaving_clears_the_memory<N: Reported>() {
     let mut random = Random::new(6);
     for (name, _, fresh) in walls::<N>() {
         let mut used = fresh;

@@ -2,7 +2,7 @@
 //! limit, nothing overflows (the tests are built with overflow checks), and the float formats never make a NaN.
 
 use touchstone_control::{
-    Controller, Fixed8, Fixed16, Fixed32, Force, Number, Position, Settings, Si,
+    Controller, Fixed8, Fixed16, Fixed32, Force, Number, Position, Reported, Settings, Si,
 };
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
@@ -12,7 +12,7 @@ use touchstone_tests::variants::all;
 const LENGTH: u32 = 6;
 
 /// As a measured value arrives: the ends of the format, and next to the surface.
-fn worst<N: Number>() -> [Position<N>; 6] {
+fn worst<N: Reported>() -> [Position<N>; 6] {
     [
         Position::from_f64(-1e9),
         -Position::quantum(),
@@ -47,7 +47,7 @@ fn settings() -> Vec<(String, Settings)> {
 }
 
 /// The walls whose coefficients the format holds.
-fn walls<N: Number>() -> Vec<(String, Force<N>, Controller<N>)> {
+fn walls<N: Reported>() -> Vec<(String, Force<N>, Controller<N>)> {
     settings()
         .into_iter()
         .filter_map(|(name, settings)| {
@@ -58,11 +58,11 @@ fn walls<N: Number>() -> Vec<(String, Force<N>, Controller<N>)> {
 }
 
 /// Comparisons with a NaN are false, so this catches it too.
-fn is_within<N: Number>(f: Force<N>, limit: Force<N>) -> bool {
+fn is_within<N: Reported>(f: Force<N>, limit: Force<N>) -> bool {
     f <= limit && f >= -limit
 }
 
-fn sequences<N: Number>(at_least: usize) {
+fn sequences<N: Reported>(at_least: usize) {
     let worst = worst::<N>();
     let walls = walls::<N>();
     assert!(walls.len() >= at_least, "{} walls only", walls.len());
@@ -147,7 +147,7 @@ fn every_position_after_every_other_in_eight_bits() {
 
 #[test]
 fn a_position_that_is_no_number_or_infinite_makes_no_nan() {
-    fn check<N: Number>() {
+    fn check<N: Reported>() {
         let odd = [
             f64::NAN,
             f64::INFINITY,

@@ -11,7 +11,7 @@ use touchstone::run::wall::{Controlled, Wall};
 use touchstone::run::{self, Recorder};
 use touchstone::scene::Scene;
 use touchstone::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
-use touchstone_control::{CountScale, Fixed16, Fixed32, Number, Si};
+use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 
 /// What the encoder read.
 struct Counts {
@@ -39,7 +39,7 @@ fn recorded(scene: &Scene) -> Vec<i64> {
     run::watch(scene, recorder).unwrap().counts
 }
 
-fn forces<N: Number>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
+fn forces<N: Reported>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
     let per_rev = scene.encoder.as_ref().unwrap().counts_per_rev as u32;
     let surface = Si::from_num(scene.wall.surface_rad);
     let scale = CountScale::new(per_rev, surface).unwrap();
@@ -76,7 +76,7 @@ fn scenes() -> Vec<(String, Scene)> {
 }
 
 /// Largest difference over all scenes, and what was printed of it.
-fn worst<N: Number>() -> f64 {
+fn worst<N: Reported>() -> f64 {
     let mut worst = (0.0, String::new());
     for (name, scene) in scenes() {
         let counts = recorded(&scene);

@@ -3,7 +3,7 @@
 //! as if the wall had taken it; the exact observer reports what the port did.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
-use touchstone_control::{Controller, Fixed32, Force, LawKind, Number, Position, Settings, Si};
+use touchstone_control::{Controller, Fixed32, Force, LawKind, Position, Reported, Settings, Si};
 use touchstone_tests::motion::half_sine;
 
 const DEPTH_RAD: f64 = 0.05;
@@ -37,7 +37,7 @@ fn held_force_energy_j(force_n_m: f64, tick: usize) -> f64 {
         .sum()
 }
 
-fn press<N: Number>() -> Press {
+fn press<N: Reported>() -> Press {
     let settings = Settings {
         law: LawKind::Spring,
         k_desired: Si::from_num(STIFFNESS_N_M_PER_RAD),
@@ -80,7 +80,7 @@ fn assert_milli(what: &str, value_j: f64, quoted_mj: f64) {
     );
 }
 
-fn quoted<N: Number>() {
+fn quoted<N: Reported>() {
     let press = press::<N>();
     assert_milli("true", press.true_j, -0.154);
     assert_milli("thesis observer", press.thesis_j, 0.154);

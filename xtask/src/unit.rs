@@ -13,33 +13,47 @@ fn counts(line: &str) -> Option<(u64, u64)> {
     Some((before(" passed")?, before(" ignored")?))
 }
 
+/// The test's name in a line such as `test observer::exact ... FAILED`.
+fn failed_test(line: &str) -> Option<&str> {
+    line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
+}
+
 pub fn run(args: &[String]) -> Outcome {
     let (mut passed, mut ignored) = (0, 0);
+    let (mut failed, mut broken) = (Vec::new(), None);
     // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.
     let packages: [&[&str]; 2] = [&["--workspace"], &["--package", "touchstone-control"]];
     for packages in packages {
         let mut command = shell::cargo_locked("test");
-        command.args(packages).args(args);
+        // To the end, so that one failure hides no other.
+        command.args(packages).arg("--no-fail-fast").args(args);
         let outcome = shell::run_reading(&mut command, |line| {
             if let Some(more) = counts(line) {
                 passed += more.0;
                 ignored += more.1;
             }
+            failed.extend(failed_test(line).map(str::to_owned));
         });
         if outcome.is_failure() {
-            return outcome;
+            broken = broken.or(Some(outcome));
         }
     }
-    let note = match ignored {
-        0 => format!("{passed} tests"),
-        _ => format!("{passed} tests, {ignored} ignored"),
-    };
-    Outcome::Ok(note)
+    match (broken, ignored) {
+        (Some(_), _) if !failed.is_empty() => Outcome::Failed(format!(
+            "{} of {} tests: {}",
+            failed.len(),
+            passed + failed.len() as u64,
+            failed.join(", ")
+        )),
+        (Some(broken), _) => broken,
+        (None, 0) => Outcome::Ok(format!("{passed} tests")),
+        (None, _) => Outcome::Ok(format!("{passed} tests, {ignored} ignored")),
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::counts;
+    use super::{counts, failed_test};
 
     #[test]
     fn a_summary_line_is_counted_and_no_other() {
@@ -47,5 +61,12 @@ mod tests {
         assert_eq!(counts(line), Some((36, 2)));
         assert_eq!(counts("test passed::ignored ... ok"), None);
         assert_eq!(counts(""), None);
+    }
+
+    #[test]
+    fn a_failed_test_is_named() {
+        let line = "test observer::exact ... FAILED";
+        assert_eq!(failed_test(line), Some("observer::exact"));
+        assert_eq!(failed_test("test observer::exact ... ok"), None);
     }
 }

@@ -1,6 +1,6 @@
 //! The float reference: the same law with rounding to nearest; what is measured saturates, what is calculated does not.
 
-use super::Number;
+use super::{Number, Reported};
 use crate::Si;
 
 /// Where a measured value saturates: the range of [`super::Fixed32`].
@@ -136,6 +136,9 @@ macro_rules! float_number {
                     (0.0, e / -d)
                 }
             }
+        }
+
+        impl Reported for $float {
             fn signal_to_f64(x: $float) -> f64 {
                 f64::from(x)
             }

@@ -13,8 +13,12 @@
 mod fixed_point;
 #[cfg(feature = "float")]
 mod float;
+#[cfg(feature = "float")]
+mod reported;
 
 pub use fixed_point::{Fixed8, Fixed16, Fixed32};
+#[cfg(feature = "float")]
+pub use reported::Reported;
 
 use crate::Si;
 use core::fmt::Debug;
@@ -101,14 +105,4 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
         f: Self::Signal,
         d: Self::Signal,
     ) -> (Self::Energy, Self::Signal);
-
-    /// Signal to `f64`, for reports.
-    #[cfg(feature = "float")]
-    fn signal_to_f64(x: Self::Signal) -> f64;
-    /// The nearest signal to a measured value, saturating; a NaN gives 0.
-    #[cfg(feature = "float")]
-    fn signal_from_f64(x: f64) -> Self::Signal;
-    /// Energy to `f64`, for reports.
-    #[cfg(feature = "float")]
-    fn energy_to_f64(e: Self::Energy) -> f64;
 }

@@ -68,7 +68,7 @@ fn count_scale(scene: &Scene) -> Result<CountScale> {
 /// The passivity bounds that the scene's settings leave, each as a one-line message at its place.
 ///
 /// # Errors
-/// As [`wall`].
+/// As [`wall()`].
 pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
     let settings: Settings = settings::settings(scene)?;
     Ok(settings
@@ -80,7 +80,7 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
 /// Runs a scene.
 ///
 /// # Errors
-/// As [`wall`], and a plant or recording that the scene describes but that cannot be.
+/// As [`wall()`], and a plant or recording that the scene describes but that cannot be.
 pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
     let judge = Judge::new(terms(scene));
     let (judge, trace) = if with_trace {

@@ -1,7 +1,7 @@
 //! The wall that the loop meets once a tick: encoder reading in, force out, whatever law and number format is behind it.
 
 use touchstone_control::{
-    Controller, CountScale, Energy, Number, Position, Settings, SettingsError,
+    Controller, CountScale, Energy, Position, Reported, Settings, SettingsError,
 };
 
 /// What the law shows of its inside after a tick, in SI.
@@ -27,12 +27,12 @@ pub trait Wall {
 
 /// A control law in one number format.
 #[derive(Debug, Clone, Copy)]
-pub struct Controlled<N: Number> {
+pub struct Controlled<N: Reported> {
     controller: Controller<N>,
     scale: CountScale,
 }
 
-impl<N: Number> Controlled<N> {
+impl<N: Reported> Controlled<N> {
     /// A law with its encoder's scale.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl<N: Number> Controlled<N> {
     }
 }
 
-impl<N: Number> Wall for Controlled<N> {
+impl<N: Reported> Wall for Controlled<N> {
     fn at_count(&mut self, count: i64) -> f64 {
         let e = self.scale.penetration::<N>(count);
         self.controller.tick(e).to_f64()

@@ -63,7 +63,7 @@ fn in_host_code() -> Outcome {
     let Some(is_float) = assembly::float_operation(architecture) else {
         return Outcome::NotRun(format!("no list of float instructions of {architecture}"));
     };
-    let folder = shell::target("float-free/host");
+    let folder = folder("host", &thumb::active_version());
     let outcome = emit(shell::cargo_locked("build"), &[], &folder);
     if outcome.is_failure() {
         return outcome;
@@ -79,7 +79,7 @@ fn in_thumb_code() -> Outcome {
         ));
     };
     println!("with {compiler}");
-    let folder = shell::target("float-free/thumb");
+    let folder = folder("thumb", &compiler.version);
     let (cargo, options) = compiler.cargo();
     let outcome = emit(cargo, &options, &folder);
     if outcome.is_failure() {
@@ -87,6 +87,11 @@ fn in_thumb_code() -> Outcome {
     }
     let code = folder.join(thumb::TARGET).join("release");
     look(&code, thumb::TARGET, assembly::is_thumb_float)
+}
+
+/// One folder for each compiler: the code of two must not be mixed.
+fn folder(name: &str, version: &str) -> PathBuf {
+    shell::target("float-free").join(format!("{name}-{version}"))
 }
 
 /// Builds the example for firmware's eyes, with the assembly of all its crates.

@@ -24,8 +24,17 @@ enum Origin {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Compiler {
     origin: Origin,
+    /// Such as `1.95.0`.
+    pub version: String,
     /// The target's `core` is not there and must be built from its source.
     from_source: bool,
+}
+
+/// A compiler that may or may not be able to do it.
+struct Candidate {
+    origin: Origin,
+    version: String,
+    library: PathBuf,
 }
 
 /// The system package's compiler.
@@ -44,11 +53,15 @@ impl Origin {
         }
     }
 
-    /// Where its libraries lie, if it can build this workspace at all.
-    fn sysroot(&self) -> Option<PathBuf> {
+    /// Its version and where its libraries lie, if it can build this workspace at all.
+    fn look(self) -> Option<Candidate> {
         let version = shell::capture(self.rustc().arg("--version"))?;
         let sysroot = shell::capture(self.rustc().args(["--print", "sysroot"]))?;
-        setup::is_new_enough(&version).then(|| PathBuf::from(sysroot))
+        setup::is_new_enough(&version).then(|| Candidate {
+            origin: self,
+            version: version.split_whitespace().nth(1).unwrap_or("").to_owned(),
+            library: PathBuf::from(sysroot).join("lib/rustlib"),
+        })
     }
 }
 
@@ -64,7 +77,7 @@ impl fmt::Display for Compiler {
         } else {
             "as installed"
         };
-        write!(f, " for {TARGET}, `core` {core}")
+        write!(f, " ({}) for {TARGET}, `core` {core}", self.version)
     }
 }
 
@@ -102,20 +115,24 @@ pub fn find() -> Option<Compiler> {
     let mut origins = vec![Origin::Active];
     origins.extend(toolchains().into_iter().map(Origin::Toolchain));
     origins.push(Origin::System);
-    let candidates: Vec<_> = origins
-        .into_iter()
-        .filter_map(|origin| Some((origin.sysroot()?.join("lib/rustlib"), origin)))
-        .collect();
+    let candidates: Vec<_> = origins.into_iter().filter_map(Origin::look).collect();
     let with = |part: &str, from_source| {
         let mut having = candidates
             .iter()
-            .filter(|(library, _)| library.join(part).is_dir());
-        having.next().map(|(_, origin)| Compiler {
-            origin: origin.clone(),
+            .filter(|candidate| candidate.library.join(part).is_dir());
+        having.next().map(|candidate| Compiler {
+            origin: candidate.origin.clone(),
+            version: candidate.version.clone(),
             from_source,
         })
     };
     with(&format!("{TARGET}/lib"), false).or_else(|| with("src/rust/library/core", true))
+}
+
+/// Version of the compiler that runs this program.
+pub fn active_version() -> String {
+    let version = shell::capture(Origin::Active.rustc().arg("--version")).unwrap_or_default();
+    version.split_whitespace().nth(1).unwrap_or("").to_owned()
 }
 
 /// Names of rustup's toolchains.
