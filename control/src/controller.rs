@@ -5,7 +5,7 @@ use crate::law::{
     Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sfa, SfaState, Spring,
     SpringState, Tdpa, TdpaState, View,
 };
-use crate::settings::{LawKind, OffsetUpdate, Regulate, Settings, Si};
+use crate::settings::{IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 
@@ -170,7 +170,7 @@ impl<N: Number> Controller<N> {
             soft: stiffness(Field::KSoft, settings.k_soft)?,
             compliance: compliance(Field::KSoft, Si::ONE)?,
             augmentation: Augmentation {
-                of_ideal: compliance(Field::StepOfIdeal, settings.step_of_ideal)?,
+                of_ideal: ideal_step(settings)?,
                 of_force: compliance(Field::LimitOfForce, settings.limit_of_force)?,
                 of_penetration: Ratio(ratio::<N>(
                     Field::LimitOfPenetration,
@@ -228,6 +228,16 @@ impl<N: Number> Controller<N> {
             Self::Enhanced(law, state) => law.view(state),
         }
     }
+}
+
+/// `c/k_v` (3.7) or `c/k_de`.
+fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsError> {
+    let stiffness = match settings.ideal_step {
+        IdealStep::Position => settings.k_soft,
+        // Above k_soft here: below it the law is a plain spring.
+        IdealStep::Force => settings.k_desired,
+    };
+    ratio::<N>(Field::StepOfIdeal, over(settings.step_of_ideal, stiffness)).map(Compliance)
 }
 
 /// Largest energy that a law stores: a quarter of the format, so that adding one tick's work can never saturate.

@@ -55,5 +55,7 @@ pub use encoder::CountScale;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use observer::ObserverForm;
 pub use quantity::{Compliance, Energy, Force, Position, Ratio, Stiffness, Tension};
-pub use settings::{FilterSettings, FirstContact, LawKind, OffsetUpdate, Regulate, Settings, Si};
+pub use settings::{
+    FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
+};
 pub use validate::{Field, SettingsError, Warning};

@@ -61,6 +61,18 @@ pub enum OffsetUpdate {
     EveryTick,
 }
 
+/// What the offset's ideal step supposes of the hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum IdealStep {
+    /// The position stays: `|k_de e - |f||/k_v` (3.7). A soft hand gives way by as much as the offset grows, so that this
+    /// step is too long by `k_de/k_v`, and `c` must be chosen anew for every `k_de`.
+    Position,
+    /// The force stays and the position follows the offset: `|e - |f|/k_de|`, the way that the HIP still has to go. One `c`
+    /// then serves all stiffnesses.
+    #[default]
+    Force,
+}
+
 /// The virtual-mass filter, per its physical parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilterSettings {
@@ -99,6 +111,8 @@ pub struct Settings {
     pub regulate: Regulate,
     /// When the offset is changed.
     pub offset_update: OffsetUpdate,
+    /// What the ideal step supposes of the hand.
+    pub ideal_step: IdealStep,
     /// `c` of (3.8), 0..=1.
     pub step_of_ideal: Si,
     /// `b` of (3.9), 0..=1.
@@ -138,16 +152,17 @@ impl Default for Settings {
             regulate: Regulate::Hip,
             offset_update: OffsetUpdate::EveryTick,
             // a, b, c and the filter: found by a search over grips, encoders, presses and k_de of 1 to 20 k_c.
-            step_of_ideal: si!("0.006"),
-            limit_of_force: si!("0.05"),
-            limit_of_penetration: si!("0.0033"),
+            ideal_step: IdealStep::Force,
+            step_of_ideal: si!("0.012"),
+            limit_of_force: si!("0.03"),
+            limit_of_penetration: si!("0.03"),
             filter: FilterSettings {
-                mass: si!("0.000004"),
+                mass: si!("0.000003"),
                 // The sampling bound 2 (c_i - c_f)/T: as stiff as passivity at the physical port allows.
                 stiffness: si!("1"),
                 damping: si!("0"),
-                // Above k_v T/2 = 4e-4.
-                ground_damping: si!("0.0008"),
+                // Far above the bound k_v T/2 = 4e-4: it sets how fast the mass follows (12 ms at k_f), and so how calm it is.
+                ground_damping: si!("0.01"),
             },
             // Twice F²/(2 k_f) at the thesis' press of 0.1 N·m, and a reserve for a harder one.
             energy_credit: si!("0.02"),

@@ -106,7 +106,11 @@ impl fmt::Display for SettingsError {
                 min,
                 max,
             } => {
-                write!(f, "{} = {value} is outside {min} to {max}", field.name())
+                write!(
+                    f,
+                    "{} = {value:.6} is outside {min:.6} to {max:.6}",
+                    field.name()
+                )
             }
             Self::OutOfFormat {
                 field,
@@ -115,7 +119,7 @@ impl fmt::Display for SettingsError {
             } => {
                 write!(
                     f,
-                    "{}: its coefficient {value} does not fit the number format {format}",
+                    "{}: its coefficient {value:.6} does not fit the number format {format}",
                     field.name()
                 )
             }
@@ -124,7 +128,7 @@ impl fmt::Display for SettingsError {
                 k_filter,
             } => write!(
                 f,
-                "regulate = mass-compensated needs k_desired below filter.stiffness (thesis 3.5), but {k_desired} >= {k_filter}"
+                "regulate = mass-compensated needs k_desired below filter.stiffness (thesis 3.5), but {k_desired:.6} >= {k_filter:.6}"
             ),
         }
     }
@@ -182,18 +186,18 @@ impl fmt::Display for Warning {
         match self {
             Self::SoftAboveCritical { k_soft, k_critical } => write!(
                 f,
-                "k_v = {k_soft} is above k_c = 2 c_i/T = {k_critical}: the soft spring is then not stable by itself, and nothing below it is"
+                "k_v = {k_soft:.6} is above k_c = 2 c_i/T = {k_critical:.6}: the soft spring is then not stable by itself, and nothing below it is"
             ),
             Self::CouplingAboveBound { k_filter, bound } => write!(
                 f,
-                "k_f = {k_filter} is above 2 (c_i - c_f)/T = {bound}: the filter is then passive only with the hand's help"
+                "k_f = {k_filter:.6} is above 2 (c_i - c_f)/T = {bound:.6}: the filter is then passive only with the hand's help"
             ),
             Self::GroundDampingBelowBound {
                 ground_damping_per_tick,
                 bound,
             } => write!(
                 f,
-                "c_env/T = {ground_damping_per_tick} is below k_v/2 = {bound}: the virtual mass may then gain energy from its own delay"
+                "c_env/T = {ground_damping_per_tick:.6} is below k_v/2 = {bound:.6}: the virtual mass may then gain energy from its own delay"
             ),
             Self::ThesisObserver => write!(
                 f,
@@ -201,7 +205,7 @@ impl fmt::Display for Warning {
             ),
             Self::EnergyCredit { credit } => write!(
                 f,
-                "energy_credit = {credit} J: one contact may give that much more than it took; 0 is strictly passive and shows a resting hand at most about 2 k_f"
+                "energy_credit = {credit:.6} J: one contact may give that much more than it took; 0 is strictly passive and shows a resting hand at most about 2 k_f"
             ),
         }
     }

@@ -2,8 +2,11 @@
 //!
 //! A run goes `scene -> plan -> loop -> record -> report`; each has its module.
 
+pub mod cli;
 pub mod error;
+pub mod identify;
 pub mod plant;
 pub mod report;
 pub mod run;
 pub mod scene;
+pub mod thesis;

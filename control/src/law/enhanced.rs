@@ -28,7 +28,7 @@ use crate::{
 /// How the offset is changed: Algorithm 3.1, lines 7–13, with the moduli that its listing forgets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Augmentation<N: Number> {
-    /// `c/k_v`, the fraction of the ideal step (3.7, 3.8).
+    /// `c/k_v` or `c/k_de`, the fraction of the ideal step (3.7, 3.8), see [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
     /// `b/k_v`, the limit by the force (3.9).
     pub of_force: Compliance<N>,
@@ -37,7 +37,7 @@ pub struct Augmentation<N: Number> {
 }
 
 impl<N: Number> Augmentation<N> {
-    /// `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one quantum, or an
+    /// `ΔO = min(c·|k_de e - |f||/k, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one quantum, or an
     /// offset at exactly no force could never grow again.
     #[inline]
     pub fn step(&self, wanted: Force<N>, shown: Force<N>, e: Position<N>) -> Position<N> {

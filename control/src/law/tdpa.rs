@@ -1,9 +1,14 @@
 //! Time-domain passivity approach over a virtual spring (thesis 2.1–2.6).
 //!
 //! With the thesis' observer the force is chosen so that the very sum that uses it never becomes negative: `E >= 0` is an
-//! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. With the
-//! exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the last: `E`
-//! can dip below zero by at most `|f|·|Δe|` of one tick, and the correction then only dissipates.
+//! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
+//! spring there is never anything to correct: for every force that grows with `e`, and its potential `G`,
+//! `f(n) Δe(n) >= G(n) - G(n-1)`, so that sum is never negative by itself, and the law is the plain spring.
+//!
+//! With the exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the
+//! last. Where the motion goes on at least as fast, a deficit is gone after one tick. Where it turns, the correction itself
+//! gives away up to `|f|·|Δe|` more, and a motion that turns at every tick makes that happen at every tick, without end. What
+//! holds for every next displacement is [`super::Fba`].
 //!
 //! Where `e` did not change, thesis (2.2) divides by zero. Here nothing can be corrected over a displacement of zero: the
 //! deficit stays in `E` for the next tick that moves.

@@ -4,7 +4,7 @@ use super::device::{Invalid, not_negative, positive};
 
 /// A hand of one mass, joined to the device by the fingertip pad and to a moving rest point by a spring.
 ///
-/// A hand bolted rigidly to the device would add its damper of some 1e-3 N·m·s/rad to the knob's 3e-4 and let any wall of
+/// A hand bolted rigidly to the device would add its damper of some 1e-3 N·m·s/rad to the knob's 4e-4 and let any wall of
 /// the thesis stand: the pad between the two is what leaves the device alone with the wall at high frequency. The price
 /// of the second mass is two states.
 ///
@@ -47,18 +47,18 @@ const fn grip(
 }
 
 /// A light touch: 0.1 kg, 1 N·s/m, 30 N/m, pad 300 N/m at 15 mm. Chosen, not measured, see [`MEDIUM`].
-pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.9e-4);
+pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.33e-4);
 
 /// An ordinary grip: 0.3 kg, 3 N·s/m, 100 N/m, pad 700 N/m at 15 mm.
 ///
 /// **Chosen, not measured.** Mass, damping and stiffness span what hand models in the literature use. The pad's damping
 /// is set by one condition: the thesis found its `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so that
-/// value is device *plus* fingertip. A knob with 3e-4 N·m·s/rad of its own leaves 2e-4 for the pad of this grip; the
+/// value is device *plus* fingertip. A knob with 4e-4 N·m·s/rad of its own leaves 1e-4 for the pad of this grip; the
 /// other two grips keep to the ratios of published pad damping, which grows with the force of the grip.
-pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 2.0e-4);
+pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 1.0e-4);
 
 /// A firm grip: 0.8 kg, 5.5 N·s/m, 300 N/m, pad 2000 N/m at 15 mm. Chosen, not measured, see [`MEDIUM`].
-pub const FIRM: Hand = grip(0.8, 5.5, 300.0, 2000.0, 5.6e-4);
+pub const FIRM: Hand = grip(0.8, 5.5, 300.0, 2000.0, 3.3e-4);
 
 impl Hand {
     /// Checks the ranges given at the fields.
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn medium_grip_and_thesis_knob_sum_to_the_thesis_damping() {
-        let knob = 3e-4;
+        let knob = 4e-4;
         assert!((knob + MEDIUM.pad_damping_n_m_s_per_rad - 5e-4).abs() < 1e-18);
     }
 

@@ -72,6 +72,8 @@ struct Hold {
     motion: Span,
     exits: u32,
     at_limit: bool,
+    /// Whether the wall was touched at all; a device that coasts outside is not judged by its motion.
+    touched: bool,
 }
 
 /// Gathers.
@@ -142,6 +144,7 @@ impl Judge {
                 motion: Span::EMPTY,
                 exits: 0,
                 at_limit: false,
+                touched: !terms.holds.is_empty(),
             })
             .collect();
         Self {
@@ -238,6 +241,7 @@ impl Judge {
             self.current_hold += 1;
         } else if tick.index >= hold.from {
             hold.motion.take(tick.angle_rad);
+            hold.touched |= touching;
             hold.exits += u32::from(self.touching && !touching);
             hold.at_limit |= tick.force_n_m >= self.terms.force_limit_n_m;
         }
@@ -250,6 +254,7 @@ impl Judge {
         let peak_to_peak = self
             .holds
             .iter()
+            .filter(|hold| hold.touched)
             .filter_map(|hold| hold.motion.width())
             .reduce(f64::max);
         let verdict = self.verdict(peak_to_peak);

@@ -82,34 +82,31 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
 /// # Errors
 /// As [`wall`], and a plant or recording that the scene describes but that cannot be.
 pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
-    let mut wall = wall(scene)?;
-    let terms = terms(scene);
-    let judge = Judge::new(terms);
+    let judge = Judge::new(terms(scene));
     let (judge, trace) = if with_trace {
         let recorder = Traced {
             judge,
             trace: Trace::default(),
             surface_rad: scene.wall.surface_rad,
         };
-        let done = plan::prepare(scene, wall.as_mut(), Loop { scene, recorder })?;
+        let done = watch(scene, recorder)?;
         (done.judge, Some(done.trace))
     } else {
-        (
-            plan::prepare(
-                scene,
-                wall.as_mut(),
-                Loop {
-                    scene,
-                    recorder: judge,
-                },
-            )?,
-            None,
-        )
+        (watch(scene, judge)?, None)
     };
     Ok(Run {
         summary: summary(scene, &judge),
         trace,
     })
+}
+
+/// Runs a scene under any recorder and gives the recorder back.
+///
+/// # Errors
+/// As [`run`].
+pub fn watch<R: Recorder>(scene: &Scene, recorder: R) -> Result<R> {
+    let mut wall = wall(scene)?;
+    plan::prepare(scene, wall.as_mut(), Loop { scene, recorder })
 }
 
 /// Largest hold motion that is still called a limit cycle, rad: beyond a quarter radian the wall is lost.
@@ -250,15 +247,26 @@ impl<R: Recorder> Visitor for Loop<'_, R> {
         let mut recorder = self.recorder;
         let ticks = self.scene.timing.ticks();
         let period_s = self.scene.timing.period_s();
-        cycle(
-            prepared,
-            wall,
-            |time_s| motion.rest_rad(time_s),
-            ticks,
-            period_s,
-            &mut recorder,
-        );
+        follow(prepared, wall, motion, ticks, period_s, &mut recorder);
         recorder
+    }
+}
+
+/// [`cycle`] with the hand's motion. A hand that does not move is not asked where it is.
+pub fn follow<C: Crossing, S: Sensor, A: Amplifier, R: Recorder>(
+    prepared: Prepared<C, S, A>,
+    wall: &mut dyn Wall,
+    motion: &Motion,
+    ticks: u64,
+    period_s: f64,
+    recorder: &mut R,
+) -> <C::Plant as Stepper>::State {
+    match motion.still_rad() {
+        Some(rest_rad) => cycle(prepared, wall, |_| rest_rad, ticks, period_s, recorder),
+        None => {
+            let rest_rad = |time_s| motion.rest_rad(time_s);
+            cycle(prepared, wall, rest_rad, ticks, period_s, recorder)
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::run::record::LawKind;
-use crate::scene::{FirstContact, Observer, OffsetUpdate, Regulate, Scene};
+use crate::scene::{FirstContact, IdealStep, Observer, OffsetUpdate, Regulate, Scene};
 use touchstone_control::{self as control, Field, Settings, SettingsError, Si, Warning};
 
 /// An SI value of a scene in the control crate's exact format.
@@ -62,6 +62,10 @@ pub fn settings(scene: &Scene) -> Result<Settings> {
             OffsetUpdate::Inward => control::OffsetUpdate::Inward,
             OffsetUpdate::EveryTick => control::OffsetUpdate::EveryTick,
         },
+        ideal_step: match law.ideal_step {
+            IdealStep::Position => control::IdealStep::Position,
+            IdealStep::Force => control::IdealStep::Force,
+        },
         step_of_ideal: value("law.step_c_of_ideal", law.step_c_of_ideal)?,
         limit_of_force: value("law.limit_b_of_force", law.limit_b_of_force)?,
         limit_of_penetration: value("law.limit_a_of_penetration", law.limit_a_of_penetration)?,
@@ -115,45 +119,80 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
             max,
         } => scene.error(
             path(*field),
-            format!("{value} is out of range"),
-            format!("give a value from {min} to {max}"),
+            format!("{} is out of range", short(*value)),
+            format!("give a value from {} to {}", short(*min), short(*max)),
         ),
         SettingsError::OutOfFormat {
             field,
             value,
             format,
-        } => scene.error(
-            path(*field),
-            format!("its coefficient {value:.3} does not fit the number format {format}"),
-            "give a smaller value, or law.number = \"fixed32\" or \"f64\"",
-        ),
+        } => {
+            let wider = if *format == "fixed32" {
+                "\"f64\""
+            } else {
+                "\"fixed32\" or \"f64\""
+            };
+            scene.error(
+                path(*field),
+                format!("its coefficient {value:.3} does not fit the number format {format}"),
+                format!("give a smaller value, or law.number = {wider}"),
+            )
+        }
         SettingsError::NoCompensation { k_filter, .. } => scene.error(
             "law.regulate",
             "mass-compensated cannot reach k_de, which is not below k_f (thesis 3.5)",
-            format!("give k_desired_n_m_per_rad below {k_filter}, or regulate = \"hip\""),
+            format!(
+                "give k_desired_n_m_per_rad below {}, or regulate = \"hip\"",
+                short(*k_filter)
+            ),
         ),
     }
 }
 
+/// A value as a person would write it: the control crate's exact format has more digits than the scene did.
+fn short(value: Si) -> f64 {
+    let value = value.to_num::<f64>();
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 /// What a warning says, at its place in the scene: bound, value, what is lost.
 pub fn warned(scene: &Scene, warning: &Warning) -> Error {
-    let (path, fix) = match warning {
-        Warning::SoftAboveCritical { k_critical, .. } => {
-            ("law.k_v_n_m_per_rad", format!("give {k_critical} or less"))
-        }
-        Warning::CouplingAboveBound { bound, .. } => (
-            "law.filter.stiffness_n_m_per_rad",
-            format!("give {bound} or less"),
+    let (path, problem, fix) = match *warning {
+        Warning::SoftAboveCritical { k_soft, k_critical } => (
+            "law.k_v_n_m_per_rad",
+            format!(
+                "k_v = {} is above k_c = 2 c_i/T = {}: the soft spring is then not stable by itself, and so nothing built on it",
+                short(k_soft),
+                short(k_critical)
+            ),
+            format!("give {} or less", short(k_critical)),
         ),
-        Warning::GroundDampingBelowBound { bound, .. } => {
-            let least = bound.to_num::<f64>() / f64::from(scene.timing.rate_hz);
+        Warning::CouplingAboveBound { k_filter, bound } => (
+            "law.filter.stiffness_n_m_per_rad",
+            format!(
+                "k_f = {} is above 2 (c_i - c_f)/T = {}: the filter is then passive only with the hand's help",
+                short(k_filter),
+                short(bound)
+            ),
+            format!("give {} or less", short(bound)),
+        ),
+        Warning::GroundDampingBelowBound { .. } => {
+            let least = 0.5 * scene.law.k_v_n_m_per_rad * scene.timing.period_s();
             (
                 "law.filter.damping_to_ground_n_m_s_per_rad",
+                format!(
+                    "c_env = {:e} is below k_v T/2 = {least:e}: the virtual mass may then gain energy from its own delay",
+                    scene.law.filter.damping_to_ground_n_m_s_per_rad
+                ),
                 format!("give {least:e} or more"),
             )
         }
-        Warning::ThesisObserver => ("law.observer", "give exact".to_owned()),
-        Warning::EnergyCredit { .. } => ("law.energy_credit_j", "give 0".to_owned()),
+        Warning::ThesisObserver => ("law.observer", warning.to_string(), "give exact".to_owned()),
+        Warning::EnergyCredit { .. } => (
+            "law.energy_credit_j",
+            warning.to_string(),
+            "give 0".to_owned(),
+        ),
     };
-    scene.error(path, warning.to_string(), fix)
+    scene.error(path, problem, fix)
 }

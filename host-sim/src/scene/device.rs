@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Device {
     /// Moment of inertia, kg·m², above 0. Default 1e-4.
     pub inertia_kg_m2: f64,
-    /// Viscous damping, N·m·s/rad, 0 or more. Default 3e-4.
+    /// Viscous damping, N·m·s/rad, 0 or more. Default 4e-4.
     pub damping_n_m_s_per_rad: f64,
     /// Angle at the start, rad. Absent: the device starts where the hand's rest point starts.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,7 +34,7 @@ impl Default for Device {
             inertia_kg_m2: 1e-4,
             // The thesis found 5e-4 by feel with a finger on the knob, so that value holds the finger's damping too.
             // This much in the device and 3.4e-4 in a medium fingertip come near it.
-            damping_n_m_s_per_rad: 3e-4,
+            damping_n_m_s_per_rad: 4e-4,
             initial_angle_rad: None,
             initial_velocity_rad_per_s: 0.0,
             torque_limit_n_m: None,

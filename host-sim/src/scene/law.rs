@@ -72,6 +72,16 @@ pub enum OffsetUpdate {
     EveryTick,
 }
 
+/// What the offset's ideal step supposes of the hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IdealStep {
+    /// The position stays, thesis (3.7): `|k_de e - |f||/k_v`.
+    Position,
+    /// The force stays and the hand gives way: `|e - |f|/k_de|`.
+    Force,
+}
+
 /// Parameters of all laws. Each law takes what it has a use for and ignores the rest, so that laws compare in one
 /// scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,13 +108,15 @@ pub struct Law {
     pub regulate: Regulate,
     /// When the enhanced law changes the offset. Default `every-tick`.
     pub offset_update: OffsetUpdate,
+    /// What the ideal step supposes of the hand. Default `force`.
+    pub ideal_step: IdealStep,
     /// Energy that one contact of the enhanced law may give beyond what it took, J, 0 or more. Default 0.02.
     pub energy_credit_j: f64,
-    /// `a` of thesis (3.11): the offset's step is at most this share of the penetration, 0 to 1. Default 0.0033.
+    /// `a` of thesis (3.11): the offset's step is at most this share of the penetration, 0 to 1. Default 0.03.
     pub limit_a_of_penetration: f64,
-    /// `b` of thesis (3.9): the force's step is at most this share of the force, 0 to 1. Default 0.05.
+    /// `b` of thesis (3.9): the force's step is at most this share of the force, 0 to 1. Default 0.03.
     pub limit_b_of_force: f64,
-    /// `c` of thesis (3.8): the offset's step is this share of the ideal one, 0 to 1. Default 0.006.
+    /// `c` of thesis (3.8): the offset's step is this share of the ideal one, 0 to 1. Default 0.012.
     pub step_c_of_ideal: f64,
     /// Largest force that the law commands, N·m, above 0. Default 0.5.
     pub force_limit_n_m: f64,
@@ -148,12 +160,14 @@ impl Default for Law {
             offset_update: OffsetUpdate::EveryTick,
             // What a coupling k_f stores under the thesis' press, F²/(2 k_f) = 5 mJ, four times over.
             energy_credit_j: 0.02,
+            // One `step_c_of_ideal` then serves all stiffnesses.
+            ideal_step: IdealStep::Force,
             // a, b, c and the filter: from a search over grips, encoders, touch and press, and k_de from 1 to 20 k_c.
             // The thesis asks for "a fraction" only.
-            limit_a_of_penetration: 0.0033,
+            limit_a_of_penetration: 0.03,
             // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
-            limit_b_of_force: 0.05,
-            step_c_of_ideal: 0.006,
+            limit_b_of_force: 0.03,
+            step_c_of_ideal: 0.012,
             // The thesis knob's torque limit: five times the thesis' typical push.
             force_limit_n_m: 0.5,
             filter: Filter::default(),
@@ -165,28 +179,28 @@ impl Default for Law {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Filter {
-    /// Virtual mass, kg·m², above 0. Default 4e-6.
+    /// Virtual mass, kg·m², above 0. Default 3e-6.
     pub mass_kg_m2: f64,
     /// Spring `k_f` between HIP and mass, N·m/rad, above 0. Default 1.
     pub stiffness_n_m_per_rad: f64,
     /// Damper `c_f` between HIP and mass, N·m·s/rad, 0 or more. Default 0.
     pub damping_n_m_s_per_rad: f64,
-    /// Damper `c_env` between mass and ground, N·m·s/rad, 0 or more. Default 8e-4.
+    /// Damper `c_env` between mass and ground, N·m·s/rad, 0 or more. Default 0.01.
     pub damping_to_ground_n_m_s_per_rad: f64,
 }
 
 impl Default for Filter {
     fn default() -> Self {
         Filter {
-            // A twenty-fifth of the device's inertia: not felt.
-            mass_kg_m2: 4e-6,
+            // A thirtieth of the device's inertia: not felt.
+            mass_kg_m2: 3e-6,
             // 2 (c_i - c_f) / T at 1 kHz: the most that sampling allows without help from the hand.
             stiffness_n_m_per_rad: 1.0,
             // What it takes is lost to k_f; the damper to ground is enough.
             damping_n_m_s_per_rad: 0.0,
-            // Twice k_v T / 2 at 1 kHz, the least that keeps the soft spring passive on the force of the previous mass
-            // position.
-            damping_to_ground_n_m_s_per_rad: 8e-4,
+            // Far above k_v T / 2 at 1 kHz, the least that keeps the soft spring passive on the force of the previous mass
+            // position: it sets how fast the mass follows (12 ms), and so how calm it is.
+            damping_to_ground_n_m_s_per_rad: 0.01,
         }
     }
 }

@@ -28,11 +28,11 @@ mod unknown;
 mod value;
 
 pub use device::{Device, Encoder, Friction, Timing, Wall};
-pub use law::{Filter, FirstContact, Law, Number, Observer, OffsetUpdate, Regulate};
+pub use law::{Filter, FirstContact, IdealStep, Law, Number, Observer, OffsetUpdate, Regulate};
 pub use motion::{Curve, Motion, Recording, SMOOTHING_HZ};
 pub use operator::{
-    APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, Grip, Hand, KNOB_RADIUS_M, MotionSpec,
-    Operator, PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
+    APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, Grip, Hand, MotionSpec, Operator,
+    PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
 };
 pub use origin::Origin;
 pub use shipped::names;

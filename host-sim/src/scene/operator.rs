@@ -7,6 +7,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::plant;
+
 /// The operator. Absent: nobody holds the device.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -44,9 +46,6 @@ pub enum Grip {
     Custom,
 }
 
-/// Radius at which the fingers hold the knob, m: turns the grips' linear values into rotary ones (times its square).
-pub const KNOB_RADIUS_M: f64 = 0.015;
-
 impl Grip {
     /// Name in scenes and results.
     pub fn name(self) -> &'static str {
@@ -61,24 +60,20 @@ impl Grip {
 
     /// The preset's values; `None` for `none` and `custom`.
     ///
-    /// Put together from published hand and fingertip models and chosen so that a medium grip on a light device
-    /// becomes unstable near the thesis' 1 N·m/rad; they are not measurements. Impedance rises with grip force,
-    /// inertia least.
+    /// They are the plant's, where the choice is explained: [`plant::MEDIUM`].
     pub fn hand(self) -> Option<Hand> {
-        //                           pad N/m, N·s/m   hand kg, N·s/m, N/m
-        let (pad, hand) = match self {
-            Grip::Light => ((300.0, 0.5), (0.1, 1.0, 30.0)),
-            Grip::Medium => ((700.0, 1.5), (0.3, 3.0, 100.0)),
-            Grip::Firm => ((2000.0, 5.0), (0.8, 5.5, 300.0)),
+        let hand = match self {
+            Grip::Light => plant::LIGHT,
+            Grip::Medium => plant::MEDIUM,
+            Grip::Firm => plant::FIRM,
             Grip::None | Grip::Custom => return None,
         };
-        let r2 = KNOB_RADIUS_M * KNOB_RADIUS_M;
         Some(Hand {
-            pad_stiffness_n_m_per_rad: pad.0 * r2,
-            pad_damping_n_m_s_per_rad: pad.1 * r2,
-            inertia_kg_m2: hand.0 * r2,
-            damping_n_m_s_per_rad: hand.1 * r2,
-            stiffness_n_m_per_rad: hand.2 * r2,
+            pad_stiffness_n_m_per_rad: hand.pad_stiffness_n_m_per_rad,
+            pad_damping_n_m_s_per_rad: hand.pad_damping_n_m_s_per_rad,
+            inertia_kg_m2: hand.inertia_kg_m2,
+            damping_n_m_s_per_rad: hand.damping_n_m_s_per_rad,
+            stiffness_n_m_per_rad: hand.stiffness_n_m_per_rad,
         })
     }
 }
@@ -89,7 +84,7 @@ impl Grip {
 pub struct Hand {
     /// Fingertip pad's stiffness between device and hand, N·m/rad, above 0. Default 0.1575.
     pub pad_stiffness_n_m_per_rad: f64,
-    /// Fingertip pad's damping, N·m·s/rad, 0 or more. Default 3.375e-4.
+    /// Fingertip pad's damping, N·m·s/rad, 0 or more. Default 1e-4.
     pub pad_damping_n_m_s_per_rad: f64,
     /// Hand's moment of inertia, kg·m², above 0. Default 6.75e-5.
     pub inertia_kg_m2: f64,

@@ -23,6 +23,7 @@ pub(crate) const SHIPPED: &[(&str, &str)] = &[
         "low-stiffness",
         include_str!("../../../scenes/low-stiffness.toml"),
     ),
+    ("identify", include_str!("../../../scenes/identify.toml")),
 ];
 
 /// Names of the shipped scenes.

@@ -88,6 +88,14 @@ impl Motion {
         }
     }
 
+    /// The rest point of a motion that is none, rad: it stays there.
+    pub fn still_rad(&self) -> Option<f64> {
+        match self.shape {
+            Shape::Still(angle) => Some(angle),
+            _ => None,
+        }
+    }
+
     /// What was chosen for a recording, in one line for people; `None` for the other motions.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()

@@ -65,6 +65,7 @@ const OBSERVERS: &[&str] = &["exact", "thesis"];
 const FIRST_CONTACTS: &[&str] = &["keep-force", "zero-offset"];
 const REGULATES: &[&str] = &["mass", "mass-compensated", "hip"];
 const OFFSET_UPDATES: &[&str] = &["inward", "every-tick"];
+const IDEAL_STEPS: &[&str] = &["position", "force"];
 const GRIPS: &[&str] = &["none", "light", "medium", "firm", "custom"];
 const MOTIONS: &[&str] = &[
     "none",
@@ -227,6 +228,12 @@ pub(crate) const FIELDS: &[Field] = &[
         "",
         Choice(OFFSET_UPDATES),
         "when the enhanced law changes the offset",
+    ),
+    field(
+        "law.ideal_step",
+        "",
+        Choice(IDEAL_STEPS),
+        "what the offset's ideal step supposes to stay",
     ),
     number(
         "law.energy_credit_j",

@@ -1,0 +1,24 @@
+//! Standard output.
+
+use crate::error::{Error, Result};
+use std::fmt::Arguments;
+use std::io::{ErrorKind, Write};
+
+/// Prints. A reader that has had enough (`| head`) is no error, and must not keep a report from being written.
+pub fn print(text: Arguments<'_>) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_fmt(text).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Io {
+            path: "standard output".into(),
+            problem: error.to_string(),
+            fix: "give it room, or another place".to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// `println!` without the panic.
+macro_rules! say {
+    ($($text:tt)*) => { $crate::cli::out::print(format_args!("{}\n", format_args!($($text)*)))? };
+}
+pub(crate) use say;

@@ -1,0 +1,44 @@
+//! How finely each number format tells forces, stiffnesses and energies apart: what error bounds are made of.
+
+use touchstone_control::{Fixed16, Fixed32, Number};
+
+/// The grains of a format, for forces of at most 0.5 N·m.
+pub trait Grain: Number {
+    /// Largest error of a rounded force, N·m: one step where a format truncates, half a step where it rounds to nearest.
+    const FORCE_N_M: f64;
+    /// Largest error of a stiffness that a law derives, N·m/rad.
+    const GAIN_N_M_PER_RAD: f64;
+    /// Largest relative error of one sum or product of energies; the fixed formats make none.
+    const ENERGY: f64;
+    /// Fractional bits of a grid on which the format holds every angle below 0.5 rad exactly, and `Fixed32` too.
+    const ANGLE_BITS: i32;
+}
+
+impl Grain for Fixed16 {
+    const FORCE_N_M: f64 = 1.0 / 16_384.0;
+    const GAIN_N_M_PER_RAD: f64 = 1.0 / 64.0;
+    const ENERGY: f64 = 0.0;
+    const ANGLE_BITS: i32 = 14;
+}
+
+impl Grain for Fixed32 {
+    const FORCE_N_M: f64 = 1.0 / 16_777_216.0;
+    const GAIN_N_M_PER_RAD: f64 = 1.0 / 4_096.0;
+    const ENERGY: f64 = 0.0;
+    const ANGLE_BITS: i32 = 24;
+}
+
+impl Grain for f32 {
+    // Half the distance of two numbers below 0.5, and as much again for the product that was rounded before a sum.
+    const FORCE_N_M: f64 = 1.0 / 33_554_432.0;
+    const GAIN_N_M_PER_RAD: f64 = f32::EPSILON as f64;
+    const ENERGY: f64 = f32::EPSILON as f64;
+    const ANGLE_BITS: i32 = 24;
+}
+
+impl Grain for f64 {
+    const FORCE_N_M: f64 = f64::EPSILON;
+    const GAIN_N_M_PER_RAD: f64 = f64::EPSILON;
+    const ENERGY: f64 = f64::EPSILON;
+    const ANGLE_BITS: i32 = 24;
+}

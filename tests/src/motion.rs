@@ -1,0 +1,52 @@
+//! Motions of the HIP, given in penetration.
+
+/// Half a sine wave: one press of `depth_rad`, in and out of the wall in `ticks`, zero at both ends.
+#[must_use]
+pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
+    (0..=ticks)
+        .map(|tick| {
+            // The sine of π is not quite zero in floats.
+            if tick == 0 || tick == ticks {
+                0.0
+            } else {
+                depth_rad * (std::f64::consts::PI * f64::from(tick) / f64::from(ticks)).sin()
+            }
+        })
+        .collect()
+}
+
+/// A press that comes out by a third and goes in again, eight times on its way, as a hand that searches does.
+#[must_use]
+pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
+    let press = half_sine(depth_rad, ticks);
+    let wave = |tick: usize| {
+        let turns = 8.0 * tick as f64 / f64::from(ticks);
+        (1.0 - (std::f64::consts::TAU * turns).cos()) / 2.0
+    };
+    press
+        .iter()
+        .enumerate()
+        .map(|(tick, e)| e * (1.0 - 0.3 * wave(tick)))
+        .collect()
+}
+
+/// Into the wall in 200 ticks, a little back in 50 (the first contact ends), and held there.
+#[must_use]
+pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
+    let ramp = |tick: u32, of: u32| {
+        (1.0 - (std::f64::consts::PI * f64::from(tick) / f64::from(of)).cos()) / 2.0
+    };
+    let rest = 0.92 * depth_rad;
+    let into = (0..200).map(|tick| depth_rad * ramp(tick, 200));
+    let back = (0..50).map(|tick| depth_rad + (rest - depth_rad) * ramp(tick, 50));
+    into.chain(back)
+        .chain(std::iter::repeat_n(rest, ticks))
+        .collect()
+}
+
+/// The same motion on a grid of so many fractional bits.
+#[must_use]
+pub fn on_grid(path: &[f64], bits: i32) -> Vec<f64> {
+    let scale = 2_f64.powi(bits);
+    path.iter().map(|e| (e * scale).round() / scale).collect()
+}

@@ -1,0 +1,184 @@
+//! The golden value of the whole sampled loop, found by bisection on the loop that runs: `K_max = b/(T/2 + t_d)`.
+//!
+//! The spring runs through plan, law (f64) and `cycle` as in any scene: exact angle, a bare knob, no dry friction. A wall pushes
+//! one way only, so a constant torque presses the knob into it; that moves the equilibrium inside the wall and changes nothing
+//! else in a linear loop. Whether a stiffness is stable is read off the growth of the oscillation around that equilibrium.
+
+use touchstone::plant::{self, Device};
+use touchstone::run::chain::{Amplifier, Crossing, Sensor};
+use touchstone::run::judge::Tick;
+use touchstone::run::plan::{self, Prepared, Visitor};
+use touchstone::run::wall::Wall;
+use touchstone::run::{self, Recorder};
+use touchstone::scene::{Motion, Scene};
+
+const INERTIA: f64 = 1e-4;
+const DAMPING: f64 = 5e-4;
+/// Where the press holds the knob, rad inside.
+const EQUILIBRIUM: f64 = 0.1;
+/// First deflection from there, rad.
+const DEFLECTION: f64 = 0.01;
+/// With a stiffness `K` the oscillation grows by `(K/K_max - 1) b/(2J)` = 2.5/s times the share that `K` is off.
+const DURATION_S: f64 = 12.0;
+
+/// The amplifier of the scene with the press added behind it.
+#[derive(Debug, Clone, Copy)]
+struct Pressed<A> {
+    inner: A,
+    press_n_m: f64,
+}
+
+impl<A: Amplifier> Amplifier for Pressed<A> {
+    fn torque(&self, command_n_m: f64) -> f64 {
+        self.inner.torque(command_n_m) + self.press_n_m
+    }
+}
+
+/// Root mean square deflection in the second and in the last quarter.
+struct Growth {
+    quarter: u64,
+    squares: [f64; 2],
+    left: bool,
+}
+
+impl Recorder for Growth {
+    const WATCHES: bool = true;
+    fn take(&mut self, tick: &Tick, _: &impl plant::Motion, _: f64, _: f64) {
+        let deflection = tick.told_rad - EQUILIBRIUM;
+        self.left |= tick.told_rad <= 0.0;
+        match tick.index / self.quarter {
+            1 => self.squares[0] += deflection * deflection,
+            3 => self.squares[1] += deflection * deflection,
+            _ => {}
+        }
+    }
+}
+
+struct Press {
+    press_n_m: f64,
+    period_s: f64,
+    ticks: u64,
+}
+
+impl Visitor for Press {
+    type Output = Growth;
+    fn visit<C: Crossing, S: Sensor, A: Amplifier>(
+        self,
+        prepared: Prepared<C, S, A>,
+        wall: &mut dyn Wall,
+        motion: &Motion,
+    ) -> Growth {
+        let mut growth = Growth {
+            quarter: self.ticks / 4,
+            squares: [0.0; 2],
+            left: false,
+        };
+        let pressed = Prepared {
+            crossing: prepared.crossing,
+            state: prepared.state,
+            sensor: prepared.sensor,
+            amplifier: Pressed {
+                inner: prepared.amplifier,
+                press_n_m: self.press_n_m,
+            },
+        };
+        run::cycle(
+            pressed,
+            wall,
+            |time_s| motion.rest_rad(time_s),
+            self.ticks,
+            self.period_s,
+            &mut growth,
+        );
+        growth
+    }
+}
+
+fn scene(rate_hz: u32, delay_s: f64, stiffness: f64) -> Scene {
+    let text = format!(
+        "name = \"spring\"\n\
+         [device]\ninertia_kg_m2 = {INERTIA:e}\ndamping_n_m_s_per_rad = {DAMPING:e}\ninitial_angle_rad = {}\n\
+         [timing]\nrate_hz = {rate_hz}\nduration_s = {DURATION_S:?}\ncomputational_delay_s = {delay_s:e}\n\
+         [wall]\nsurface_rad = 0.5\nk_desired_n_m_per_rad = {stiffness:?}\n\
+         [law]\nkind = \"spring\"\nnumber = \"f64\"\nforce_limit_n_m = 100.0\n\
+         [operator]\ngrip = \"none\"\n",
+        0.5 + EQUILIBRIUM + DEFLECTION
+    );
+    let scene = Scene::parse(&text, std::path::Path::new("spring.toml")).unwrap();
+    assert!(scene.encoder.is_none() && scene.device.friction.is_none());
+    scene
+}
+
+fn growth(rate_hz: u32, delay_s: f64, stiffness: f64) -> Growth {
+    let scene = scene(rate_hz, delay_s, stiffness);
+    let mut wall = run::wall(&scene).unwrap();
+    let press = Press {
+        press_n_m: stiffness * EQUILIBRIUM,
+        period_s: scene.timing.period_s(),
+        ticks: scene.timing.ticks(),
+    };
+    plan::prepare(&scene, wall.as_mut(), press).unwrap()
+}
+
+fn is_stable(rate_hz: u32, delay_s: f64, stiffness: f64) -> bool {
+    let growth = growth(rate_hz, delay_s, stiffness);
+    // A knob that is thrown out of the wall has grown, whatever its motion is later.
+    !growth.left && growth.squares[1] < growth.squares[0]
+}
+
+/// Largest stable stiffness of the running loop, N·m/rad, to a ten-thousandth.
+fn found(rate_hz: u32, delay_s: f64) -> f64 {
+    let expected = DAMPING / (0.5 / f64::from(rate_hz) + delay_s);
+    let (mut stable, mut unstable) = (0.5 * expected, 1.5 * expected);
+    assert!(is_stable(rate_hz, delay_s, stable), "{stable}");
+    assert!(!is_stable(rate_hz, delay_s, unstable), "{unstable}");
+    while unstable - stable > 1e-4 * expected {
+        let middle = 0.5 * (stable + unstable);
+        if is_stable(rate_hz, delay_s, middle) {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    0.5 * (stable + unstable)
+}
+
+#[track_caller]
+fn assert_critical(rate_hz: u32, delay_s: f64, golden: f64) {
+    let found = found(rate_hz, delay_s);
+    let formula = DAMPING / (0.5 / f64::from(rate_hz) + delay_s);
+    let device = Device {
+        inertia_kg_m2: INERTIA,
+        damping_n_m_s_per_rad: DAMPING,
+        friction: None,
+    };
+    let exact = plant::critical_stiffness(&device, None, f64::from(rate_hz), delay_s).unwrap();
+    println!(
+        "{rate_hz} Hz, {delay_s} s of delay: loop {found:.5}, eigenvalues {exact:.5}, formula {formula:.5} N·m/rad"
+    );
+    assert!((formula / golden - 1.0).abs() < 1e-12);
+    // The formula leaves out terms of the order b T/J = 5e-3.
+    assert!((found / formula - 1.0).abs() < 0.02);
+    // What bisection (1e-4) and windows that cut an oscillation of some 30 periods (2e-4) leave.
+    assert!((found / exact - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn the_knob_at_1_khz_is_stable_up_to_1_newton_metre_per_radian() {
+    assert_critical(1_000, 0.0, 1.0);
+}
+
+#[test]
+fn one_tick_of_computational_delay_leaves_a_third() {
+    assert_critical(1_000, 1e-3, 1.0 / 3.0);
+}
+
+#[test]
+fn half_a_tick_of_computational_delay_leaves_a_half() {
+    assert_critical(1_000, 5e-4, 0.5);
+}
+
+#[test]
+fn ten_times_the_rate_gives_ten_times_the_stiffness() {
+    assert_critical(10_000, 0.0, 10.0);
+}

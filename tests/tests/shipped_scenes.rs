@@ -1,0 +1,172 @@
+//! Every shipped scene runs, and ends as it is known to end.
+
+use std::path::Path;
+use touchstone::run::record::{LawKind, Summary, Verdict};
+use touchstone::run::{self};
+use touchstone::scene::{self, Scene};
+
+fn summary(name: &str) -> Summary {
+    run::run(&Scene::load(name).unwrap(), false)
+        .unwrap()
+        .summary
+}
+
+#[track_caller]
+fn assert_close(value: Option<f64>, target: f64, share: f64) {
+    let value = value.expect("a value");
+    assert!(
+        (value / target - 1.0).abs() <= share,
+        "{value} is not {target}"
+    );
+}
+
+#[test]
+fn every_shipped_scene_is_judged_here() {
+    let mut names = scene::names();
+    names.sort_unstable();
+    assert_eq!(
+        names,
+        [
+            "free-release",
+            "identify",
+            "low-stiffness",
+            "press-hold",
+            "press-wiggle-release",
+            "tap",
+            "thesis-knob"
+        ]
+    );
+}
+
+#[test]
+fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
+    for name in [
+        "thesis-knob",
+        "press-hold",
+        "press-wiggle-release",
+        "identify",
+    ] {
+        let run = summary(name);
+        // At rest; what it gave beyond what it took stays within the credit of 20 mJ a contact. The scenes have two contacts
+        // at most (a touch and a press, without leaving in between as long as the law holds).
+        assert_eq!(run.verdict, Verdict::Active, "{name}");
+        assert!(
+            run.energy_user_min > -0.02,
+            "{name}: {}",
+            run.energy_user_min
+        );
+        assert_close(run.k_displayed, 5.0, 0.05);
+        assert_close(run.k_first_contact, 5.0, 0.02);
+    }
+}
+
+#[test]
+fn a_wall_below_the_soft_spring_is_passive() {
+    let run = summary("low-stiffness");
+    assert_eq!(run.verdict, Verdict::Passive);
+    assert_close(run.k_displayed, 0.5, 0.01);
+    assert!(
+        run.energy_observed_min.is_none(),
+        "a plain spring observes nothing"
+    );
+}
+
+#[test]
+fn a_tap_meets_the_desired_stiffness_and_gets_no_energy() {
+    let run = summary("tap");
+    assert_eq!(run.verdict, Verdict::Passive);
+    assert_close(run.k_first_contact, 5.0, 0.02);
+    assert!(run.contact_ticks > 5, "{}", run.contact_ticks);
+    // The wall's own port: the spring of the same stiffness leaks energy at every sample, the law does not.
+    let scene = Scene::load("tap")
+        .unwrap()
+        .with_overrides(&["law.kind=spring"])
+        .unwrap();
+    let spring = run::run(&scene, false).unwrap().summary;
+    assert_eq!(run.energy_true_min, 0.0);
+    assert!(spring.energy_true_min < -1e-5, "{}", spring.energy_true_min);
+}
+
+#[test]
+fn a_knob_released_inside_gets_no_more_than_the_wall_held_there() {
+    let run = summary("free-release");
+    // It starts 0.02 rad inside: a spring of 5 N·m/rad holds 1 mJ there.
+    let held = 0.5 * 5.0 * 0.02 * 0.02;
+    assert_eq!(
+        run.verdict,
+        Verdict::Active,
+        "it gets some of it, without having put it in"
+    );
+    assert!(
+        run.energy_user_min < 0.0 && run.energy_user_min > -held,
+        "{}",
+        run.energy_user_min
+    );
+    assert!(
+        run.contact_ticks < 100,
+        "it leaves the wall: {}",
+        run.contact_ticks
+    );
+}
+
+#[test]
+fn a_recorded_hand_moves_the_knob_in_and_out_of_the_wall() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../shared/data/paddle-hand-motion-200hz.csv");
+    if !file.exists() {
+        println!(
+            "skipped: the recording shared/data/paddle-hand-motion-200hz.csv is not beside the project"
+        );
+        return;
+    }
+    let scene = Scene::load("thesis-knob")
+        .unwrap()
+        .with_recording(&file)
+        .unwrap();
+    let run = run::run(&scene, true).unwrap();
+    // 3046 samples at 200 Hz.
+    assert_eq!(run.summary.ticks, 15_225);
+    assert_eq!(run.summary.verdict, Verdict::Passive);
+    assert_close(run.summary.k_first_contact, 5.0, 0.02);
+    let trace = run.trace.unwrap();
+    let entries = trace
+        .force_n_m
+        .windows(2)
+        .filter(|pair| pair[0] == 0.0 && pair[1] > 0.0)
+        .count();
+    assert!(entries >= 5, "{entries}");
+    let share = run.summary.contact_ticks as f64 / run.summary.ticks as f64;
+    // The hand's rest point is inside 45 % of the time; a wall of 5 N·m/rad keeps the knob out for most of it.
+    assert!(share > 0.1 && share < 0.45, "{share}");
+    // The recording's own scale, its mean on the surface. Smoothing is a Gaussian with a standard deviation of 6.6 ms: the rest
+    // point never leaves what was recorded within five samples (3.8 deviations), but for the weights beyond them.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let degrees: Vec<f64> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(1).unwrap().parse().unwrap())
+        .collect();
+    let mean = degrees.iter().sum::<f64>() / degrees.len() as f64;
+    let angles: Vec<f64> = degrees
+        .iter()
+        .map(|degree| 0.5 + (degree - mean).to_radians())
+        .collect();
+    for (index, rest) in trace.rest_rad.iter().step_by(5).enumerate() {
+        let near = &angles[index.saturating_sub(5)..(index + 6).min(angles.len())];
+        let low = near.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        assert!(
+            (low - 1e-4..=high + 1e-4).contains(rest),
+            "sample {index}: {rest} is outside {low} to {high}"
+        );
+    }
+
+    let mut spring = scene;
+    spring.law.kind = LawKind::Spring;
+    let spring = run::run(&spring, false).unwrap().summary;
+    assert_eq!(
+        spring.verdict,
+        Verdict::Active,
+        "5 k_c without control gives energy away"
+    );
+}

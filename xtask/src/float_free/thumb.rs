@@ -1,0 +1,130 @@
+//! Which of the installed compilers can make code for the microcontroller.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::{setup, shell};
+
+/// The Cortex-M4 without its float unit: what then still calculates with floats must call for it by name.
+pub const TARGET: &str = "thumbv7em-none-eabi";
+
+/// Where a compiler comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Origin {
+    /// The one that runs this program.
+    Active,
+    /// Another of rustup's toolchains, by name.
+    Toolchain(String),
+    /// A system package, beside rustup.
+    System,
+}
+
+/// A compiler for [`TARGET`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Compiler {
+    origin: Origin,
+    /// The target's `core` is not there and must be built from its source.
+    from_source: bool,
+}
+
+/// The system package's compiler.
+const SYSTEM: &str = "/usr/bin/rustc";
+
+impl Origin {
+    fn rustc(&self) -> Command {
+        match self {
+            Origin::Active => shell::program("rustc"),
+            Origin::Toolchain(name) => {
+                let mut rustup = shell::program("rustup");
+                rustup.args(["run", name, "rustc"]);
+                rustup
+            }
+            Origin::System => shell::program(SYSTEM),
+        }
+    }
+
+    /// Where its libraries lie, if it can build this workspace at all.
+    fn sysroot(&self) -> Option<PathBuf> {
+        let version = shell::capture(self.rustc().arg("--version"))?;
+        let sysroot = shell::capture(self.rustc().args(["--print", "sysroot"]))?;
+        setup::is_new_enough(&version).then(|| PathBuf::from(sysroot))
+    }
+}
+
+impl fmt::Display for Compiler {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.origin {
+            Origin::Active => write!(f, "the active toolchain")?,
+            Origin::Toolchain(name) => write!(f, "{name}")?,
+            Origin::System => write!(f, "{SYSTEM}")?,
+        }
+        let core = if self.from_source {
+            "built from source"
+        } else {
+            "as installed"
+        };
+        write!(f, " for {TARGET}, `core` {core}")
+    }
+}
+
+impl Compiler {
+    /// `cargo build` with it, and the options that belong to it.
+    pub fn cargo(&self) -> (Command, Vec<String>) {
+        let mut cargo = match &self.origin {
+            Origin::Active => shell::cargo_locked("build"),
+            Origin::Toolchain(name) => {
+                let mut rustup = shell::program("rustup");
+                rustup.args(["run", name, "cargo", "build"]);
+                // They name the active toolchain's programs.
+                for key in ["RUSTUP_TOOLCHAIN", "RUSTC", "CARGO", "RUSTDOC"] {
+                    rustup.env_remove(key);
+                }
+                rustup
+            }
+            Origin::System => {
+                let mut cargo = shell::cargo_locked("build");
+                cargo.env("RUSTC", SYSTEM);
+                cargo
+            }
+        };
+        let mut options = vec![format!("--target={TARGET}")];
+        if self.from_source {
+            cargo.env("RUSTC_BOOTSTRAP", "1");
+            options.push("-Zbuild-std=core".into());
+        }
+        (cargo, options)
+    }
+}
+
+/// A compiler that has the target installed; failing that, one that has the library's source.
+pub fn find() -> Option<Compiler> {
+    let mut origins = vec![Origin::Active];
+    origins.extend(toolchains().into_iter().map(Origin::Toolchain));
+    origins.push(Origin::System);
+    let candidates: Vec<_> = origins
+        .into_iter()
+        .filter_map(|origin| Some((origin.sysroot()?.join("lib/rustlib"), origin)))
+        .collect();
+    let with = |part: &str, from_source| {
+        let mut having = candidates
+            .iter()
+            .filter(|(library, _)| library.join(part).is_dir());
+        having.next().map(|(_, origin)| Compiler {
+            origin: origin.clone(),
+            from_source,
+        })
+    };
+    with(&format!("{TARGET}/lib"), false).or_else(|| with("src/rust/library/core", true))
+}
+
+/// Names of rustup's toolchains.
+fn toolchains() -> Vec<String> {
+    let list = shell::capture(shell::program("rustup").args(["toolchain", "list"]));
+    list.unwrap_or_default()
+        .lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| name.chars().next().is_some_and(char::is_alphanumeric))
+        .map(str::to_owned)
+        .collect()
+}
