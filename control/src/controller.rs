@@ -155,6 +155,15 @@ impl<N: Number> Controller<N> {
             Field::FilterMass,
             total.saturating_mul(Si::const_from_int(2)),
         )?;
+        // In a narrow format a soft coupling can round to nothing, and the mass would have nothing that moves it.
+        let coupling = stiffness(Field::FilterStiffness, filter.stiffness)?;
+        if coupling == Stiffness::zero() {
+            return Err(SettingsError::OutOfFormat {
+                field: Field::FilterStiffness,
+                value: filter.stiffness,
+                format: N::NAME,
+            });
+        }
         let law = EnhancedSfa {
             desired,
             target: stiffness(Field::KDesired, target)?,
@@ -174,7 +183,7 @@ impl<N: Number> Controller<N> {
             first_contact: settings.first_contact,
             mass: VirtualMass {
                 inertia: stiffness(Field::FilterMass, derived.mass_per_tick2)?,
-                stiffness: stiffness(Field::FilterStiffness, filter.stiffness)?,
+                stiffness: coupling,
                 damping: stiffness(Field::FilterDamping, derived.filter_damping_per_tick)?,
                 total: stiffness(Field::FilterMass, total)?,
             },
@@ -182,13 +191,15 @@ impl<N: Number> Controller<N> {
                 Field::FilterStiffness,
                 filter.stiffness.saturating_add(settings.k_soft),
             )?,
-            credit: N::energy(settings.energy_credit).map(Energy).ok_or(
-                SettingsError::OutOfFormat {
+            // A loan above the cap would break the books of the narrow formats (0.5 of 8 J and the like).
+            credit: N::energy(settings.energy_credit)
+                .map(Energy)
+                .filter(|credit| *credit <= energy_cap)
+                .ok_or(SettingsError::OutOfFormat {
                     field: Field::EnergyCredit,
                     value: settings.energy_credit,
                     format: N::NAME,
-                },
-            )?,
+                })?,
             energy_cap,
             limit,
         };

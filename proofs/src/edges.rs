@@ -7,7 +7,7 @@ use touchstone_control::magnitude::{self, Word};
 use touchstone_control::{Energy, Fixed8, Fixed32, Number, Position, Tension};
 
 macro_rules! edges {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -15,7 +15,7 @@ macro_rules! edges {
 
             property! {
                 /// P1: the signed step is the heart's step of the magnitudes.
-                by $solver fn p1_edge_step(s) {
+                by $sums fn p1_edge_step(s) {
                     let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
                     assume!(s, energy >= Energy::zero() && force.0 >= 0);
                     let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
@@ -50,7 +50,7 @@ macro_rules! edges {
             }
             property! {
                 /// P1: force times displacement is the exact energy: its magnitude is the product of the magnitudes.
-                fn p1_edge_work(s) {
+                by $sums fn p1_edge_work(s) {
                     let (force, moved) = (N::any_force(s), N::any_position(s));
                     let work = (force * moved).0.to_bits();
                     let product = $wide::from(force.0.to_bits()) * $wide::from(moved.0.to_bits());
@@ -78,7 +78,7 @@ macro_rules! edges {
             }
             property! {
                 /// P6: the quotient keeps the sign of the tension and is the heart's quotient.
-                by $solver fn p6_edge_divide(s) {
+                by $sums fn p6_edge_divide(s) {
                     let (tension, k) = (N::any_tension(s), N::any_stiffness(s));
                     assume!(s, k.0 >= 0);
                     let x = tension.over(k).0.to_bits();
@@ -117,7 +117,7 @@ macro_rules! edges {
             }
             property! {
                 /// P3: everything else is total: no panic, no overflow, for all inputs whatever.
-                by $solver fn p3_total(s) {
+                by $sums fn p3_total(s) {
                     let (a, b) = (N::any_position(s), N::any_position(s));
                     let (k, r) = (N::any_stiffness(s), N::any_ratio(s));
                     let (p, q) = (N::any_tension(s), N::any_tension(s));
@@ -149,9 +149,9 @@ macro_rules! edges {
 
 edges!(
     /// At the width that the firmware runs.
-    w32, Fixed32, u32, i64, by kissat
+    w32, Fixed32, u32, i64, by kissat, sums sampled
 );
 edges!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, u8, i16, by cadical
+    w8, Fixed8, u8, i16, by cadical, sums cadical
 );

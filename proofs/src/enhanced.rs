@@ -2,14 +2,14 @@
 
 use crate::facts::Facts32;
 use crate::format::Format;
-use crate::valid::{Valid, any_augmentation, any_mass, augmentation_ok, mass_ok};
-use crate::{assume, cover, property};
+use crate::valid::{Valid, any_mass, mass_ok};
+use crate::{assume, cover, property, such};
 use touchstone_control::filter::MassState;
 use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law};
 use touchstone_control::{Energy, FirstContact, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! enhanced {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -19,10 +19,10 @@ macro_rules! enhanced {
                 /// P1 at the mass: whatever drives it and wherever it stands, the energy stays between 0 and its cap, the force
                 /// between 0 and the one wanted.
                 by $solver fn p1_energy_stays(s) {
-                    let law = EnhancedSfa::<N>::any(s);
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
                     let (from, drive) = (N::any_position(s), N::any_tension(s));
                     let (wanted, before) = (N::any_force(s), N::any_energy(s));
-                    assume!(s, law.valid() && wanted > Force::zero());
+                    assume!(s, wanted > Force::zero());
                     assume!(s, before >= Energy::zero() && before <= law.energy_cap);
                     let mut energy = before;
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut energy);
@@ -39,11 +39,11 @@ macro_rules! enhanced {
             property! {
                 /// P1 at the mass, the books: the mass moves by exactly the displacement that is booked, and what is booked is
                 /// `E + f·d`, at most the cap; where the retreat is limited it is the heart's rest plus the saving.
-                by $solver fn p1_books_are_right(s) {
-                    let law = EnhancedSfa::<N>::any(s);
+                by $sums fn p1_books_are_right(s) {
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
                     let (from, drive) = (N::any_position(s), N::any_tension(s));
                     let (wanted, before) = (N::any_force(s), N::any_energy(s));
-                    assume!(s, law.valid() && wanted > Force::zero());
+                    assume!(s, wanted > Force::zero());
                     assume!(s, before >= Energy::zero() && before <= law.energy_cap);
                     let mut energy = before;
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut energy);
@@ -57,10 +57,9 @@ macro_rules! enhanced {
             property! {
                 /// P1 at the mass: it moves by exactly what was booked; the end of the range takes nothing away.
                 by $solver fn p1_displacement_is_real(s) {
-                    let mass = any_mass::<N, _>(s);
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
                     let (from, drive, force) = (N::any_position(s), N::any_tension(s), N::any_force(s));
-                    assume!(s, mass_ok(&mass));
-                    let step = mass.displacement(from, drive, force);
+                                        let step = mass.displacement(from, drive, force);
                     assert!(N::of_signal((from + step).0) == N::of_signal(from.0) + N::of_signal(step.0));
                     cover!(s, (from + step).0 == N::HIGHEST && step > Position::zero(), "end of the range");
                 }
@@ -68,11 +67,10 @@ macro_rules! enhanced {
             property! {
                 /// P6: rounding only dissipates: the displacement has the sign of the net force and never exceeds its
                 /// quotient. With `heart::p6_quotient`: `|D d'| <= |N0 - f|`.
-                by $solver fn p6_rounding_dissipates(s) {
-                    let mass = any_mass::<N, _>(s);
+                by $sums fn p6_rounding_dissipates(s) {
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
                     let (from, drive, force) = (N::any_position(s), N::any_tension(s), N::any_force(s));
-                    assume!(s, mass_ok(&mass));
-                    let step = mass.displacement(from, drive, force);
+                                        let step = mass.displacement(from, drive, force);
                     let net = drive - force.lift();
                     let quotient = net.over(mass.total);
                     assert!(N::of_signal(step.0).unsigned_abs() <= N::of_signal(quotient.0).unsigned_abs());
@@ -84,11 +82,10 @@ macro_rules! enhanced {
             property! {
                 /// P6: the sum of products that drives the mass cannot saturate: it is the exact sum.
                 by $solver fn p6_drive_is_exact(s) {
-                    let mass = any_mass::<N, _>(s);
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
                     let state = MassState { position: N::any_position(s), moved: N::any_position(s) };
                     let (e, moved) = (N::any_position(s), N::any_position(s));
-                    assume!(s, mass_ok(&mass));
-                    let drive = mass.drive(&state, e, moved);
+                                        let drive = mass.drive(&state, e, moved);
                     let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
                     assert!(N::of_tension(drive.0).abs() <= reach);
                     cover!(s, drive.0 < 0, "outward");
@@ -96,10 +93,10 @@ macro_rules! enhanced {
             }
             property! {
                 /// P6: under the force for a retreat the mass retreats no further than its forces say.
-                by $solver fn p6_retreat_dissipates(s) {
-                    let mass = any_mass::<N, _>(s);
+                by $sums fn p6_retreat_dissipates(s) {
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
                     let (drive, out) = (N::any_tension(s), N::any_position(s));
-                    assume!(s, mass_ok(&mass) && out >= Position::zero());
+                    assume!(s, out >= Position::zero());
                     let force = mass.force_for_retreat(drive, out);
                     assert!(force.0 == N::HIGHEST || force.lift() >= drive + mass.total * out);
                     cover!(s, force > Force::zero() && out > Position::zero() && force.0 < N::HIGHEST, "holds back");
@@ -107,11 +104,10 @@ macro_rules! enhanced {
             }
             property! {
                 /// P6: the stored energy of the coupling is never understated: the force behind it is at least `k_f s`.
-                by $solver fn p6_stored_is_enough(s) {
-                    let mass = any_mass::<N, _>(s);
+                by $sums fn p6_stored_is_enough(s) {
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
                     let stretch = N::any_position(s);
-                    assume!(s, mass_ok(&mass));
-                    let size = stretch.modulus();
+                                        let size = stretch.modulus();
                     let tension = mass.stiffness * size;
                     match mass.stored(stretch) {
                         Some(stored) => {
@@ -127,50 +123,12 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P2, first bound: `ΔO <= c/k_v · |wanted - shown|`.
-                by $solver fn p2_bound_of_ideal(s) {
-                    let a = any_augmentation::<N, _>(s);
-                    let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
-                    assume!(s, augmentation_ok(&a));
-                    let step = a.step(wanted, shown, e);
-                    assert!(step >= Position::zero());
-                    assert!(step <= a.of_ideal * (wanted - shown.modulus()).modulus());
-                    cover!(s, step > Position::zero() && step == a.of_ideal * (wanted - shown.modulus()).modulus(), "binding");
-                    cover!(s, step < a.of_ideal * (wanted - shown.modulus()).modulus(), "not binding");
-                }
-            }
-            property! {
-                /// P2, second bound: `ΔO <= b/k_v · |f|`, but at least one quantum is allowed, or no force were a trap.
-                by $solver fn p2_bound_of_force(s) {
-                    let a = any_augmentation::<N, _>(s);
-                    let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
-                    assume!(s, augmentation_ok(&a));
-                    let step = a.step(wanted, shown, e);
-                    let weber = a.of_force * shown.modulus().max(Force::quantum());
-                    assert!(step <= weber.max(Position::quantum()));
-                    cover!(s, step == weber && step > Position::quantum(), "binding");
-                    cover!(s, shown == Force::zero() && step == Position::quantum(), "out of the trap");
-                }
-            }
-            property! {
-                /// P2, third bound: `ΔO <= a · |e|`.
-                by $solver fn p2_bound_of_penetration(s) {
-                    let a = any_augmentation::<N, _>(s);
-                    let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
-                    assume!(s, augmentation_ok(&a));
-                    let step = a.step(wanted, shown, e);
-                    assert!(step <= a.of_penetration * e.modulus());
-                    cover!(s, step > Position::zero() && step == a.of_penetration * e.modulus(), "binding");
-                    cover!(s, step == Position::zero() && e == Position::zero(), "at the surface");
-                }
-            }
-            property! {
                 /// P2: the offset is never negative, and changes by at most the step, towards the stiffness wanted.
                 by $solver fn p2_offset(s) {
-                    let law = EnhancedSfa::<N>::any(s);
-                    let state = <EnhancedSfa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
+                    let state = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&state) && state.contact == Contact::Augmenting);
+                    assume!(s, state.contact == Contact::Augmenting);
                     let before = state.augmented.offset;
                     let after = law.offset(&state, e);
                     assert!(after >= Position::zero());
@@ -182,10 +140,9 @@ macro_rules! enhanced {
                 /// P1, hand-over: the mass starts with no more energy than the contact has: the coupling's share is taken off, a
                 /// stretch that is not covered is not granted, and the energy is not negative.
                 by $solver fn p1_hand_over(s) {
-                    let law = EnhancedSfa::<N>::any(s);
-                    let mut state = <EnhancedSfa<N> as Valid<N>>::any_state(s);
-                    assume!(s, law.valid() && law.holds(&state) && state.contact == Contact::First);
-                    // The last outward displacement is a fact; it may have cost more than was stored.
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
+                    let mut state = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state) && state.contact == Contact::First);
+                                        // The last outward displacement is a fact; it may have cost more than was stored.
                     state.energy = N::any_energy(s);
                     assume!(s, state.energy <= law.energy_cap);
                     let before = state.energy;
@@ -199,11 +156,10 @@ macro_rules! enhanced {
             property! {
                 /// P3, P4 and the invariant, before the first reversal: no panic, at most the limit, invariant kept.
                 by $solver fn p4_first_contact(s) {
-                    let law = EnhancedSfa::<N>::any(s);
-                    let before = <EnhancedSfa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    assume!(s, before.contact == Contact::Free || (before.contact == Contact::First && (e >= before.last || e <= Position::zero())));
+                                        assume!(s, before.contact == Contact::Free || (before.contact == Contact::First && (e >= before.last || e <= Position::zero())));
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state) && state.contact != Contact::Augmenting);
@@ -215,10 +171,10 @@ macro_rules! enhanced {
             property! {
                 /// P3, P4 and the invariant, while augmenting: no panic, at most the limit, and `E >= 0` kept.
                 by $solver fn p4_augmenting(s) {
-                    let law = EnhancedSfa::<N>::any(s);
-                    let before = <EnhancedSfa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before) && before.contact == Contact::Augmenting);
+                    assume!(s, before.contact == Contact::Augmenting);
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
@@ -232,11 +188,10 @@ macro_rules! enhanced {
             property! {
                 /// P7: whenever the contact ends, the force is 0 and only the position is remembered.
                 by $solver fn p7_leaves(s) {
-                    let law = EnhancedSfa::<N>::any(s);
-                    let before = <EnhancedSfa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    let mut state = before;
+                                        let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(state.last == e);
                     if state.contact == Contact::Free {
@@ -254,9 +209,9 @@ macro_rules! enhanced {
 
 enhanced!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, by cadical
+    w32, Facts32, by cadical, sums sampled
 );
 enhanced!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, by cadical
+    w8, Fixed8, by cadical, sums cadical
 );

@@ -2,8 +2,8 @@
 //!
 //! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over
 //! [`Number`], so they can run on one more: [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and
-//! roundings, and of each product, quotient and root it knows only that it is a function (same arguments, same result) with
-//! the facts below. What holds for every such function holds for `Fixed32`, provided that `Fixed32` has the facts; that is
+//! roundings, and of each product, quotient and root it knows only the facts below: any result that has them may come back.
+//! What holds for all such results holds for those of `Fixed32`, provided that `Fixed32` has the facts; that is
 //! what the harnesses of `facts::fixed32` prove at full width. The law's source is the shipped one, nothing is stubbed.
 //!
 //! Without the checker `Facts32` calls `Fixed32` and asserts the facts, so that every sampled test checks them too.
@@ -26,7 +26,17 @@ pub mod fact {
     }
     /// The sign of a product of two signed numbers, and a size that leaves room for one addition.
     pub fn work(result: i64, f: i64, d: i64) -> bool {
-        result.unsigned_abs() <= 1 << 62 && sign_of(result, f.signum() * d.signum())
+        result.unsigned_abs() <= 1 << 62 && sign_of(result, sign(f, d))
+    }
+    /// The sign of a product, without one: a multiplication here would be what this file is there to avoid.
+    pub fn sign(f: i64, d: i64) -> i64 {
+        if f == 0 || d == 0 {
+            0
+        } else if (f < 0) == (d < 0) {
+            1
+        } else {
+            -1
+        }
     }
     /// A passivity step: energy and force stay non-negative, the force never grows; inward the force stays and the energy does
     /// not shrink, outward the energy does not grow.
@@ -50,81 +60,20 @@ pub mod fact {
     }
 }
 
-/// Operations that are known by facts only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(not(kani), allow(dead_code))]
-enum Op {
-    Scale,
-    Product,
-    Divide,
-    Work,
-    Per,
-    Root,
-    StepEnergy,
-    StepForce,
-    Moved,
-    Rest,
-}
-
-#[cfg(kani)]
-mod known {
-    //! Any function: arguments seen before get their result again.
-    use super::Op;
-    use std::cell::Cell;
-
-    const SLOTS: usize = 20;
-    #[derive(Clone, Copy)]
-    struct Entry {
-        op: Op,
-        arguments: [i64; 3],
-        result: i64,
-    }
-    const EMPTY: Entry = Entry {
-        op: Op::Scale,
-        arguments: [0; 3],
-        result: 0,
-    };
-    thread_local! {
-        static SEEN: Cell<(usize, [Entry; SLOTS])> = const { Cell::new((0, [EMPTY; SLOTS])) };
-    }
-
-    pub fn apply(op: Op, arguments: [i64; 3]) -> i64 {
-        SEEN.with(|seen| {
-            let (count, mut entries) = seen.get();
-            for (at, entry) in entries.iter().enumerate() {
-                if at < count && entry.op == op && entry.arguments == arguments {
-                    return entry.result;
-                }
-            }
-            // More calls than slots would be cut off here: fail instead.
-            assert!(count < SLOTS);
-            let result: i64 = kani::any();
-            entries[count] = Entry {
-                op,
-                arguments,
-                result,
-            };
-            seen.set((count + 1, entries));
-            result
-        })
-    }
-}
-
 /// One operation: unknown but for its fact under the checker; computed, and its fact checked, without.
 #[cfg(kani)]
 macro_rules! known {
-    ($op:expr, [$($a:expr),*], $exact:expr, |$r:ident| $fact:expr) => {{
-        let $r = known::apply($op, [$($a),*]);
+    ($op:literal, $exact:expr, |$r:ident| $fact:expr) => {{
+        let $r: i64 = kani::any();
         kani::assume($fact);
         $r
     }};
 }
 #[cfg(not(kani))]
 macro_rules! known {
-    ($op:expr, [$($a:expr),*], $exact:expr, |$r:ident| $fact:expr) => {{
-        let _ = $op;
+    ($op:literal, $exact:expr, |$r:ident| $fact:expr) => {{
         let $r: i64 = $exact;
-        assert!($fact, "{:?} {:?} gave {}", $op, [$($a),*], $r);
+        assert!($fact, "{} gave {}", $op, $r);
         $r
     }};
 }
@@ -174,21 +123,16 @@ impl Number for Facts32 {
         Fixed32::neg(a)
     }
     fn scale(r: Signal, x: Signal) -> Signal {
-        signal(known!(
-            Op::Scale,
-            [bits(r), bits(x), 0],
-            bits(Fixed32::scale(r, x)),
-            |y| word(y) && fact::sign_of(y, bits(x))
-        ))
+        signal(known!("Scale", bits(Fixed32::scale(r, x)), |y| word(y)
+            && fact::sign_of(y, bits(x))))
     }
     fn product(k: Gain, x: Signal) -> i64 {
         let gain = i64::from(k.to_bits());
-        known!(
-            Op::Product,
-            [gain, bits(x), 0],
-            Fixed32::product(k, x),
-            |y| fact::work(y, gain, bits(x))
-        )
+        known!("Product", Fixed32::product(k, x), |y| fact::work(
+            y,
+            gain,
+            bits(x)
+        ))
     }
     fn lift(x: Signal) -> i64 {
         Fixed32::lift(x)
@@ -206,21 +150,13 @@ impl Number for Facts32 {
         Fixed32::round_up(p)
     }
     fn divide(p: i64, k: Gain) -> Signal {
-        let gain = i64::from(k.to_bits());
-        signal(known!(
-            Op::Divide,
-            [p, gain, 0],
-            bits(Fixed32::divide(p, k)),
-            |y| word(y) && fact::sign_of(y, p)
-        ))
+        signal(known!("Divide", bits(Fixed32::divide(p, k)), |y| word(y)
+            && fact::sign_of(y, p)))
     }
     fn work(f: Signal, d: Signal) -> Energy {
-        Energy::from_bits(known!(
-            Op::Work,
-            [bits(f), bits(d), 0],
-            Fixed32::work(f, d).to_bits(),
-            |y| { fact::work(y, bits(f), bits(d)) }
-        ))
+        Energy::from_bits(known!("Work", Fixed32::work(f, d).to_bits(), |y| {
+            fact::work(y, bits(f), bits(d))
+        }))
     }
     fn add_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy(a, b)
@@ -232,20 +168,12 @@ impl Number for Facts32 {
         Fixed32::half_energy_up(e)
     }
     fn energy_per(e: Energy, x: Signal) -> Signal {
-        signal(known!(
-            Op::Per,
-            [e.to_bits(), bits(x), 0],
-            bits(Fixed32::energy_per(e, x)),
-            |y| word(y) && y >= 0
-        ))
+        signal(known!("Per", bits(Fixed32::energy_per(e, x)), |y| word(y)
+            && y >= 0))
     }
     fn root(e: Energy) -> Signal {
-        signal(known!(
-            Op::Root,
-            [e.to_bits(), 0, 0],
-            bits(Fixed32::root(e)),
-            |y| word(y) && fact::root(y, e.to_bits())
-        ))
+        signal(known!("Root", bits(Fixed32::root(e)), |y| word(y)
+            && fact::root(y, e.to_bits())))
     }
     fn root_of_four(k: Gain) -> Gain {
         Fixed32::root_of_four(k)
@@ -259,38 +187,23 @@ impl Number for Facts32 {
         };
         // Outside the contract nothing is known; the laws never leave it.
         let inside = stored >= 0 && force > 0;
-        let moved = known!(Op::Moved, [stored, force, 0], bits(_exact_moved), |y| word(
-            y
-        )
+        let moved = known!("Moved", bits(_exact_moved), |y| word(y)
             && (!inside || y >= 0));
-        let rest = known!(
-            Op::Rest,
-            [stored, force, 0],
-            _exact_rest.to_bits(),
-            |y| !inside || fact::affordable(moved, y, stored)
-        );
+        let rest = known!("Rest", _exact_rest.to_bits(), |y| !inside
+            || fact::affordable(moved, y, stored));
         (signal(moved), Energy::from_bits(rest))
     }
     fn passivity_step(e: Energy, f: Signal, d: Signal) -> (Energy, Signal) {
-        let arguments = [e.to_bits(), bits(f), bits(d)];
         let (_exact_energy, _exact_force) = if cfg!(kani) {
             (Energy::ZERO, Signal::ZERO)
         } else {
             Fixed32::passivity_step(e, f, d)
         };
         let inside = e.to_bits() >= 0 && bits(f) >= 0;
-        let shown = known!(
-            Op::StepForce,
-            [arguments[0], arguments[1], arguments[2]],
-            bits(_exact_force),
-            |y| word(y) && (!inside || (y >= 0 && y <= bits(f)))
-        );
-        let after = known!(
-            Op::StepEnergy,
-            [arguments[0], arguments[1], arguments[2]],
-            _exact_energy.to_bits(),
-            |y| !inside || fact::step(y, shown, e.to_bits(), bits(f), bits(d))
-        );
+        let shown = known!("StepForce", bits(_exact_force), |y| word(y)
+            && (!inside || (y >= 0 && y <= bits(f))));
+        let after = known!("StepEnergy", _exact_energy.to_bits(), |y| !inside
+            || fact::step(y, shown, e.to_bits(), bits(f), bits(d)));
         (Energy::from_bits(after), signal(shown))
     }
 }
@@ -314,7 +227,7 @@ pub mod fixed32 {
         by kissat fn p3_fact_product_sign(s) {
             let (k, x) = (s.i32(), s.i32());
             let y = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
-            assert!(fact::sign_of(y, i64::from(k.signum()) * i64::from(x.signum())));
+            assert!(fact::sign_of(y, fact::sign(i64::from(k), i64::from(x))));
             cover!(s, y < 0 && k > 1, "negative");
         }
     }
@@ -332,7 +245,7 @@ pub mod fixed32 {
         by kissat fn p3_fact_work_sign(s) {
             let (f, d) = (s.i32(), s.i32());
             let y = Fixed32::work(Signal::from_bits(f), Signal::from_bits(d)).to_bits();
-            assert!(fact::sign_of(y, i64::from(f.signum()) * i64::from(d.signum())));
+            assert!(fact::sign_of(y, fact::sign(i64::from(f), i64::from(d))));
             cover!(s, y < 0, "given");
         }
     }

@@ -12,13 +12,13 @@
 use crate::facts::Facts32;
 use crate::format::Format;
 use crate::valid::Valid;
-use crate::{assume, cover, property};
+use crate::{assume, cover, property, such};
 use touchstone_control::law::{Fba, FbaState, Law};
 use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, Position};
 
 macro_rules! fba {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -26,11 +26,10 @@ macro_rules! fba {
 
             property! {
                 /// P5: the bound times the root, rounded towards zero, is the largest force; with a deficit it is 0.
-                by $solver fn p5_force_below_bound(s) {
-                    let law = Fba::<N>::any(s);
+                by $sums fn p5_force_below_bound(s) {
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
                     let energy = N::any_energy(s);
-                    assume!(s, law.valid());
-                    let force = law.largest_force(energy);
+                                        let force = law.largest_force(energy);
                     let root = Position::<N>(N::root(energy.0));
                     assert!(force >= Force::zero());
                     assert!(force.lift() <= law.bound * root);
@@ -43,11 +42,10 @@ macro_rules! fba {
                 /// P1, P3, P4 and the invariant: one tick does not panic, shows at most the limit, never pulls, keeps the
                 /// invariant; its energy is the port's with the counted damping, capped from above only.
                 by $solver fn p4_tick_keeps_invariant(s) {
-                    let law = Fba::<N>::any(s);
-                    let before = <Fba<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    let mut state = before;
+                                        let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit && force == state.force);
@@ -58,11 +56,11 @@ macro_rules! fba {
             }
             property! {
                 /// P5: the force of a tick is at most the largest that its energy allows.
-                by $solver fn p5_tick_is_bounded(s) {
-                    let law = Fba::<N>::any(s);
-                    let before = <Fba<N> as Valid<N>>::any_state(s);
+                by $sums fn p5_tick_is_bounded(s) {
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before) && e > Position::zero());
+                    assume!(s, e > Position::zero());
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     let allowed = law.largest_force(state.energy);
@@ -73,11 +71,11 @@ macro_rules! fba {
             }
             property! {
                 /// P1: the energy of a tick is the sum of what was, the work of the force that acted, and the damper's part.
-                by $solver fn p1_energy_is_the_sum(s) {
-                    let law = Fba::<N>::any(s);
-                    let before = <Fba<N> as Valid<N>>::any_state(s);
+                by $sums fn p1_energy_is_the_sum(s) {
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before) && e > Position::zero());
+                    assume!(s, e > Position::zero());
                     // A deficit of a quarter of the format is outside the claim, and p5 keeps it far smaller.
                     assume!(s, before.energy + law.energy_cap >= Energy::zero());
                     let mut state = before;
@@ -95,11 +93,10 @@ macro_rules! fba {
             property! {
                 /// P5: what the counted damping leaves out by rounding is less than a quantum of force over the displacement,
                 /// so that a deficit can never be larger than that.
-                by $solver fn p5_damping_rounds_down(s) {
-                    let law = Fba::<N>::any(s);
+                by $sums fn p5_damping_rounds_down(s) {
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
                     let moved = N::any_position(s);
-                    assume!(s, law.valid());
-                    let exact = law.device_damping * moved;
+                                        let exact = law.device_damping * moved;
                     let force = exact.towards_zero();
                     let size = force.lift().0.unsigned_abs();
                     assert!(size <= exact.0.unsigned_abs());
@@ -110,7 +107,7 @@ macro_rules! fba {
             property! {
                 /// P7: outside the wall the force is 0 and nothing is remembered.
                 fn p7_leaves(s) {
-                    let law = Fba::<N>::any(s);
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
                     let mut state = <Fba<N> as Valid<N>>::any_state(s);
                     let e = N::any_position(s);
                     assume!(s, e <= Position::zero());
@@ -125,9 +122,9 @@ macro_rules! fba {
 
 fba!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, by cadical
+    w32, Facts32, by cadical, sums sampled
 );
 fba!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, by cadical
+    w8, Fixed8, by cadical, sums cadical
 );

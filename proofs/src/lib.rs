@@ -10,12 +10,15 @@
 // The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
 #![allow(clippy::missing_panics_doc)]
 
+pub mod device;
 pub mod edges;
 pub mod enhanced;
 pub mod facts;
 pub mod fba;
 pub mod format;
 pub mod heart;
+pub mod offset;
+pub mod settings;
 pub mod source;
 pub mod spring_sfa;
 pub mod tdpa;

@@ -10,6 +10,9 @@ pub trait Source {
     fn bits(&mut self, bits: u32) -> u64;
     /// Whether to go on; the checker never comes back from a `false`.
     fn assume(&mut self, holds: bool) -> bool;
+    /// Whether a generator may go straight to a value that its invariant asks for. The checker takes no such short cut; it has
+    /// all values anyway.
+    fn shortcut(&mut self) -> bool;
     /// A situation that must have occurred for the property to mean something.
     fn cover(&mut self, reached: bool, what: &'static str);
 
@@ -68,6 +71,9 @@ impl Source for Symbolic {
     fn assume(&mut self, holds: bool) -> bool {
         kani::assume(holds);
         true
+    }
+    fn shortcut(&mut self) -> bool {
+        false
     }
     fn cover(&mut self, _: bool, _: &'static str) {}
     // Each width as such, not as a part of 64 bits: the integer solver knows no masks.
@@ -146,6 +152,9 @@ impl Source for Sampler {
         self.rejected |= !holds;
         holds
     }
+    fn shortcut(&mut self) -> bool {
+        self.next() % 64 != 0
+    }
     fn cover(&mut self, reached: bool, what: &'static str) {
         match self.covers.iter_mut().find(|(text, _)| *text == what) {
             Some((_, count)) => *count += u64::from(reached),
@@ -160,7 +169,7 @@ impl Source for Sampler {
 /// If the property does, if hardly any sample satisfies the assumptions, or if a cover is never reached.
 #[cfg(not(kani))]
 pub fn sample(name: &str, property: fn(&mut Sampler)) {
-    const ACCEPTED: u64 = 5_000;
+    const ACCEPTED: u64 = 1_000;
     const TRIES: u64 = 20_000_000;
     // A seed of its own for each property, the same in every run.
     let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
@@ -198,6 +207,23 @@ macro_rules! assume {
     };
 }
 
+/// A value of which a condition is assumed. The sampler tries again until it has one; the checker assumes.
+#[macro_export]
+macro_rules! such {
+    ($s:expr, $value:expr, |$x:ident| $holds:expr) => {{
+        let mut tries = 0_u32;
+        loop {
+            let $x = $value;
+            let holds = $holds;
+            tries += 1;
+            if cfg!(kani) || holds || tries > 20_000 {
+                $crate::assume!($s, holds);
+                break $x;
+            }
+        }
+    }};
+}
+
 /// A situation that must be reachable. Under the checker each use is a check of its own.
 #[macro_export]
 macro_rules! cover {
@@ -212,6 +238,22 @@ macro_rules! cover {
 /// A property: a body, its proof under Kani, its randomised test without.
 #[macro_export]
 macro_rules! property {
+    // No solver finishes: sampled only, and proved at 8 bits by the same body.
+    ($(#[doc = $doc:literal])* by sampled fn $name:ident($s:ident) $body:block) => {
+        $(#[doc = $doc])*
+        pub mod $name {
+            #[allow(unused_imports)]
+            use super::*;
+            /// The property.
+            pub fn body<S: $crate::source::Source>($s: &mut S) $body
+
+            #[cfg(all(test, not(kani)))]
+            #[test]
+            fn sampled() {
+                $crate::source::sample(module_path!(), body::<$crate::source::Sampler>);
+            }
+        }
+    };
     ($(#[doc = $doc:literal])* $(by $solver:ident)? fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {

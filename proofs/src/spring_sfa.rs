@@ -3,12 +3,12 @@
 use crate::facts::Facts32;
 use crate::format::Format;
 use crate::valid::Valid;
-use crate::{assume, cover, property};
+use crate::{assume, cover, property, such};
 use touchstone_control::law::{Contact, Law, Sfa, SfaState, Spring, SpringState};
 use touchstone_control::{Fixed8, Force, Position};
 
 macro_rules! spring_sfa {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -17,11 +17,10 @@ macro_rules! spring_sfa {
             property! {
                 /// P3, P4, P7, spring: no panic, never pulls, at most the limit; outside force 0 and memory cleared.
                 by $solver fn p4_spring(s) {
-                    let law = Spring::<N>::any(s);
-                    let before = <Spring<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, Spring::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    let mut state = before;
+                                        let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit);
@@ -35,12 +34,12 @@ macro_rules! spring_sfa {
             }
             property! {
                 /// P1: the plain spring's force is `k e` towards zero, or the limit; nothing depends on the past.
-                by $solver fn p1_spring_is_a_spring(s) {
-                    let mut law = Spring::<N>::any(s);
+                by $sums fn p1_spring_is_a_spring(s) {
+                    let mut law = such!(s, Spring::<N>::any(s), |law| law.valid());
                     law.damping = touchstone_control::Stiffness::zero();
-                    let before = <Spring<N> as Valid<N>>::any_state(s);
+                    let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before) && e > Position::zero());
+                    assume!(s, e > Position::zero());
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(force == (law.desired * e).towards_zero().min(law.limit));
@@ -50,11 +49,10 @@ macro_rules! spring_sfa {
             property! {
                 /// P3, P4 and the invariant, SFA in all its forms: no panic, never pulls, at most the limit.
                 by $solver fn p4_sfa(s) {
-                    let law = Sfa::<N>::any(s);
-                    let before = <Sfa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, Sfa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    let mut state = before;
+                                        let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit && force == state.force);
@@ -66,11 +64,10 @@ macro_rules! spring_sfa {
             property! {
                 /// P7, SFA: without force the contact is over, and only the positions are remembered.
                 by $solver fn p7_sfa_leaves(s) {
-                    let law = Sfa::<N>::any(s);
-                    let before = <Sfa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, Sfa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    let mut state = before;
+                                        let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(state.last == e && state.before_last == before.last);
                     if force == Force::zero() && law.limit > Force::zero() {
@@ -89,9 +86,9 @@ macro_rules! spring_sfa {
 
 spring_sfa!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, by cadical
+    w32, Facts32, by cadical, sums sampled
 );
 spring_sfa!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, by cadical
+    w8, Fixed8, by cadical, sums cadical
 );

@@ -3,14 +3,14 @@
 use crate::facts::Facts32;
 use crate::format::Format;
 use crate::valid::Valid;
-use crate::{assume, cover, property};
+use crate::{assume, cover, property, such};
 use touchstone_control::law::{Law, Tdpa, TdpaState};
 
 use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! tdpa {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -21,11 +21,10 @@ macro_rules! tdpa {
                 /// position, one tick does not panic, shows at most the limit, and keeps the invariant, of which the
                 /// thesis' form contains `E >= 0`.
                 by $solver fn p4_tick_keeps_invariant(s) {
-                    let law = Tdpa::<N>::any(s);
-                    let before = <Tdpa<N> as Valid<N>>::any_state(s);
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    let mut state = before;
+                                        let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force.modulus() <= law.limit);
@@ -40,12 +39,11 @@ macro_rules! tdpa {
             property! {
                 /// P1, thesis' observer: a tick inside is the passivity step of the stored energy plus what the counted
                 /// damper took, capped. With the heart: `0 <= E' <= E + loss + f'·Δe`.
-                by $solver fn p1_thesis_is_the_step(s) {
-                    let law = Tdpa::<N>::any(s);
-                    let before = <Tdpa<N> as Valid<N>>::any_state(s);
+                by $sums fn p1_thesis_is_the_step(s) {
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    assume!(s, law.observer == ObserverForm::Thesis && e > Position::zero());
+                                        assume!(s, law.observer == ObserverForm::Thesis && e > Position::zero());
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     let moved = e - before.last;
@@ -64,22 +62,20 @@ macro_rules! tdpa {
             property! {
                 /// The counted damper never gives energy: `loss >= 0`.
                 fn p1_loss_is_not_negative(s) {
-                    let law = Tdpa::<N>::any(s);
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
                     let moved = N::any_position(s);
-                    assume!(s, law.valid());
-                    let loss = damping_loss(law.device_damping, moved);
+                                        let loss = damping_loss(law.device_damping, moved);
                     assert!(loss >= Energy::zero());
                     cover!(s, loss > Energy::zero() && moved < Position::zero(), "outward");
                 }
             }
             property! {
                 /// P1, exact observer: the sum is the port's energy (plus the counted damping), capped from above only.
-                by $solver fn p1_exact_is_the_sum(s) {
-                    let law = Tdpa::<N>::any(s);
-                    let before = <Tdpa<N> as Valid<N>>::any_state(s);
+                by $sums fn p1_exact_is_the_sum(s) {
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
+                    let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);
-                    assume!(s, law.valid() && law.holds(&before));
-                    assume!(s, law.observer == ObserverForm::Exact && e > Position::zero());
+                                        assume!(s, law.observer == ObserverForm::Exact && e > Position::zero());
                     // A deficit of a quarter of the format (16 kJ) is outside the claim: the sum would saturate.
                     assume!(s, before.energy + law.energy_cap >= Energy::zero());
                     let mut state = before;
@@ -97,8 +93,8 @@ macro_rules! tdpa {
             property! {
                 /// P1, exact observer: the corrected force is the heart's quotient `|E|/|Δe|` with the sign that pays back
                 /// over a displacement like the last one; without need, the wall's own force.
-                by $solver fn p1_exact_correction(s) {
-                    let law = Tdpa::<N>::any(s);
+                by $sums fn p1_exact_correction(s) {
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
                     let (energy, wanted, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
                     assume!(s, wanted >= Force::zero() && energy <= law.energy_cap);
                     let force = law.exact_force(energy, wanted, moved);
@@ -125,7 +121,7 @@ macro_rules! tdpa {
             property! {
                 /// P7: outside the wall the force is 0 and nothing is remembered.
                 fn p7_leaves(s) {
-                    let law = Tdpa::<N>::any(s);
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
                     let mut state = <Tdpa<N> as Valid<N>>::any_state(s);
                     let e = N::any_position(s);
                     assume!(s, e <= Position::zero());
@@ -140,9 +136,9 @@ macro_rules! tdpa {
 
 tdpa!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, u32, by cadical
+    w32, Facts32, u32, by cadical, sums sampled
 );
 tdpa!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, u8, by cadical
+    w8, Fixed8, u8, by cadical, sums cadical
 );

@@ -78,11 +78,15 @@ impl<N: Format> Valid<N> for Tdpa<N> {
         }
     }
     fn any_state<S: Source>(s: &mut S) -> TdpaState<N> {
+        let inside = s.bool();
+        if !inside && s.shortcut() {
+            return TdpaState::default();
+        }
         TdpaState {
             last: N::any_position(s),
             force: N::any_force(s),
             energy: N::any_energy(s),
-            inside: s.bool(),
+            inside,
         }
     }
     fn valid(&self) -> bool {
@@ -116,11 +120,15 @@ impl<N: Format> Valid<N> for Fba<N> {
         }
     }
     fn any_state<S: Source>(s: &mut S) -> FbaState<N> {
+        let inside = s.bool();
+        if !inside && s.shortcut() {
+            return FbaState::default();
+        }
         FbaState {
             last: N::any_position(s),
             force: N::any_force(s),
             energy: N::any_energy(s),
-            inside: s.bool(),
+            inside,
         }
     }
     /// The bound itself, `bound² <= 4 c_i/T`, is `p5_bound_of_damping`.
@@ -202,8 +210,24 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
         }
     }
     fn any_state<S: Source>(s: &mut S) -> EnhancedState<N> {
+        let contact = any_contact(s);
+        if contact != Contact::Augmenting && s.shortcut() {
+            let last = N::any_position(s);
+            let (force, energy) = if contact == Contact::First {
+                (N::any_force(s), N::any_energy(s))
+            } else {
+                (Force::zero(), Energy::zero())
+            };
+            return EnhancedState {
+                contact,
+                last,
+                force,
+                energy,
+                ..EnhancedState::default()
+            };
+        }
         EnhancedState {
-            contact: any_contact(s),
+            contact,
             last: N::any_position(s),
             force: N::any_force(s),
             energy: N::any_energy(s),

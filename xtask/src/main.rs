@@ -5,7 +5,9 @@ mod doc;
 mod float_free;
 mod fmt;
 mod lint;
+mod mutants;
 mod outcome;
+mod prove;
 mod setup;
 mod shell;
 mod test;
@@ -74,6 +76,12 @@ const COMMANDS: &[Command] = &[
         about: "instructions per tick of an example, counted by valgrind: `bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`",
         in_test: true,
         run: bench::run,
+    },
+    Command {
+        name: "prove",
+        about: "the proofs: `prove [--harness NAME] [--mutants] [--bless]`",
+        in_test: false,
+        run: |args| prove::run(args).into(),
     },
 ];
 

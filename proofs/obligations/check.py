@@ -1,0 +1,99 @@
+"""Integer obligations: the nonlinear facts of P1, P2, P5 and P6 over the integers, in two solvers.
+
+Each obligation must be `unsat` (no counterexample) in both, and each weakened copy `sat` in at least one and `unsat` in none:
+an obligation whose assumptions contradict each other would pass the first and fail the second.
+
+Integers have no width. That machine words are integers here is P3: no operation of the laws overflows at its width.
+`model.py` ties the formulas' functions to the code.
+"""
+import sys
+
+import cvc5.pythonic as c
+import z3 as z
+
+FAILED = []
+
+
+def obligations(s):
+    """(name, assumptions, claim, weakened claim or assumption list) over solver module `s`."""
+    I = s.Int
+    E, g, a, q, f = I("E"), I("g"), I("a"), I("q"), I("f")
+    quotient = [E >= 0, a > 0, q >= 0, q * a <= E, E < q * a + a]
+    yield "P1 clamp: what is left is not negative", quotient, E - q * a >= 0, (quotient[:3], E - q * a >= 0)
+    yield "P1 clamp: less than the displacement is left", quotient, E - q * a < a, (quotient[:4], E - q * a < a)
+    yield ("P1 clamp: the force shrinks", [*quotient, g >= 0, g * a > E], q < g, (quotient + [g >= 0], q < g))
+    w, m, r = I("w"), I("m"), I("r")
+    retreat = [E >= 0, w > 0, m >= 0, r >= 0, w * m + r == E, f >= 0, f <= w]
+    yield "P1 enhanced: rest plus saving is the energy minus the work", retreat, r + (w - f) * m == E - f * m, (
+        retreat[:4] + retreat[5:], r + (w - f) * m == E - f * m)
+    yield "P1 enhanced: not negative", retreat, r + (w - f) * m >= 0, (retreat[:6], r + (w - f) * m >= 0)
+    G, x, d, B = I("G"), I("x"), I("d"), 1 << 24
+    floor = [G >= 0, x >= 0, d * B <= G * x, G * x < d * B + B]
+    yield "P2: a scaled signal is at most the product", floor, d * B <= G * x, (floor[:2] + floor[3:], d * B <= G * x)
+    # P5 in steps: one nonlinear fact each.
+    F, b, t, k, D = I("F"), I("b"), I("t"), I("k"), I("D")
+    P = 1 << 12
+    pos = [F >= 0, b >= 0, t >= 0, k >= 0, E >= 0]
+    yield "P5: f 2^b <= bound root, squared", [*pos, F <= b * t], F * F <= b * t * (b * t), (pos, F * F <= b * t * (b * t))
+    u, v = I("u"), I("v")
+    four = [u >= 0, v >= 0, k >= 0, E >= 0, u <= 4 * P * k, v <= E]
+    yield "P5: bound^2 root^2 <= 4 P c E", four, u * v <= 4 * P * k * E, (four[:5], u * v <= 4 * P * k * E)
+    # P (E + f D) + k D^2 >= 0 where (P f)^2 <= 4 P k E; times 4k it is (2kD + P f)^2 + 4kPE - (P f)^2.
+    h = I("h")
+    yield ("P5: times 4k, a square and what the bound leaves", [h * h * 1 <= 4 * P * k * E],
+           (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h >= 0,
+           ([k >= 0], (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h >= 0))
+    yield ("P5: the square is the energy, times 4k", [],
+           (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h == 4 * k * (P * E + h * D + k * D * D),
+           ([], (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h == 4 * k * (P * E + h * D - k * D * D)))
+    # P6: twice the storage before and after a tick of the virtual mass, as an identity in what is lost.
+    M, kf, C, Gd, d0, d1, s0, X, fp, N0, res = (I(n) for n in "M kf C Gd d0 d1 s0 X fp N0 res".split())
+    total = M + kf + C + Gd
+    s1 = s0 + X - d1
+    force = kf * s1 + C * (X - d1)
+    residue = M * d0 + kf * (s0 + X) + C * X - fp - total * d1
+    before = M * d0 * d0 + kf * s0 * s0
+    after = M * d1 * d1 + kf * s1 * s1
+    lost = (M * (d1 - d0) * (d1 - d0) + kf * (s1 - s0) * (s1 - s0) + 2 * Gd * d1 * d1
+            + 2 * C * (X - d1) * (X - d1) + 2 * residue * d1)
+    yield ("P6: storage identity of the virtual mass", [], after + 2 * fp * d1 + lost == before + 2 * force * X,
+           ([], after + 2 * fp * d1 + lost - 2 * residue * d1 == before + 2 * force * X))
+    D0 = I("total")
+    yield ("P6: rounding towards zero only dissipates", [D0 > 0, q >= 0, D0 * q <= r, q * D0 + D0 > r, r >= 0],
+           (r - D0 * q) * q >= 0, ([D0 > 0, q >= 0, r >= 0], (r - D0 * q) * q >= 0))
+
+
+def answer(s, assumptions, claim):
+    solver = s.Solver()
+    if s is z:
+        solver.set("timeout", 60_000)
+    else:
+        solver.setOption("tlimit-per", 60_000)
+    for assumption in assumptions:
+        solver.add(assumption)
+    solver.add(s.Not(claim))
+    return str(solver.check())
+
+
+def main():
+    seen = {}
+    for s, name in ((z, "z3"), (c, "cvc5")):
+        for what, assumptions, claim, (weak, weak_claim) in obligations(s):
+            row = seen.setdefault(what, {})
+            row[name] = answer(s, assumptions, claim), answer(s, weak, weak_claim)
+    for what, row in seen.items():
+        strong = [row[name][0] for name in ("z3", "cvc5")]
+        weak = [row[name][1] for name in ("z3", "cvc5")]
+        good = all(a == "unsat" for a in strong) and "sat" in weak and "unsat" not in weak
+        if not good:
+            FAILED.append(what)
+        print(f"{'ok  ' if good else 'FAIL'} {what}: z3 {strong[0]}, cvc5 {strong[1]}; weakened: z3 {weak[0]}, cvc5 {weak[1]}")
+    print(f"{len(seen) - len(FAILED)} of {len(seen)} obligations hold in both solvers")
+    import model
+    if not model.agrees():
+        FAILED.append("model")
+    sys.exit(bool(FAILED))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,168 @@
+//! P9, the encoder's counter, and P10, the fault machine.
+
+use crate::source::Source;
+use crate::{assume, cover, property};
+use touchstone_protocol::{
+    Command, Context, Event, FaultCode, Machine, Outputs, State, Unwrap16, Unwrap32,
+};
+
+property! {
+    /// P9: a 16-bit counter follows the true count exactly, wherever it wraps, as long as a tick moves by less than half
+    /// its range.
+    fn p9_unwrap16(s) {
+        let (before, moved) = (s.i64(), s.i16());
+        assume!(s, before.checked_add(i64::from(moved)).is_some());
+        let now = before + i64::from(moved);
+        // The timer counts modulo 2^16.
+        let mut count = Unwrap16::new(before as u16, before);
+        assert!(count.update(now as u16) == now && count.count() == now);
+        assert!(count == Unwrap16::new(now as u16, now));
+        cover!(s, (now as u16) < (before as u16) && moved > 0, "wraps upward");
+        cover!(s, (now as u16) > (before as u16) && moved < 0, "wraps downward");
+        cover!(s, moved == i16::MIN, "half the range");
+    }
+}
+property! {
+    /// P9: the same for 32 bits.
+    fn p9_unwrap32(s) {
+        let (before, moved) = (s.i64(), s.i32());
+        assume!(s, before.checked_add(i64::from(moved)).is_some());
+        let now = before + i64::from(moved);
+        let mut count = Unwrap32::new(before as u32, before);
+        assert!(count.update(now as u32) == now && count.count() == now);
+        assert!(count == Unwrap32::new(now as u32, now));
+        cover!(s, (now as u32) < (before as u32) && moved > 0, "wraps upward");
+        cover!(s, (now as u32) > (before as u32) && moved < 0, "wraps downward");
+    }
+}
+property! {
+    /// P9: beyond the range of the count it holds, without panic.
+    fn p9_ends(s) {
+        let (last, reading) = (s.u32(), s.u32());
+        // Anywhere, or near the end.
+        let count = if s.shortcut() { i64::MAX - i64::from(s.u16()) } else { s.i64() };
+        let mut unwrap = Unwrap32::new(last, count);
+        let moved = i128::from(reading.wrapping_sub(last).cast_signed());
+        let now = unwrap.update(reading);
+        assert!(i128::from(now) == (i128::from(count) + moved).clamp(i128::from(i64::MIN), i128::from(i64::MAX)));
+        cover!(s, now == i64::MAX && moved > 0 && count < i64::MAX, "reaches the end");
+    }
+}
+
+fn any_code<S: Source>(s: &mut S) -> FaultCode {
+    FaultCode::from_wire(s.u8() % 13 + 1).unwrap_or(FaultCode::Watchdog)
+}
+fn any_context<S: Source>(s: &mut S) -> Context {
+    Context {
+        code: any_code(s),
+        tick: s.u32(),
+        value: s.i32(),
+    }
+}
+fn any_state<S: Source>(s: &mut S) -> State {
+    match s.u8() % 6 {
+        0 => State::Boot,
+        1 => State::Calibrating,
+        2 => State::Ready,
+        3 => State::Armed,
+        4 => State::Fault(any_context(s)),
+        _ => State::Stopped,
+    }
+}
+fn any_command<S: Source>(s: &mut S) -> Command {
+    match s.u8() % 4 {
+        0 => Command::Calibrate,
+        1 => Command::Arm,
+        2 => Command::Disarm,
+        _ => Command::Stop,
+    }
+}
+fn any_event<S: Source>(s: &mut S) -> Event {
+    match s.u8() % 4 {
+        0 => Event::Tick,
+        1 => Event::Fault(any_context(s)),
+        2 => Event::Calibrated,
+        _ => Event::Command(any_command(s)),
+    }
+}
+
+property! {
+    /// P10: outputs are on in `Armed` and `Calibrating` only, and never in the tick of a fault.
+    fn p10_outputs(s) {
+        let mut machine = Machine::at(any_state(s));
+        let fault = if s.bool() { Some(any_context(s)) } else { None };
+        let command = if s.bool() { Some(any_command(s)) } else { None };
+        let outputs = machine.tick(fault, s.bool(), command);
+        assert!(outputs == machine.outputs());
+        if outputs == Outputs::On {
+            assert!(machine.state() == State::Armed || machine.state() == State::Calibrating);
+            assert!(fault.is_none());
+        }
+        cover!(s, outputs == Outputs::On && machine.state() == State::Armed, "armed");
+        cover!(s, outputs == Outputs::On && machine.state() == State::Calibrating, "calibrating");
+        cover!(s, fault.is_some() && command == Some(Command::Stop), "stop in the tick of a fault");
+    }
+}
+property! {
+    /// P10: a fault is latched with its first context in every state, and left only by a stop, only to `Stopped`.
+    fn p10_fault_is_latched(s) {
+        let before = any_state(s);
+        let event = any_event(s);
+        let mut machine = Machine::at(before);
+        let _ = machine.take(event);
+        if let State::Fault(first) = before {
+            assert!(machine.state() == before || (machine.state() == State::Stopped && event == Event::Command(Command::Stop)));
+            assert!(machine.fault() == Some(first) || machine.state() == State::Stopped);
+        } else if let Event::Fault(context) = event {
+            assert!(machine.state() == State::Fault(context));
+        }
+        cover!(s, matches!(before, State::Fault(_)) && machine.state() == State::Stopped, "left");
+        cover!(s, before == State::Armed && machine.fault().is_some(), "from armed");
+    }
+}
+property! {
+    /// P10: into `Armed` only from `Ready` by command; into `Ready` only from `Calibrating` or `Armed`; into `Calibrating` only
+    /// from `Boot` or `Stopped` by command. So every way from `Fault` to `Armed` leads through `Stopped`, `Calibrating` and
+    /// `Ready`, three commands apart.
+    fn p10_ways(s) {
+        let before = any_state(s);
+        let event = any_event(s);
+        let mut machine = Machine::at(before);
+        let changed = machine.take(event);
+        let after = machine.state();
+        assert!(changed == (after != before));
+        if changed {
+            match after {
+                State::Armed => assert!(before == State::Ready && event == Event::Command(Command::Arm)),
+                State::Ready => assert!(
+                    (before == State::Calibrating && event == Event::Calibrated)
+                        || (before == State::Armed && event == Event::Command(Command::Disarm))
+                ),
+                State::Calibrating => assert!(
+                    (before == State::Boot || before == State::Stopped)
+                        && event == Event::Command(Command::Calibrate)
+                ),
+                State::Boot => unreachable!("nothing leads to Boot"),
+                State::Stopped => assert!(event == Event::Command(Command::Stop)),
+                State::Fault(_) => assert!(matches!(event, Event::Fault(_))),
+            }
+        }
+        cover!(s, changed && after == State::Armed, "armed");
+        cover!(s, changed && after == State::Calibrating && before == State::Stopped, "again");
+    }
+}
+property! {
+    /// P10: however three ticks go after a fault, the device is not armed at the end of them.
+    fn p10_no_short_way(s) {
+        let mut machine = Machine::at(State::Fault(any_context(s)));
+        let mut ticks = 0_u8;
+        while ticks < 3 {
+            let fault = if s.bool() { Some(any_context(s)) } else { None };
+            let command = if s.bool() { Some(any_command(s)) } else { None };
+            let _ = machine.tick(fault, s.bool(), command);
+            assert!(machine.state() != State::Armed);
+            ticks += 1;
+        }
+        cover!(s, machine.state() == State::Ready, "on its way");
+    }
+}

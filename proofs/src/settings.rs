@@ -1,0 +1,245 @@
+//! P8: what validation accepts satisfies everything that the other properties assume; what it starts with, their invariants.
+//!
+//! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits: no solver follows that.
+//! So this one is split: conversions to the format are proved for every value (`p8_conversions`), and whole controllers are
+//! built from sampled settings on both sides of every bound, and each is checked against the assumptions, in every test run.
+
+use crate::facts::Facts32;
+use crate::format::Format;
+use crate::valid::Valid;
+use crate::{cover, property};
+use touchstone_control::law::{EnhancedState, FbaState, SfaState, SpringState, TdpaState};
+use touchstone_control::{Controller, Fixed32, Number, Si};
+
+property! {
+    /// P8: a setting that is converted has the value set, towards zero, and not negative where it must not be; what does
+    /// not fit is refused.
+    by kissat fn p8_conversions(s) {
+        let bits = s.i64();
+        let si = Si::from_bits(bits);
+        if let Some(gain) = Fixed32::gain(si) {
+            assert!(bits >= 0 && i64::from(gain.to_bits()) == bits >> 20);
+        } else {
+            assert!(bits < 0 || bits >> 20 > i64::from(i32::MAX));
+        }
+        if let Some(ratio) = Fixed32::ratio(si) {
+            assert!(bits >= 0 && i64::from(ratio.to_bits()) == bits >> 8);
+        }
+        if let Some(signal) = Fixed32::signal(si) {
+            assert!(u64::from(signal.to_bits().unsigned_abs()) == bits.unsigned_abs() >> 8);
+        }
+        if let Some(energy) = Fixed32::energy(si) {
+            assert!(energy.to_bits().unsigned_abs() == bits.unsigned_abs() << 16);
+        }
+        cover!(s, bits < 0 && Fixed32::signal(si).is_some(), "negative signal");
+        cover!(s, bits > 0 && Fixed32::gain(si).is_none(), "too stiff");
+        cover!(s, Fixed32::energy(si).is_none(), "too much energy");
+    }
+}
+
+property! {
+    /// P8: what every law starts with satisfies its invariant.
+    fn p8_initial(s) {
+        type N = Facts32;
+        use touchstone_control::law::{EnhancedSfa, Fba, Sfa, Spring, Tdpa};
+        let spring = Spring::<N>::any(s);
+        assert!(spring.holds(&SpringState::default()));
+        let tdpa = Tdpa::<N>::any(s);
+        assert!(tdpa.holds(&TdpaState::default()));
+        let fba = Fba::<N>::any(s);
+        assert!(fba.holds(&FbaState::default()));
+        let sfa = Sfa::<N>::any(s);
+        assert!(!sfa.valid() || sfa.holds(&SfaState::default()));
+        let enhanced = EnhancedSfa::<N>::any(s);
+        assert!(enhanced.holds(&EnhancedState::default()));
+        cover!(s, sfa.valid(), "valid");
+    }
+}
+
+/// Whether a controller satisfies what the properties assume of its law.
+pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
+    match controller {
+        Controller::Spring(law, state) => law.valid() && law.holds(state),
+        Controller::Tdpa(law, state) => {
+            law.valid() && law.energy_cap == N::energy_cap() && law.holds(state)
+        }
+        Controller::Fba(law, state) => {
+            let bound = i128::from(N::of_gain(law.bound.0));
+            let damping = i128::from(N::of_gain(law.device_damping.0));
+            law.valid()
+                && law.energy_cap == N::energy_cap()
+                && law.holds(state)
+                // `bound² <= 4 c_i/T`, as stored.
+                && bound * bound <= damping << (N::GAIN_BITS + 2)
+        }
+        Controller::Sfa(law, state) => law.valid() && law.holds(state),
+        Controller::Enhanced(law, state) => {
+            law.valid() && law.energy_cap == N::energy_cap() && law.holds(state)
+        }
+    }
+}
+
+#[cfg(all(test, not(kani)))]
+mod tests {
+    use super::*;
+    use crate::source::{Sampler, Source, sample};
+    use touchstone_control::{
+        Field, FilterSettings, FirstContact, Fixed8, Fixed16, LawKind, ObserverForm, OffsetUpdate,
+        Regulate, Settings, SettingsError,
+    };
+
+    fn si(s: &mut Sampler, base: Si) -> Si {
+        // Around a base value, anywhere, or nothing at all.
+        match s.bits(3) {
+            0 => Si::from_bits(s.i64()),
+            1 => Si::ZERO,
+            2 => Si::from_bits(s.i64().rem_euclid(1 << 44)),
+            _ => Si::from_bits((base.to_bits() >> s.bits(4)) << s.bits(4).min(8)),
+        }
+    }
+
+    fn settings(s: &mut Sampler) -> Settings {
+        let base = Settings::default();
+        let pick = |s: &mut Sampler, value: Si| if s.bits(2) == 0 { si(s, value) } else { value };
+        Settings {
+            law: [
+                LawKind::Spring,
+                LawKind::SpringDamper,
+                LawKind::Tdpa,
+                LawKind::Fba,
+                LawKind::Sfa,
+                LawKind::SfaContinuous,
+                LawKind::EnhancedSfa,
+                LawKind::EnhancedSfa,
+            ][s.bits(3) as usize],
+            rate_hz: [1_000, 1, 100_000, s.u32()][s.bits(2) as usize],
+            k_desired: pick(s, base.k_desired),
+            k_soft: pick(s, base.k_soft),
+            device_damping: pick(s, base.device_damping),
+            virtual_damping: pick(s, base.virtual_damping),
+            observer: [ObserverForm::Exact, ObserverForm::Thesis][s.bits(1) as usize],
+            count_device_damping: s.bool(),
+            first_contact: [FirstContact::KeepForce, FirstContact::ZeroOffset][s.bits(1) as usize],
+            regulate: [
+                Regulate::Mass,
+                Regulate::MassCompensated,
+                Regulate::Hip,
+                Regulate::Hip,
+            ][s.bits(2) as usize],
+            offset_update: [OffsetUpdate::TurnInward, OffsetUpdate::EveryTick][s.bits(1) as usize],
+            step_of_ideal: pick(s, base.step_of_ideal),
+            limit_of_force: pick(s, base.limit_of_force),
+            limit_of_penetration: pick(s, base.limit_of_penetration),
+            filter: FilterSettings {
+                mass: pick(s, base.filter.mass),
+                stiffness: pick(s, base.filter.stiffness),
+                damping: pick(s, base.filter.damping),
+                ground_damping: pick(s, base.filter.ground_damping),
+            },
+            energy_credit: pick(s, base.energy_credit),
+            force_limit: pick(s, base.force_limit),
+        }
+    }
+
+    #[test]
+    fn p8_whatever_is_accepted_satisfies_the_assumptions() {
+        fn body(s: &mut Sampler) {
+            let settings = settings(s);
+            let built = Controller::<Fixed32>::new(&settings);
+            if let Ok(controller) = &built {
+                assert!(settings.validate().is_ok());
+                assert!(
+                    satisfies_assumptions(controller),
+                    "{settings:?}\n{controller:?}"
+                );
+            }
+            s.cover(built.is_ok(), "accepted");
+            s.cover(built.is_err(), "refused");
+            s.cover(matches!(built, Ok(Controller::Enhanced(..))), "enhanced");
+            s.cover(matches!(built, Ok(Controller::Fba(..))), "fba");
+            s.cover(
+                matches!(built, Err(SettingsError::OutOfFormat { .. })),
+                "format",
+            );
+            s.cover(
+                matches!(built, Err(SettingsError::NoCompensation { .. })),
+                "no compensation",
+            );
+            if let Ok(narrow) = Controller::<Fixed16>::new(&settings) {
+                assert!(satisfies_assumptions(&narrow), "{settings:?}\n{narrow:?}");
+            }
+            if let Ok(narrow) = Controller::<Fixed8>::new(&settings) {
+                assert!(satisfies_assumptions(&narrow), "{settings:?}\n{narrow:?}");
+            }
+        }
+        for seed in ["a", "b", "c", "d", "e", "f", "g", "h"] {
+            sample(seed, |s| {
+                for _ in 0..40 {
+                    body(s);
+                }
+            });
+        }
+    }
+
+    /// Both sides of every bound, one quantum apart.
+    #[test]
+    fn p8_every_bound_is_where_it_is_said_to_be() {
+        type Put = fn(&mut Settings, Si);
+        let bounds: [(Field, &str, &str, Put); 12] = [
+            (Field::KDesired, "0", "500000", |s, x| s.k_desired = x),
+            (Field::KSoft, "0.01", "500000", |s, x| s.k_soft = x),
+            (Field::DeviceDamping, "0", "10000", |s, x| {
+                s.device_damping = x
+            }),
+            (Field::VirtualDamping, "0", "10000", |s, x| {
+                s.virtual_damping = x
+            }),
+            (Field::StepOfIdeal, "0", "1", |s, x| s.step_of_ideal = x),
+            (Field::LimitOfForce, "0", "1", |s, x| s.limit_of_force = x),
+            (Field::LimitOfPenetration, "0", "1", |s, x| {
+                s.limit_of_penetration = x
+            }),
+            (Field::FilterMass, "0", "10000", |s, x| s.filter.mass = x),
+            (Field::FilterStiffness, "0.01", "500000", |s, x| {
+                s.filter.stiffness = x
+            }),
+            (Field::FilterDamping, "0", "10000", |s, x| {
+                s.filter.damping = x
+            }),
+            (Field::FilterGroundDamping, "0", "10000", |s, x| {
+                s.filter.ground_damping = x
+            }),
+            (Field::EnergyCredit, "0", "1000", |s, x| s.energy_credit = x),
+        ];
+        for (field, min, max, put) in bounds {
+            let refused = |value: Si| {
+                let mut settings = Settings::default();
+                put(&mut settings, value);
+                match settings.validate() {
+                    Err(SettingsError::OutOfRange { field: named, .. }) => {
+                        assert_eq!(named, field);
+                        true
+                    }
+                    _ => false,
+                }
+            };
+            let (min, max): (Si, Si) = (min.parse().unwrap(), max.parse().unwrap());
+            assert!(!refused(min) && !refused(max), "{}", field.name());
+            assert!(
+                refused(min - Si::DELTA) && refused(max + Si::DELTA),
+                "{}",
+                field.name()
+            );
+        }
+        let with = |rate_hz, force_limit: &str| Settings {
+            rate_hz,
+            force_limit: force_limit.parse().unwrap(),
+            ..Settings::default()
+        };
+        assert!(with(1, "100").validate().is_ok() && with(100_000, "0.000001").validate().is_ok());
+        assert!(with(0, "1").validate().is_err() && with(100_001, "1").validate().is_err());
+        assert!(
+            with(1_000, "100.000001").validate().is_err() && with(1_000, "0").validate().is_err()
+        );
+    }
+}
