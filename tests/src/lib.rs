@@ -1,1 +1,5 @@
-//! Cross-crate tests of Touchstone; see the files beside this folder.
+//! What the tests across the crates share: motions, random numbers, every variant of every law.
+
+pub mod motion;
+pub mod random;
+pub mod variants;

@@ -1,7 +1,10 @@
-//! The float reference: the same law with rounding to nearest and no saturation worth the name.
+//! The float reference: the same law with rounding to nearest; what is measured saturates, what is calculated does not.
 
 use super::Number;
 use crate::Si;
+
+/// Where a measured value saturates: the range of [`super::Fixed32`].
+const LARGEST: f64 = 128.0;
 
 macro_rules! float_number {
     ($float:ty, $text:literal) => {
@@ -121,7 +124,12 @@ macro_rules! float_number {
                 f64::from(x)
             }
             fn signal_from_f64(x: f64) -> $float {
-                if x.is_nan() { 0.0 } else { x as $float }
+                // An infinity, or a number whose products are infinite, would make a NaN of the next difference.
+                if x.is_nan() {
+                    0.0
+                } else {
+                    x.clamp(-LARGEST, LARGEST) as $float
+                }
             }
             fn energy_to_f64(e: $float) -> f64 {
                 f64::from(e)

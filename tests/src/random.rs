@@ -1,0 +1,34 @@
+//! Random numbers that are the same on every machine and in every year.
+
+/// SplitMix64 (Steele, Lea, Flood 2014): 64 good bits from a counter, no dependency.
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    /// A stream of its own for every seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A whole number of `-size..=size`, nearly evenly.
+    pub fn whole(&mut self, size: i32) -> i32 {
+        let values = 2 * i64::from(size) + 1;
+        let value = (self.bits() >> 33) as i64 % values - i64::from(size);
+        value as i32
+    }
+
+    /// A real number of `-1..1`.
+    pub fn real(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}

@@ -1,0 +1,107 @@
+//! Every law with every choice that changes its course.
+
+use touchstone_control::settings::FilterSettings;
+use touchstone_control::{
+    FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings, Si,
+};
+
+/// An SI value from its decimal text.
+///
+/// # Panics
+/// For a text that is no number.
+#[must_use]
+pub fn si(text: &str) -> Si {
+    text.parse()
+        .unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+const OBSERVERS: [ObserverForm; 2] = [ObserverForm::Exact, ObserverForm::Thesis];
+const FIRST_CONTACTS: [FirstContact; 2] = [FirstContact::KeepForce, FirstContact::ZeroOffset];
+const UPDATES: [OffsetUpdate; 3] = [
+    OffsetUpdate::TurnInward,
+    OffsetUpdate::Inward,
+    OffsetUpdate::EveryTick,
+];
+const IDEAL_STEPS: [IdealStep; 2] = [IdealStep::Position, IdealStep::Force];
+const REGULATES: [Regulate; 3] = [Regulate::Mass, Regulate::MassCompensated, Regulate::Hip];
+
+/// Every law with every choice, around the given settings; each with a name for messages.
+///
+/// The compensated regulator of the enhanced law needs `k_de < k_f` and gets a coupling of twice `k_de` for it.
+#[must_use]
+pub fn all(base: &Settings) -> Vec<(String, Settings)> {
+    let mut variants = Vec::new();
+    let mut add = |settings: Settings| {
+        let Settings {
+            law,
+            observer,
+            count_device_damping,
+            first_contact,
+            regulate,
+            offset_update,
+            ideal_step,
+            ..
+        } = settings;
+        let choices = match law {
+            LawKind::Spring | LawKind::SpringDamper | LawKind::Fba => String::new(),
+            LawKind::Tdpa => format!(" {observer:?} damping counted: {count_device_damping}"),
+            LawKind::Sfa | LawKind::SfaContinuous => format!(" {first_contact:?}"),
+            LawKind::EnhancedSfa => {
+                format!(
+                    " {observer:?} {first_contact:?} {regulate:?} {offset_update:?} step by {ideal_step:?}"
+                )
+            }
+        };
+        variants.push((format!("{law:?}{choices}"), settings));
+    };
+    for law in [LawKind::Spring, LawKind::SpringDamper, LawKind::Fba] {
+        add(Settings { law, ..*base });
+    }
+    for observer in OBSERVERS {
+        for count_device_damping in [false, true] {
+            add(Settings {
+                law: LawKind::Tdpa,
+                observer,
+                count_device_damping,
+                ..*base
+            });
+        }
+    }
+    for first_contact in FIRST_CONTACTS {
+        for law in [LawKind::Sfa, LawKind::SfaContinuous] {
+            add(Settings {
+                law,
+                first_contact,
+                ..*base
+            });
+        }
+        for observer in OBSERVERS {
+            for regulate in REGULATES {
+                for offset_update in UPDATES {
+                    let stiffness = if regulate == Regulate::MassCompensated {
+                        base.k_desired + base.k_desired
+                    } else {
+                        base.filter.stiffness
+                    };
+                    let filter = FilterSettings {
+                        stiffness,
+                        ..base.filter
+                    };
+                    for ideal_step in IDEAL_STEPS {
+                        add(Settings {
+                            law: LawKind::EnhancedSfa,
+                            observer,
+                            first_contact,
+                            regulate,
+                            offset_update,
+                            ideal_step,
+                            filter,
+                            ..*base
+                        });
+                    }
+                }
+            }
+        }
+    }
+    variants
+}

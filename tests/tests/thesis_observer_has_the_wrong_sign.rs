@@ -1,0 +1,152 @@
+//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz: the wall *gives* the user 0.154 mJ, because a held
+//! force lags behind the motion by half a tick. The thesis' observer (2.1) reports the same amount with the opposite sign,
+//! as if the wall had taken it; the exact observer reports what the port did.
+
+use touchstone_control::observer::{ExactObserver, ThesisObserver};
+use touchstone_control::{Controller, Fixed32, Force, LawKind, Number, Position, Settings, Si};
+use touchstone_tests::motion::half_sine;
+
+const DEPTH_RAD: f64 = 0.05;
+const PRESS_S: f64 = 0.2;
+const TICK_S: f64 = 1e-3;
+const TICKS: u32 = 200;
+const STIFFNESS_N_M_PER_RAD: f64 = 5.0;
+const MILLI: f64 = 1e-3;
+
+/// What the sums say after one press, J.
+struct Press {
+    /// The port's own energy, with the angle's analytic velocity between the ticks.
+    true_j: f64,
+    thesis_j: f64,
+    /// The exact observer when the wall has been left.
+    exact_j: f64,
+    /// The exact observer at the last sample inside the wall, where a law that forgets on leaving last saw it.
+    exact_inside_j: f64,
+}
+
+/// `∫ f v dt` over one tick of the half sine, by the midpoint rule with more steps than it needs.
+fn held_force_energy_j(force_n_m: f64, tick: usize) -> f64 {
+    const STEPS: u32 = 100;
+    let step_s = TICK_S / f64::from(STEPS);
+    let omega = std::f64::consts::PI / PRESS_S;
+    (0..STEPS)
+        .map(|step| {
+            let t_s = tick as f64 * TICK_S + (f64::from(step) + 0.5) * step_s;
+            force_n_m * DEPTH_RAD * omega * (omega * t_s).cos() * step_s
+        })
+        .sum()
+}
+
+fn press<N: Number>() -> Press {
+    let settings = Settings {
+        law: LawKind::Spring,
+        k_desired: Si::from_num(STIFFNESS_N_M_PER_RAD),
+        ..Settings::default()
+    };
+    let mut wall = Controller::<N>::new(&settings).unwrap();
+    let start = Position::zero();
+    let (mut exact, mut thesis) = (
+        ExactObserver::<N>::new(start),
+        ThesisObserver::<N>::new(start),
+    );
+    let (mut true_j, mut exact_inside_j) = (0.0, 0.0);
+    for (tick, angle) in half_sine(DEPTH_RAD, TICKS).into_iter().enumerate() {
+        let e = Position::<N>::from_f64(angle);
+        let f: Force<N> = wall.tick(e);
+        exact.tick(e, f);
+        thesis.tick(e, f);
+        if e > Position::zero() {
+            exact_inside_j = exact.energy.to_f64();
+        }
+        if tick < TICKS as usize {
+            // The wall absorbs where its force works against the motion inwards.
+            true_j += held_force_energy_j(f.to_f64(), tick);
+        }
+    }
+    Press {
+        true_j,
+        thesis_j: thesis.energy.to_f64(),
+        exact_j: exact.energy.to_f64(),
+        exact_inside_j,
+    }
+}
+
+/// To the three digits in which the numbers are quoted.
+fn assert_milli(what: &str, value_j: f64, quoted_mj: f64) {
+    let value_mj = value_j / MILLI;
+    assert!(
+        (value_mj - quoted_mj).abs() < 0.000_5,
+        "{what}: {value_mj:.4} mJ, quoted as {quoted_mj} mJ"
+    );
+}
+
+fn quoted<N: Number>() {
+    let press = press::<N>();
+    assert_milli("true", press.true_j, -0.154);
+    assert_milli("thesis observer", press.thesis_j, 0.154);
+    assert_milli("exact observer", press.exact_j, -0.154);
+    // The last displacement, out of the wall, is missing: f·Δe = 5 N·m/rad · (7.9e-4 rad)² = 3.1 µJ.
+    assert_milli("exact observer, inside", press.exact_inside_j, -0.151);
+}
+
+#[test]
+fn in_f64() {
+    quoted::<f64>();
+}
+
+#[test]
+fn in_fixed_point() {
+    quoted::<Fixed32>();
+}
+
+#[test]
+fn the_leak_is_the_closed_form() {
+    // A spring under a zero-order hold leaks k/2 Σ Δe² per closed cycle; for a half sine that is k A² π² T/(4 τ) (1 + O(T²)).
+    let closed_form_j =
+        STIFFNESS_N_M_PER_RAD * DEPTH_RAD.powi(2) * std::f64::consts::PI.powi(2) * TICK_S
+            / (4.0 * PRESS_S);
+    let press = press::<f64>();
+    assert!((press.true_j / -closed_form_j - 1.0).abs() < 1e-4);
+    assert!((press.thesis_j / closed_form_j - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn the_exact_observer_is_the_port_and_the_thesis_observer_its_mirror_image() {
+    let press = press::<f64>();
+    // What flowed through the port, in and out: about k A². Everything below is rounding of sums of 200 products.
+    let throughput_j = STIFFNESS_N_M_PER_RAD * DEPTH_RAD.powi(2);
+    assert!((press.exact_j - press.true_j).abs() < 1e-5 * MILLI);
+    assert!((press.exact_j + press.thesis_j).abs() < 1e-12 * throughput_j);
+}
+
+#[test]
+fn fixed_point_adds_nothing_but_the_rounding_of_its_forces() {
+    // Same angles in both: those of the fixed format, which f64 holds exactly. A force is truncated by less than one quantum
+    // q = 2^-24 N·m and works over a way of 2 A, each way in and out; products and sums are exact.
+    let q = (2.0_f64).powi(-24);
+    let bound_j = q * 2.0 * DEPTH_RAD;
+    let mut fixed = ExactObserver::<Fixed32>::new(Position::zero());
+    let mut exact_j = 0.0;
+    let (mut last_rad, mut held_n_m) = (0.0, 0.0);
+    // A stiffness that the format holds exactly, and whose products with angles it does not.
+    let stiffness_n_m_per_rad = 19_253.0 / 4_096.0;
+    let settings = Settings {
+        law: LawKind::Spring,
+        k_desired: Si::from_num(stiffness_n_m_per_rad),
+        ..Settings::default()
+    };
+    let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
+    for angle in half_sine(DEPTH_RAD, TICKS) {
+        let e = Position::<Fixed32>::from_f64(angle);
+        fixed.tick(e, wall.tick(e));
+        exact_j += held_n_m * (e.to_f64() - last_rad);
+        last_rad = e.to_f64();
+        held_n_m = stiffness_n_m_per_rad * last_rad;
+    }
+    let error_j = (fixed.energy.to_f64() - exact_j).abs();
+    assert!(error_j <= bound_j, "{error_j:e} J, bound {bound_j:e} J");
+    assert!(
+        error_j > 0.0,
+        "no rounding at all: the test looks at nothing"
+    );
+}

@@ -1,0 +1,100 @@
+//! How a command ended. "Not run" is never "passed".
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// How a command ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// Did what it says; a word on what that was, may be empty.
+    Ok(String),
+    /// Found something wrong, and what.
+    Failed(String),
+    /// Could not do its work here, and why.
+    NotRun(String),
+    /// Was called wrongly, and how to call it.
+    Usage(String),
+}
+
+/// Exit code of a command that could not do its work, as other test runners use it.
+const NOT_RUN: u8 = 77;
+const USAGE: u8 = 2;
+
+impl Outcome {
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Outcome::Ok(_) => ExitCode::SUCCESS,
+            Outcome::Failed(_) => ExitCode::FAILURE,
+            Outcome::NotRun(_) => ExitCode::from(NOT_RUN),
+            Outcome::Usage(_) => ExitCode::from(USAGE),
+        }
+    }
+
+    /// The word for tables.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Outcome::Ok(_) => "ok",
+            Outcome::Failed(_) => "FAILED",
+            Outcome::NotRun(_) => "not run",
+            Outcome::Usage(_) => "usage",
+        }
+    }
+
+    /// The note or reason.
+    pub fn reason(&self) -> &str {
+        match self {
+            Outcome::Ok(reason)
+            | Outcome::Failed(reason)
+            | Outcome::NotRun(reason)
+            | Outcome::Usage(reason) => reason,
+        }
+    }
+
+    /// Whether the run as a whole must fail because of this.
+    pub fn is_failure(&self) -> bool {
+        matches!(self, Outcome::Failed(_) | Outcome::Usage(_))
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())?;
+        if self.reason().is_empty() {
+            Ok(())
+        } else {
+            write!(f, ": {}", self.reason())
+        }
+    }
+}
+
+/// For modules that decide by exit code: 0 is ok, 77 not run, anything else failed. They have printed their own reasons.
+impl From<ExitCode> for Outcome {
+    fn from(code: ExitCode) -> Self {
+        if code == ExitCode::SUCCESS {
+            Outcome::Ok(String::new())
+        } else if code == ExitCode::from(NOT_RUN) {
+            Outcome::NotRun("see its output above".into())
+        } else {
+            Outcome::Failed("see its output above".into())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exit_codes_survive_the_way_there_and_back() {
+        for (outcome, word) in [
+            (Outcome::Ok(String::new()), "ok"),
+            (Outcome::Failed(String::new()), "FAILED"),
+            (Outcome::NotRun(String::new()), "not run"),
+        ] {
+            assert_eq!(outcome.word(), word);
+            assert_eq!(Outcome::from(outcome.exit_code()).word(), word);
+        }
+        assert!(Outcome::from(ExitCode::from(3)).is_failure());
+        assert!(!Outcome::from(ExitCode::from(NOT_RUN)).is_failure());
+    }
+}
