@@ -9,9 +9,10 @@ use crate::shell;
 /// The Cortex-M4 without its float unit: what then still calculates with floats must call for it by name.
 pub const TARGET: &str = "thumbv7em-none-eabi";
 
-/// A compiler for [`TARGET`].
+/// A compiler for a target.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Compiler {
+    target: &'static str,
     /// `None`: the one that runs this program.
     toolchain: Option<String>,
     /// The target's `core` is not there and must be built from its source.
@@ -26,7 +27,7 @@ impl fmt::Display for Compiler {
         } else {
             "its `core` as installed"
         };
-        write!(f, "{name} for {TARGET}, {how}")
+        write!(f, "{name} for {}, {how}", self.target)
     }
 }
 
@@ -45,7 +46,7 @@ impl Compiler {
                 rustup
             }
         };
-        let mut options = vec![format!("--target={TARGET}")];
+        let mut options = vec![format!("--target={}", self.target)];
         if self.from_source {
             cargo.env("RUSTC_BOOTSTRAP", "1");
             options.push("-Zbuild-std=core".into());
@@ -54,8 +55,13 @@ impl Compiler {
     }
 }
 
-/// A compiler that has the target installed; failing that, one that has the library's source.
+/// A compiler for [`TARGET`].
 pub fn find() -> Option<Compiler> {
+    find_for(TARGET)
+}
+
+/// A compiler that has the target installed; failing that, one that has the library's source.
+pub fn find_for(target: &'static str) -> Option<Compiler> {
     let mut candidates = vec![(None, sysroot(shell::program("rustc")))];
     for name in toolchains() {
         let mut rustc = shell::program("rustup");
@@ -66,12 +72,13 @@ pub fn find() -> Option<Compiler> {
         candidates.iter().find_map(|(toolchain, sysroot)| {
             let there = sysroot.as_ref()?.join("lib/rustlib").join(part).is_dir();
             there.then(|| Compiler {
+                target,
                 toolchain: toolchain.clone(),
                 from_source,
             })
         })
     };
-    with(&format!("{TARGET}/lib"), false).or_else(|| with("src/rust/library/core", true))
+    with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
 }
 
 fn sysroot(mut rustc: Command) -> Option<PathBuf> {
