@@ -6,6 +6,7 @@
 //!
 //! [`Number`]: crate::Number
 
+use crate::division;
 use core::fmt::Debug;
 
 /// A word and the double-width word that holds its products without loss.
@@ -45,7 +46,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
 }
 
 macro_rules! word {
-    ($word:ty, $wide:ty) => {
+    ($word:ty, $wide:ty, $quotient:expr) => {
         impl Word for $word {
             type Wide = $wide;
             const BITS: u32 = <$word>::BITS;
@@ -62,7 +63,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn divides(self, wide: $wide) -> ($wide, $wide) {
-                match wide.checked_div(<$wide>::from(self)) {
+                match $quotient(wide, self) {
                     // q · self <= wide, so the product cannot overflow.
                     Some(q) => (q, q.wrapping_mul(<$wide>::from(self))),
                     None => (0, 0),
@@ -101,9 +102,10 @@ macro_rules! word {
     };
 }
 
-word!(u8, u16);
-word!(u16, u32);
-word!(u32, u64);
+word!(u8, u16, |wide: u16, word: u8| wide.checked_div(word.into()));
+word!(u16, u32, |wide: u32, word: u16| wide
+    .checked_div(word.into()));
+word!(u32, u64, division::quotient);
 
 /// What a passivity step decides: the energy left, the force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
