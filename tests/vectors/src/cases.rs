@@ -16,7 +16,7 @@ pub struct Case {
 
 /// All of them.
 #[must_use]
-pub fn cases() -> [Case; 15] {
+pub fn cases() -> [Case; 16] {
     let base = Settings::default();
     let of = |name, law| Case {
         name,
@@ -83,6 +83,21 @@ pub fn cases() -> [Case; 15] {
                 filter: FilterSettings {
                     stiffness: Si::const_from_int(10),
                     ..base.filter
+                },
+                ..base
+            },
+        ),
+        // The default filter's coefficients are whole numbers, whose products need no rounding; these have fractions.
+        enhanced(
+            "enhanced-fractions",
+            Settings {
+                k_desired: Si::lit("7.3"),
+                energy_credit: Si::lit("0.0007"),
+                filter: FilterSettings {
+                    mass: Si::lit("0.0000041"),
+                    stiffness: Si::lit("1.7"),
+                    damping: Si::lit("0.00013"),
+                    ground_damping: Si::lit("0.0123"),
                 },
                 ..base
             },
