@@ -40,6 +40,7 @@
 extern crate std;
 
 pub mod controller;
+mod division;
 pub mod encoder;
 pub mod filter;
 pub mod law;

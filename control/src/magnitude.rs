@@ -6,6 +6,7 @@
 //!
 //! [`Number`]: crate::Number
 
+use crate::division;
 use core::fmt::Debug;
 
 /// A word and the double-width word that holds its products without loss.
@@ -47,14 +48,14 @@ pub trait Word: Copy + Debug + Ord + 'static {
 }
 
 macro_rules! word {
-    ($word:ty, $wide:ty, $divide:ident) => {
+    ($word:ty, $wide:ty, $divide:ident, $quotient:expr) => {
         /// `(floor(wide / by), floor(wide / by) · by)`; for `by = 0` both are 0.
         ///
         /// The one division of the laws. It hands out the product with the quotient, so that no caller multiplies a second
         /// time, which is what lets a solver follow the callers.
         #[inline(always)]
         pub fn $divide(wide: $wide, by: $word) -> ($wide, $wide) {
-            match wide.checked_div(<$wide>::from(by)) {
+            match $quotient(wide, by) {
                 // q · by <= wide, so the product cannot overflow.
                 Some(q) => (q, q.wrapping_mul(<$wide>::from(by))),
                 None => (0, 0),
@@ -115,9 +116,12 @@ macro_rules! word {
     };
 }
 
-word!(u8, u16, divide_u8);
-word!(u16, u32, divide_u16);
-word!(u32, u64, divide_u32);
+word!(u8, u16, divide_u8, |wide: u16, by: u8| wide
+    .checked_div(by.into()));
+word!(u16, u32, divide_u16, |wide: u32, by: u16| wide
+    .checked_div(by.into()));
+// Three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
+word!(u32, u64, divide_u32, division::quotient);
 
 /// What a passivity step decides: the energy left, the force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,6 +11,7 @@ mod prove;
 mod setup;
 mod shell;
 mod test;
+mod thumb;
 mod unit;
 
 use std::process::ExitCode;
@@ -70,6 +71,12 @@ const COMMANDS: &[Command] = &[
         about: "the control crate's fixed build has no float in its source, and neither float nor panic in its code",
         in_test: true,
         run: float_free::run,
+    },
+    Command {
+        name: "thumb",
+        about: "every law on an emulated Cortex-M4F: its bits are this machine's; instructions per tick, size, no panic",
+        in_test: true,
+        run: thumb::run,
     },
     Command {
         name: "bench",

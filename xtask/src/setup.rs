@@ -164,7 +164,7 @@ pub fn missing_valgrind() -> Option<Outcome> {
 }
 
 /// Installs Debian packages where this is root and there is apt-get; otherwise says so.
-fn apt_get(packages: &[&str]) {
+pub fn apt_get(packages: &[&str]) {
     let root = first_line(&["id", "-u"]).is_some_and(|id| id == "0");
     if !root || first_line(&["apt-get", "--version"]).is_none() {
         println!("to install: apt-get install {}", packages.join(" "));

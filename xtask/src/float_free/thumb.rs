@@ -20,9 +20,10 @@ enum Origin {
     System,
 }
 
-/// A compiler for [`TARGET`].
+/// A compiler for a target.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Compiler {
+    target: &'static str,
     origin: Origin,
     /// Such as `1.95.0`.
     pub version: String,
@@ -77,7 +78,7 @@ impl fmt::Display for Compiler {
         } else {
             "as installed"
         };
-        write!(f, " ({}) for {TARGET}, `core` {core}", self.version)
+        write!(f, " ({}) for {}, `core` {core}", self.version, self.target)
     }
 }
 
@@ -98,10 +99,13 @@ impl Compiler {
             Origin::System => {
                 let mut cargo = shell::cargo_locked("build");
                 cargo.env("RUSTC", SYSTEM);
+                // The system package comes without Rust's own linker for it.
+                let target = self.target.to_uppercase().replace('-', "_");
+                cargo.env(format!("CARGO_TARGET_{target}_LINKER"), "ld.lld");
                 cargo
             }
         };
-        let mut options = vec![format!("--target={TARGET}")];
+        let mut options = vec![format!("--target={}", self.target)];
         if self.from_source {
             cargo.env("RUSTC_BOOTSTRAP", "1");
             options.push("-Zbuild-std=core".into());
@@ -110,8 +114,13 @@ impl Compiler {
     }
 }
 
-/// A compiler that has the target installed; failing that, one that has the library's source.
+/// A compiler for [`TARGET`].
 pub fn find() -> Option<Compiler> {
+    find_for(TARGET)
+}
+
+/// A compiler that has the target installed; failing that, one that has the library's source.
+pub fn find_for(target: &'static str) -> Option<Compiler> {
     let mut origins = vec![Origin::Active];
     origins.extend(toolchains().into_iter().map(Origin::Toolchain));
     origins.push(Origin::System);
@@ -121,12 +130,13 @@ pub fn find() -> Option<Compiler> {
             .iter()
             .filter(|candidate| candidate.library.join(part).is_dir());
         having.next().map(|candidate| Compiler {
+            target,
             origin: candidate.origin.clone(),
             version: candidate.version.clone(),
             from_source,
         })
     };
-    with(&format!("{TARGET}/lib"), false).or_else(|| with("src/rust/library/core", true))
+    with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
 }
 
 /// Version of the compiler that runs this program.

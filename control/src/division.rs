@@ -1,0 +1,139 @@
+//! A double word by a word, on a machine that divides words only.
+//!
+//! A Cortex-M4 divides 32 bits by 32, and the routine that a compiler puts in for 64 bits takes some 300 instructions at
+//! worst. But what the laws divide *by* is always a word, and then the schoolbook's way needs three divisions of the
+//! machine's own, always three. Where the machine divides 64 bits, it does; the quotients are the same.
+
+/// `floor(dividend / divisor)`; `None` for a divisor of zero.
+#[inline]
+pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
+    if cfg!(target_pointer_width = "32") {
+        long_32(dividend, divisor)
+    } else {
+        dividend.checked_div(u64::from(divisor))
+    }
+}
+
+macro_rules! long_division {
+    ($(#[$doc:meta])* $name:ident, $word:ty, $wide:ty) => {
+        $(#[$doc])*
+        fn $name(dividend: $wide, divisor: $word) -> Option<$wide> {
+            const WORD: u32 = <$word>::BITS;
+            const HALF: u32 = WORD / 2;
+            const LOW: $word = <$word>::MAX >> HALF;
+
+            /// One digit of half a word: `(rest · 2^HALF + next) / divisor` and the remainder, for `rest < divisor` and a
+            /// divisor whose highest bit is set.
+            #[inline(always)]
+            fn digit(rest: $word, next: $word, divisor: $word) -> ($word, $word) {
+                let (upper, lower) = (divisor >> HALF, divisor & LOW);
+                // The divisor's upper half alone never gives too little, and at most two too much (Knuth 4.3.1, B).
+                let mut digit = rest.checked_div(upper).unwrap_or(0);
+                let left = rest.wrapping_sub(digit.wrapping_mul(upper));
+                // What is left for the divisor's lower half, and what that takes: both fit a word.
+                let mut have = left << HALF | next;
+                let mut need = digit.wrapping_mul(lower);
+                if need > have {
+                    let carried;
+                    digit = digit.wrapping_sub(1);
+                    need = need.wrapping_sub(lower);
+                    (have, carried) = have.overflowing_add(upper << HALF);
+                    if !carried && need > have {
+                        digit = digit.wrapping_sub(1);
+                        need = need.wrapping_sub(lower);
+                        have = have.wrapping_add(upper << HALF);
+                    }
+                }
+                (digit, have.wrapping_sub(need))
+            }
+
+            let high = (dividend >> WORD) as $word;
+            let first = high.checked_div(divisor)?;
+            let rest = high.wrapping_sub(first.wrapping_mul(divisor));
+            // From here on `rest < divisor`, and both are shifted up until the divisor's highest bit is set.
+            let shift = divisor.leading_zeros();
+            let divisor = divisor.wrapping_shl(shift);
+            let low = <$wide>::from(dividend as $word);
+            let dividend = (<$wide>::from(rest) << WORD | low).wrapping_shl(shift);
+            let (rest, low) = ((dividend >> WORD) as $word, dividend as $word);
+            let (second, rest) = digit(rest, low >> HALF, divisor);
+            let (third, _) = digit(rest, low & LOW, divisor);
+            // Digits do not overlap.
+            let low = <$wide>::from(second << HALF | third);
+            Some(<$wide>::from(first) << WORD | low)
+        }
+    };
+}
+long_division!(
+    /// What the microcontroller runs.
+    #[cfg_attr(not(target_pointer_width = "32"), allow(dead_code))]
+    long_32, u32, u64
+);
+long_division!(
+    /// The same source at 8 bits, to be checked exhaustively.
+    #[cfg(test)]
+    long_8, u8, u16
+);
+
+#[cfg(test)]
+mod tests {
+    use super::{long_8, long_32, quotient};
+
+    #[test]
+    fn every_quotient_of_8_bits() {
+        for dividend in 0..=u16::MAX {
+            for divisor in 0..=u8::MAX {
+                assert_eq!(
+                    long_8(dividend, divisor),
+                    dividend.checked_div(divisor.into()),
+                    "{dividend}/{divisor}"
+                );
+            }
+        }
+    }
+
+    /// Words that are hard to divide with: powers of two and their neighbours, all ones, half and half.
+    fn hard_words() -> Vec<u32> {
+        let mut words = vec![0, u32::MAX, 0xffff_0000, 0x8000_ffff, 0x7fff_8000];
+        for bit in 0..32 {
+            let power = 1_u32 << bit;
+            words.extend([power, power - 1, power | 1, !power, power | power >> 7]);
+        }
+        words
+    }
+
+    #[test]
+    fn quotients_of_32_bits_at_hard_words_and_at_random() {
+        let check = |dividend: u64, divisor: u32| {
+            let expected = dividend.checked_div(divisor.into());
+            assert_eq!(long_32(dividend, divisor), expected, "{dividend}/{divisor}");
+            assert_eq!(quotient(dividend, divisor), expected);
+        };
+        let words = hard_words();
+        for high in &words {
+            for low in &words {
+                for divisor in &words {
+                    check(u64::from(*high) << 32 | u64::from(*low), *divisor);
+                }
+            }
+        }
+        let mut random = 1_u64;
+        let mut next = || {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            random ^ random >> 29
+        };
+        for _ in 0..2_000_000 {
+            // Of all lengths.
+            let lengths = next() >> 40;
+            let dividend = next() >> (lengths & 63);
+            let divisor = (next() >> 32) as u32 >> (lengths >> 6 & 31);
+            check(dividend, divisor);
+            // Just below and at a multiple of the divisor.
+            let multiple = u64::from(divisor).wrapping_mul(dividend & 0xffff_ffff);
+            check(multiple, divisor);
+            check(multiple.wrapping_sub(1), divisor);
+        }
+    }
+}

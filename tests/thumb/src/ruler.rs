@@ -1,0 +1,75 @@
+//! Counts instructions with a clock.
+//!
+//! QEMU's `-icount shift=10` lets every instruction take 1024 ns, and the board's SysTick counts 40 ns: 25.6 counts to an
+//! instruction, so the difference of two readings gives their number exactly. A real microcontroller's clock counts cycles,
+//! which is something else.
+
+use core::arch::asm;
+use core::fmt;
+use core::hint::black_box;
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+
+const FULL: u32 = 0x00ff_ffff;
+const NS_PER_COUNT: u32 = 40;
+const NS_PER_INSTRUCTION: u32 = 1024;
+
+/// The clock, running.
+#[derive(Clone, Copy)]
+pub struct Ruler;
+
+impl Ruler {
+    /// Starts the clock; `None` if it does not count instructions.
+    pub fn take() -> Option<Self> {
+        let mut clock = Peripherals::take()?.SYST;
+        clock.set_clock_source(SystClkSource::Core);
+        clock.set_reload(FULL);
+        clock.clear_current();
+        clock.enable_counter();
+        // SAFETY: `nop` does nothing.
+        let nops = || unsafe { asm!(".rept 1000", "nop", ".endr") };
+        let (_, counted) = Self.count(nops);
+        // The compiler may put an instruction or two of its own between the readings; it must not take any away.
+        (1000..=1003).contains(&counted).then_some(Self)
+    }
+
+    /// What something returns, and the instructions from one reading of the clock to the other: up to 650,000. With a call,
+    /// that is its arguments, the jump there, all that it does and the way back.
+    #[inline(always)]
+    pub fn count<T>(self, something: impl FnOnce() -> T) -> (T, u32) {
+        let before = SYST::get_current();
+        let result = black_box(something());
+        let after = SYST::get_current();
+        // SysTick counts down, in 24 bits.
+        let ns = (before.wrapping_sub(after) & FULL) * NS_PER_COUNT;
+        let instructions = (ns + NS_PER_INSTRUCTION / 2) / NS_PER_INSTRUCTION;
+        // One of them reads the clock.
+        (result, instructions.saturating_sub(1))
+    }
+}
+
+/// Mean and worst of many.
+#[derive(Default)]
+pub struct Tally {
+    runs: u32,
+    sum: u64,
+    worst: u32,
+}
+
+impl Tally {
+    /// One more.
+    pub fn add(&mut self, instructions: u32) {
+        self.runs += 1;
+        self.sum += u64::from(instructions);
+        self.worst = self.worst.max(instructions);
+    }
+}
+
+impl fmt::Display for Tally {
+    /// Runs, instructions of all, instructions of the worst.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.runs, self.sum, self.worst)
+    }
+}

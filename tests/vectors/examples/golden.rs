@@ -1,0 +1,37 @@
+//! Prints the digest of every case, format and segment on this machine: one line each, its words as the
+//! microcontroller's program prints them.
+
+use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number, Position};
+use touchstone_vectors::{Bits, Case, Machine, Segment, cases, play};
+
+struct Desktop;
+
+impl<N: Number> Machine<N> for Desktop {
+    fn penetration(&mut self, scale: &CountScale, count: i64) -> Position<N> {
+        scale.penetration(count)
+    }
+    fn tick(&mut self, wall: &mut Controller<N>, e: Position<N>) -> Force<N> {
+        wall.tick(e)
+    }
+    fn segment_done(&mut self, case: &Case, segment: &Segment, digest: u64) {
+        println!(
+            "golden {} {} {} {digest:016x}",
+            case.name,
+            N::NAME,
+            segment.name
+        );
+    }
+}
+
+fn in_format<N: Bits>() {
+    for case in cases() {
+        if let Err(refused) = play::<N>(&case, &mut Desktop) {
+            println!("refused {} {}: {refused}", case.name, N::NAME);
+        }
+    }
+}
+
+fn main() {
+    in_format::<Fixed32>();
+    in_format::<Fixed16>();
+}

@@ -1,0 +1,149 @@
+//! The motion, in encoder counts: what a hand does, what an encoder does at its worst, and what only a fault does.
+
+/// The last count outside the wall: its surface is at 0.5 rad, 3183.1 counts.
+const OUTSIDE: i64 = 3183;
+
+/// A part of the motion.
+#[derive(Debug)]
+pub struct Segment {
+    /// Short, without spaces.
+    pub name: &'static str,
+    /// How long.
+    pub ticks: u32,
+    count: fn(&mut Motion, u32) -> i64,
+}
+
+/// 20,000 ticks.
+pub const SEGMENTS: [Segment; 9] = [
+    segment("presses", 5000, Motion::presses),
+    segment("hold", 2500, Motion::hold),
+    segment("creep", 2000, Motion::creep),
+    segment("surface", 2000, Motion::surface),
+    segment("grazing", 2000, Motion::grazing),
+    segment("wander", 2500, Motion::wander),
+    segment("taps", 1500, Motion::taps),
+    segment("jumps", 1500, Motion::jumps),
+    segment("extremes", 1000, Motion::extremes),
+];
+
+const fn segment(name: &'static str, ticks: u32, count: fn(&mut Motion, u32) -> i64) -> Segment {
+    Segment { name, ticks, count }
+}
+
+/// What the motion remembers: where it is, and its random numbers.
+#[derive(Debug)]
+pub struct Motion {
+    random: u64,
+    depth: i64,
+    height: i64,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            random: 2009,
+            depth: 0,
+            height: 0,
+        }
+    }
+}
+
+/// Up for half of the period, down for the other: `0..=height`.
+fn triangle(tick: u32, period: u32, height: i64) -> i64 {
+    let phase = i64::from(tick % period);
+    let half = i64::from(period / 2);
+    (half - (phase - half).abs()) * height / half
+}
+
+impl Motion {
+    /// The encoder's count at a tick of a segment.
+    pub fn count(&mut self, segment: &Segment, tick: u32) -> i64 {
+        (segment.count)(self, tick)
+    }
+
+    /// A whole number of `-size..=size`. Knuth's 64-bit congruence, of which the upper half is good.
+    fn whole(&mut self, size: i64) -> i64 {
+        let Self { random, .. } = self;
+        *random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*random >> 33) as i64 % (2 * size + 1) - size
+    }
+
+    /// Presses of 1 to 1000 counts (157 mrad: beyond the force limit) with two counts of noise, from 50 outside.
+    fn presses(&mut self, tick: u32) -> i64 {
+        if tick.is_multiple_of(500) {
+            self.height = 501 + self.whole(500);
+        }
+        OUTSIDE - 50 + triangle(tick, 500, 50 + self.height) + self.whole(2)
+    }
+
+    /// In to 300 counts, held there with one count of jitter, out.
+    fn hold(&mut self, tick: u32) -> i64 {
+        let way_in = i64::from(tick.min(2499 - tick)).min(300);
+        OUTSIDE + way_in + self.whole(1)
+    }
+
+    /// One count in 16 ticks, in and out: most ticks do not move.
+    fn creep(&mut self, tick: u32) -> i64 {
+        OUTSIDE + triangle(tick, 2000, 1000) / 16
+    }
+
+    /// One count to and fro over the surface.
+    fn surface(&mut self, _: u32) -> i64 {
+        OUTSIDE + (1 + self.whole(1)) / 2 + self.whole(1).max(0)
+    }
+
+    /// Touches of a few ticks and a few counts.
+    fn grazing(&mut self, tick: u32) -> i64 {
+        let period = 20 + tick / 100;
+        OUTSIDE - 8 + triangle(tick, 2 * period, 10) + self.whole(1)
+    }
+
+    /// A random walk with steps of up to 60 counts, pushed back to the surface.
+    fn wander(&mut self, _: u32) -> i64 {
+        self.depth += self.whole(60) - self.depth / 16;
+        OUTSIDE + 100 + self.depth
+    }
+
+    /// In by up to 3000 counts at one tick and out at another, as a hammer would.
+    fn taps(&mut self, tick: u32) -> i64 {
+        if tick.is_multiple_of(7) {
+            self.height = self.whole(3000);
+        }
+        OUTSIDE + self.height - self.height * i64::from(tick % 7) / 5
+    }
+
+    /// Anywhere within ±1.3 turns.
+    fn jumps(&mut self, _: u32) -> i64 {
+        self.whole(52_000)
+    }
+
+    /// The ends of the count, of the angle and of both formats, two counts to either side, and the surface in between.
+    fn extremes(&mut self, tick: u32) -> i64 {
+        const ENDS: [i64; 12] = [
+            i64::MAX,
+            i64::MIN,
+            OUTSIDE,
+            // 128 rad and 2 rad: where the formats end.
+            818_057,
+            -811_691,
+            15_915,
+            -9_549,
+            OUTSIDE + 1,
+            // 32,767 rad: where the angle ends.
+            208_606_000,
+            -208_606_000,
+            1 << 40,
+            0,
+        ];
+        let near = self.whole(2);
+        // First each after each, then at random.
+        let index = if tick < 500 {
+            i64::from(tick) * 5
+        } else {
+            self.whole(1000) + 1000
+        };
+        ENDS[index as usize % ENDS.len()].saturating_add(near)
+    }
+}
