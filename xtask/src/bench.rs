@@ -1,8 +1,8 @@
 //! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim`.
 //!
-//! The example is called as `EXAMPLE TICKS ARGS…` twice under valgrind's callgrind, with few and with more ticks; the
+//! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks; the
 //! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
-//! the same on a busy machine.
+//! the same on a busy machine. Without ARGS, each name that `EXAMPLE --list` prints is counted.
 
 use std::path::Path;
 
@@ -59,44 +59,59 @@ pub fn run(words: &[String]) -> Outcome {
             "cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS], TICKS below MORE_TICKS";
         return Outcome::Usage(usage.into());
     };
-    let source = format!("host-sim/examples/{}.rs", plan.example);
-    if !shell::root().join(&source).is_file() {
-        let reason = format!("there is no {source}");
-        // Asked for by name, a missing example is a mistake; as a step of the tests it is something not there yet.
-        return if words.is_empty() {
-            Outcome::NotRun(reason)
-        } else {
-            Outcome::Failed(reason)
-        };
+    let folder = shell::root().join("host-sim/examples");
+    let source = folder.join(format!("{}.rs", plan.example));
+    if !source.is_file() && !folder.join(&plan.example).join("main.rs").is_file() {
+        return Outcome::Failed(format!("host-sim has no example `{}`", plan.example));
     }
     if let Some(missing) = setup::missing_valgrind() {
         return missing;
     }
-    match count(&plan) {
-        Ok(cost) => {
-            let words = [&[plan.example.clone()][..], &plan.args].concat().join(" ");
-            println!("{words}: {cost:.1} instructions per tick");
-            Outcome::Ok(format!("{cost:.1} instructions per tick"))
-        }
-        Err(failed) => failed,
-    }
+    count_all(&plan).unwrap_or_else(|failed| failed)
 }
 
-fn count(plan: &Plan) -> Result<f64, Outcome> {
+/// Counts what was asked for: the configuration named by the arguments, or each that the example lists.
+fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     let mut build = shell::cargo_locked("build");
     build.args(["--release", "--package", "touchstone", "--example"]);
     let built = shell::run(build.arg(&plan.example));
     if built.is_failure() {
         return Err(built);
     }
+    let binary = shell::target("release/examples").join(&plan.example);
+    let listed = shell::capture(shell::program(&binary).arg("--list")).unwrap_or_default();
+    let configurations: Vec<Vec<String>> = if plan.args.is_empty() && !listed.is_empty() {
+        listed.lines().map(|name| vec![name.to_owned()]).collect()
+    } else {
+        vec![plan.args.clone()]
+    };
+    let mut costs = Vec::new();
+    for args in &configurations {
+        let cost = count(plan, &binary, args)?;
+        let words = [&[plan.example.clone()][..], args].concat().join(" ");
+        println!("{words:<32}{cost:>10.1} instructions per tick");
+        costs.push(cost);
+    }
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = costs.iter().copied().fold(0.0, f64::max);
+    Ok(Outcome::Ok(if costs.len() == 1 {
+        format!("{most:.1} instructions per tick")
+    } else {
+        format!(
+            "{least:.1} to {most:.1} instructions per tick, {} configurations",
+            costs.len()
+        )
+    }))
+}
+
+fn count(plan: &Plan, binary: &Path, args: &[String]) -> Result<f64, Outcome> {
     let folder = shell::target("bench");
     std::fs::create_dir_all(&folder)
         .map_err(|error| Outcome::Failed(format!("{}: {error}", folder.display())))?;
-    let binary = shell::target("release/examples").join(&plan.example);
     let mut counted = [0; 2];
     for (count, ticks) in counted.iter_mut().zip(plan.ticks) {
-        let out = folder.join(format!("{}-{ticks}.callgrind", plan.example));
-        *count = callgrind(&binary, ticks, &plan.args, &out)?;
+        let out = folder.join(format!("{}.callgrind", plan.example));
+        *count = callgrind(binary, ticks, args, &out)?;
     }
     Ok(per_tick(plan.ticks, counted))
 }
@@ -109,11 +124,14 @@ fn callgrind(binary: &Path, ticks: u64, args: &[String], out: &Path) -> Result<u
         .args(["--quiet", "--tool=callgrind"])
         .arg(format!("--callgrind-out-file={}", out.display()))
         .arg(binary)
-        .arg(ticks.to_string())
-        .args(args);
-    let ran = shell::run(&mut command);
-    if ran.is_failure() {
-        return Err(ran);
+        .args(args)
+        .arg(ticks.to_string());
+    if shell::capture(&mut command).is_none() {
+        let words = [args, &[ticks.to_string()]].concat().join(" ");
+        return Err(Outcome::Failed(format!(
+            "`{} {words}` failed under valgrind",
+            binary.display()
+        )));
     }
     std::fs::read_to_string(out)
         .ok()

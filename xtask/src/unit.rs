@@ -13,6 +13,16 @@ fn counts(line: &str) -> Option<(u64, u64)> {
     Some((before(" passed")?, before(" ignored")?))
 }
 
+/// The first few names, and how many more there are; all of them stand in the output above.
+fn first_of(names: &[String]) -> String {
+    const FEW: usize = 4;
+    let few = names[..names.len().min(FEW)].join(", ");
+    match names.len().saturating_sub(FEW) {
+        0 => few,
+        more => format!("{few} and {more} more"),
+    }
+}
+
 /// The test's name in a line such as `test observer::exact ... FAILED`.
 fn failed_test(line: &str) -> Option<&str> {
     line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
@@ -38,12 +48,12 @@ pub fn run(args: &[String]) -> Outcome {
             broken = broken.or(Some(outcome));
         }
     }
+    let all = passed + failed.len() as u64;
     match (broken, ignored) {
         (Some(_), _) if !failed.is_empty() => Outcome::Failed(format!(
-            "{} of {} tests: {}",
+            "{} of {all} tests: {}",
             failed.len(),
-            passed + failed.len() as u64,
-            failed.join(", ")
+            first_of(&failed)
         )),
         (Some(broken), _) => broken,
         (None, 0) => Outcome::Ok(format!("{passed} tests")),

@@ -59,7 +59,7 @@ fn main() -> ExitCode {
             for (name, _) in CONFIGURATIONS {
                 println!("{name}");
             }
-            Some(0.0)
+            return ExitCode::SUCCESS;
         }
         [name, ticks] => ticks.parse().ok().and_then(|ticks| match name {
             "bare-by-hand" => by_hand::bare(ticks),
