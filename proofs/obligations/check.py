@@ -40,9 +40,11 @@ def obligations(s):
     yield "P5: bound^2 root^2 <= 4 P c E", four, u * v <= 4 * P * k * E, (four[:5], u * v <= 4 * P * k * E)
     # P (E + f D) + k D^2 >= 0 where (P f)^2 <= 4 P k E; times 4k it is (2kD + P f)^2 + 4kPE - (P f)^2.
     h = I("h")
-    yield ("P5: times 4k, a square and what the bound leaves", [h * h * 1 <= 4 * P * k * E],
-           (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h >= 0,
-           ([k >= 0], (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h >= 0))
+    # The products as such: that they are squares and products is the next obligation.
+    square, hh, kpe = I("square"), I("hh"), I("kpe")
+    yield ("P5: times 4k, a square and what the bound leaves", [square >= 0, hh <= 4 * kpe], square + 4 * kpe - hh >= 0,
+           ([hh <= 4 * kpe], square + 4 * kpe - hh >= 0))
+    yield "P5: a square is not negative", [], h * h >= 0, ([], h * h > 0)
     yield ("P5: the square is the energy, times 4k", [],
            (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h == 4 * k * (P * E + h * D + k * D * D),
            ([], (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h == 4 * k * (P * E + h * D - k * D * D)))

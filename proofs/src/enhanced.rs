@@ -87,7 +87,7 @@ macro_rules! enhanced {
                     let (e, moved) = (N::any_position(s), N::any_position(s));
                                         let drive = mass.drive(&state, e, moved);
                     let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
-                    assert!(N::of_tension(drive.0).abs() <= reach);
+                    assert!(N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs());
                     cover!(s, drive.0 < 0, "outward");
                 }
             }

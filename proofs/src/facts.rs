@@ -38,6 +38,10 @@ pub mod fact {
             -1
         }
     }
+    /// The size of a product: at most the gain times the largest magnitude of a signal.
+    pub fn product_size(result: i64, gain: i64) -> bool {
+        gain < 0 || result.unsigned_abs() <= gain.unsigned_abs() << 31
+    }
     /// A passivity step: energy and force stay non-negative, the force never grows; inward the force stays and the energy does
     /// not shrink, outward the energy does not grow.
     pub fn step(after: i64, shown: i64, e: i64, f: i64, d: i64) -> bool {
@@ -132,7 +136,8 @@ impl Number for Facts32 {
             y,
             gain,
             bits(x)
-        ))
+        )
+            && fact::product_size(y, gain))
     }
     fn lift(x: Signal) -> i64 {
         Fixed32::lift(x)
@@ -228,6 +233,15 @@ pub mod fixed32 {
             let (k, x) = (s.i32(), s.i32());
             let y = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
             assert!(fact::sign_of(y, fact::sign(i64::from(k), i64::from(x))));
+            cover!(s, y < 0 && k > 1, "negative");
+        }
+    }
+    property! {
+        /// Fact `Product`: its size.
+        by kissat fn p3_fact_product_size(s) {
+            let (k, x) = (s.i32(), s.i32());
+            let y = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
+            assert!(fact::product_size(y, i64::from(k)));
             cover!(s, y < 0 && k > 1, "negative");
         }
     }

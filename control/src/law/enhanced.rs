@@ -37,7 +37,7 @@ pub struct Augmentation<N: Number> {
 }
 
 impl<N: Number> Augmentation<N> {
-    /// `ΔO = min(c·|k_de e - |f||/k, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one quantum, or an
+    /// `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one quantum, or an
     /// offset at exactly no force could never grow again.
     #[inline]
     pub fn step(&self, wanted: Force<N>, shown: Force<N>, e: Position<N>) -> Position<N> {
@@ -45,6 +45,12 @@ impl<N: Number> Augmentation<N> {
         let ideal = self.of_ideal * (wanted - shown).modulus();
         let weber = self.of_force * shown.max(Force::quantum());
         let near = self.of_penetration * e.modulus();
+        Self::least(ideal, weber, near)
+    }
+
+    /// The least of the three bounds, the second at least one quantum.
+    #[inline]
+    pub fn least(ideal: Position<N>, weber: Position<N>, near: Position<N>) -> Position<N> {
         ideal.min(weber.max(Position::quantum())).min(near)
     }
 }
