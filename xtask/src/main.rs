@@ -87,7 +87,7 @@ const COMMANDS: &[Command] = &[
     Command {
         name: "prove",
         about: "the proofs: `prove [--harness NAME] [--mutants] [--bless]`",
-        in_test: false,
+        in_test: true,
         run: |args| prove::run(args).into(),
     },
 ];
