@@ -34,7 +34,7 @@ macro_rules! edges {
             }
             property! {
                 /// P1: the signed retreat is the heart's.
-                by $solver fn p1_edge_affordable(s) {
+                by $sums fn p1_edge_affordable(s) {
                     let (energy, force) = (N::any_energy(s), N::any_force(s));
                     assume!(s, energy >= Energy::zero() && force.0 >= 0);
                     let (moved, rest) = energy.affordable(force);
@@ -61,7 +61,7 @@ macro_rules! edges {
             }
             property! {
                 /// P2: a scaled signal keeps its sign and is the heart's `scale` of the magnitudes.
-                fn p2_edge_scale(s) {
+                by $sums fn p2_edge_scale(s) {
                     let (ratio, x) = (N::any_ratio(s), N::any_position(s));
                     assume!(s, ratio.0 >= 0);
                     let scaled = (ratio * x).0.to_bits();

@@ -39,7 +39,7 @@ macro_rules! tdpa {
             property! {
                 /// P1, thesis' observer: a tick inside is the passivity step of the stored energy plus what the counted
                 /// damper took, capped. With the heart: `0 <= E' <= E + loss + f'·Δe`.
-                by $sums fn p1_thesis_is_the_step(s) {
+                by sampled fn p1_thesis_is_the_step(s) {
                     let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
                     let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
                     let e = N::any_position(s);

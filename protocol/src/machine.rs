@@ -212,11 +212,15 @@ impl Machine {
             self.take(Event::Fault(context));
             return self.outputs();
         }
-        if calibrated {
-            self.take(Event::Calibrated);
-        }
+        // Both meet the state that the tick began with: a command does not count on a calibration that ends in the same
+        // tick, nor a calibration's end on a command that begins it. (A proof found `Arm` sent while calibrating: it armed
+        // the device in the very tick in which the calibration ended.)
+        let calibrating = self.state == State::Calibrating;
         if let Some(command) = command {
             self.take(Event::Command(command));
+        }
+        if calibrated && calibrating {
+            self.take(Event::Calibrated);
         }
         self.outputs()
     }
@@ -248,7 +252,11 @@ mod tests {
             machine.tick(None, false, Some(Command::Calibrate)),
             Outputs::On
         );
-        assert_eq!(machine.tick(None, true, None), Outputs::Off);
+        assert_eq!(
+            machine.tick(None, true, Some(Command::Arm)),
+            Outputs::Off,
+            "not in the tick in which the calibration ends"
+        );
         assert_eq!(machine.tick(None, false, Some(Command::Arm)), Outputs::On);
         assert_eq!(
             machine.tick(Some(fault), true, Some(Command::Stop)),
