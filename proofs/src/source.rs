@@ -153,7 +153,7 @@ impl Source for Sampler {
         holds
     }
     fn shortcut(&mut self) -> bool {
-        self.next() % 64 != 0
+        !self.next().is_multiple_of(64)
     }
     fn cover(&mut self, reached: bool, what: &'static str) {
         match self.covers.iter_mut().find(|(text, _)| *text == what) {
