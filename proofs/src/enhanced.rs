@@ -39,7 +39,7 @@ macro_rules! enhanced {
             property! {
                 /// P1 at the mass, the books: the mass moves by exactly the displacement that is booked, and what is booked is
                 /// `E + f·d`, at most the cap; where the retreat is limited it is the heart's rest plus the saving.
-                by $sums fn p1_books_are_right(s) {
+                by sampled fn p1_books_are_right(s) {
                     let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
                     let (from, drive) = (N::any_position(s), N::any_tension(s));
                     let (wanted, before) = (N::any_force(s), N::any_energy(s));
