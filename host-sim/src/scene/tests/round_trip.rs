@@ -56,7 +56,6 @@ fn full_scenes() -> Vec<Scene> {
             computational_delay_s: 1.7e-3,
             // The longest of the motions needs 3.7 s.
             duration_s: 4.25,
-            ..Timing::default()
         },
         law: Law {
             kind: LawKind::SfaContinuous,
