@@ -227,8 +227,9 @@ fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
         LawKind::EnhancedSfa,
         Field::EnergyCredit,
         |s, x| s.energy_credit = x,
-        si("7.9"),
-        si("8"),
+        // Half of the format: that is where the stored energy is capped, and a credit above it would be cut off.
+        si("4"),
+        si("4.1"),
     );
     // c/T at 1 kHz: below 0.512 N·m·s/rad.
     let damper = |s: &mut Settings, x| s.virtual_damping = x;

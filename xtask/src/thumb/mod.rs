@@ -117,7 +117,7 @@ fn has_qemu() -> bool {
 fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
     let folder = shell::target("thumb");
     cargo
-        .args(["--quiet", "--release", "--locked", "--manifest-path"])
+        .args(["--quiet", "--release", "--manifest-path"])
         .args(["tests/thumb/Cargo.toml", "--target-dir"])
         .arg(&folder)
         .args(options)
