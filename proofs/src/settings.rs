@@ -84,8 +84,8 @@ mod tests {
     use super::*;
     use crate::source::{Sampler, Source, sample};
     use touchstone_control::{
-        Field, FilterSettings, FirstContact, Fixed8, Fixed16, LawKind, ObserverForm, OffsetUpdate,
-        Regulate, Settings, SettingsError,
+        Field, FilterSettings, FirstContact, Fixed8, Fixed16, IdealStep, LawKind, ObserverForm,
+        OffsetUpdate, Regulate, Settings, SettingsError,
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
@@ -127,6 +127,7 @@ mod tests {
                 Regulate::Hip,
             ][s.bits(2) as usize],
             offset_update: [OffsetUpdate::TurnInward, OffsetUpdate::EveryTick][s.bits(1) as usize],
+            ideal_step: [IdealStep::Position, IdealStep::Force][s.bits(1) as usize],
             step_of_ideal: pick(s, base.step_of_ideal),
             limit_of_force: pick(s, base.limit_of_force),
             limit_of_penetration: pick(s, base.limit_of_penetration),
