@@ -30,7 +30,7 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2, first bound: `ΔO <= c/k_v · |wanted - shown|`.
+                /// P2, first bound: `ΔO <= of_ideal · |wanted - shown|`, with `c/k_v` or `c/k_de` for `of_ideal`.
                 by $sums fn p2_bound_of_ideal(s) {
                     let a = such!(s, any_augmentation::<N, _>(s), |a| augmentation_ok(&a));
                     let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
