@@ -1,7 +1,8 @@
 //! What firmware and desktop share: from the encoder's counter to an unbroken count ([`unwrap`]), and the states that decide
-//! whether the outputs may be on ([`machine`]).
+//! whether the outputs may be on ([`machine`]). With the feature `wire` also what the two say to each other: the settings and
+//! how they are stored, requests and replies, telemetry, and the frames around them.
 //!
-//! Both are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
+//! All are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -11,5 +12,27 @@ extern crate kani;
 pub mod machine;
 pub mod unwrap;
 
+#[cfg(feature = "wire")]
+pub mod frame;
+#[cfg(feature = "wire")]
+pub mod reply;
+#[cfg(feature = "wire")]
+pub mod request;
+#[cfg(feature = "wire")]
+pub mod settings;
+#[cfg(feature = "wire")]
+pub mod stored;
+#[cfg(feature = "wire")]
+pub mod telemetry;
+
 pub use machine::{Command, Context, Event, FaultCode, Machine, Outputs, State};
 pub use unwrap::{Unwrap16, Unwrap32};
+
+#[cfg(feature = "wire")]
+pub use reply::{Board, Counters, FromDevice, Identity, Refusal, Reply, ResetReason, Status};
+#[cfg(feature = "wire")]
+pub use request::{DeviceCommand, PROTOCOL_VERSION, Request, ToDevice};
+#[cfg(feature = "wire")]
+pub use settings::{Decimal, DeviceSettings};
+#[cfg(feature = "wire")]
+pub use telemetry::{Fault, Phase, RingChunk, RingRecord, Telemetry};

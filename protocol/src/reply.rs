@@ -1,0 +1,177 @@
+//! What the device answers, and what it sends by itself.
+
+use crate::settings::{DeviceSettings, Invalid, KeyError, VALUE_MAX};
+use crate::telemetry::{Fault, Phase, RingChunk, Telemetry};
+use heapless::{String, Vec};
+use serde::{Deserialize, Serialize};
+
+/// A frame from the device.
+// One frame is held at a time.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FromDevice {
+    /// The answer to a request.
+    Answer {
+        /// The number of the request.
+        id: u8,
+        /// What was asked for, or why not.
+        answer: Result<Reply, Refusal>,
+    },
+    /// One control tick.
+    Telemetry(Telemetry),
+}
+
+/// What was asked for.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reply {
+    /// To `Hello`. Stays the first of all, and its version the first in it: see [`version_of_hello`].
+    Identity(Identity),
+    /// To `Status`.
+    Status(Status),
+    /// To `Get`: the value as postcard has it.
+    Value(Vec<u8, VALUE_MAX>),
+    /// To `GetAll`.
+    Settings(DeviceSettings),
+    /// Done as asked.
+    Done,
+    /// To `Fault`.
+    Fault(Option<Fault>),
+    /// To `Ring`.
+    Ring(RingChunk),
+    /// To `Counters`.
+    Counters(Counters),
+}
+
+/// Why not.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// Not in this state of the device.
+    NotNow(Phase),
+    /// No such setting, or no such value.
+    Key(KeyError),
+    /// The settings would not be valid with it.
+    Invalid(Invalid),
+    /// The flash could not be written.
+    Flash,
+    /// The ring runs: it stops at a fault, and can be read then.
+    RingRuns,
+    /// The frame was whole, but the device does not know this request.
+    NotUnderstood,
+}
+
+/// Who the device is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// [`crate::PROTOCOL_VERSION`] of the device.
+    pub protocol_version: u16,
+    /// [`crate::stored::LAYOUT_VERSION`] of the device.
+    pub settings_version: u16,
+    /// Version of the firmware, e.g. `0.1.0`.
+    pub firmware_version: String<16>,
+    /// Which board the firmware was built for.
+    pub board: Board,
+    /// Unique number of the microcontroller.
+    pub unique_id: [u8; 12],
+    /// Why it last started.
+    pub reset_reason: ResetReason,
+    /// Hash of the source that the firmware was built from, 0 if unknown.
+    pub build_hash: u64,
+}
+
+/// The boards that there is firmware for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Board {
+    /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
+    NucleoG474re,
+    /// B-G431B-ESC1.
+    BG431bEsc1,
+}
+
+impl Board {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::NucleoG474re, Self::BG431bEsc1];
+
+    /// Its name on the command line and in file names.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NucleoG474re => "nucleo-g474re",
+            Self::BG431bEsc1 => "b-g431b-esc1",
+        }
+    }
+}
+
+/// Why the device last started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ResetReason {
+    /// Power came or had dropped too low.
+    PowerOn,
+    /// The reset pin: button or probe.
+    Pin,
+    /// The watchdog was not fed.
+    Watchdog,
+    /// The firmware asked for it: command `Reboot`, or a probe.
+    Software,
+    /// The firmware had panicked.
+    Panic,
+    /// None of these.
+    Unknown,
+}
+
+impl ResetReason {
+    /// For people.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::PowerOn => "power on or brown-out",
+            Self::Pin => "reset pin",
+            Self::Watchdog => "watchdog",
+            Self::Software => "software",
+            Self::Panic => "panic",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Where the device stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Status {
+    /// State of the fault machine.
+    pub phase: Phase,
+    /// The latched fault.
+    pub fault: Option<Fault>,
+    /// Control ticks since the reset, modulo 2^32.
+    pub tick: u32,
+    /// Whether the settings in use differ from those in flash.
+    pub unsaved: bool,
+}
+
+/// What was counted since the reset; each stays at its largest value.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counters {
+    /// Frames that could not be decoded.
+    pub decode_errors: u32,
+    /// Telemetry records that the port could not carry.
+    pub telemetry_dropped: u32,
+    /// Control ticks.
+    pub ticks: u32,
+    /// Longest control tick, processor cycles.
+    pub tick_cycles_max: u32,
+    /// Latest start of a control tick, processor cycles after it was due.
+    pub lateness_cycles_max: u32,
+    /// Longest tick of the current loop, processor cycles.
+    pub current_loop_cycles_max: u32,
+}
+
+/// The version in the payload of an answer to `Hello`, of any version: what stands before it never changes, what stands after it
+/// may. `None` for every other payload.
+#[must_use]
+pub fn version_of_hello(payload: &[u8]) -> Option<u16> {
+    /// Frame kind, id, `Ok`, kind of reply, version.
+    type Start = (u8, u8, u8, u8, u16);
+    match postcard::take_from_bytes::<Start>(payload) {
+        Ok(((0, _, 0, 0, version), _)) => Some(version),
+        _ => None,
+    }
+}

@@ -1,0 +1,145 @@
+//! An exact SI value: 64 bits on the wire, a decimal number for people.
+
+use core::fmt;
+use core::str::FromStr;
+use fixed::traits::ToFixed;
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use touchstone_control::Si;
+
+/// A value in `I32F32`: ±2.1e9 in steps of 2.3e-10.
+///
+/// Formats that people read get its decimal text, which comes back as the same bits; postcard gets the bits.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Decimal(pub Si);
+
+impl Decimal {
+    /// From a literal, at compile time.
+    ///
+    /// # Panics
+    /// If the text is no number of this range.
+    #[must_use]
+    pub const fn lit(text: &str) -> Self {
+        Self(Si::lit(text))
+    }
+
+    /// The nearest value; at the end of the range for what lies outside.
+    #[must_use]
+    pub fn from_num(value: impl ToFixed) -> Self {
+        Self(Si::saturating_from_num(value))
+    }
+}
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.0, f)
+    }
+}
+
+impl fmt::Debug for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.0, f)
+    }
+}
+
+impl FromStr for Decimal {
+    type Err = fixed::ParseFixedError;
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Si::from_str(text).map(Self)
+    }
+}
+
+impl Serialize for Decimal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if serializer.is_human_readable() {
+            serializer.collect_str(self)
+        } else {
+            serializer.serialize_i64(self.0.to_bits())
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Decimal {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            deserializer.deserialize_str(Text)
+        } else {
+            i64::deserialize(deserializer).map(|bits| Self(Si::from_bits(bits)))
+        }
+    }
+}
+
+struct Text;
+
+impl Visitor<'_> for Text {
+    type Value = Decimal;
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a decimal number")
+    }
+    fn visit_str<E: Error>(self, text: &str) -> Result<Decimal, E> {
+        Decimal::from_str(text).map_err(E::custom)
+    }
+}
+
+/// A number format of the control law as its bits; for `#[serde(with = …)]`.
+pub(crate) mod bits {
+    use fixed::types::I8F24;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &I8F24, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_i32(value.to_bits())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<I8F24, D::Error> {
+        i32::deserialize(deserializer).map(I8F24::from_bits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every pattern of bits that a 64-bit word can have, by its edges and a walk through the rest.
+    fn samples() -> impl Iterator<Item = Si> {
+        let edges = [
+            0,
+            1,
+            -1,
+            i64::MIN,
+            i64::MAX,
+            1 << 32,
+            -(1 << 32),
+            (1 << 32) - 1,
+        ];
+        let mut word = 0x9e37_79b9_7f4a_7c15_u64;
+        let walk = core::iter::repeat_with(move || {
+            word = word
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            // All magnitudes, not only the large ones.
+            (word.cast_signed()) >> (word % 64)
+        });
+        edges
+            .into_iter()
+            .chain(walk.take(100_000))
+            .map(Si::from_bits)
+    }
+
+    #[test]
+    fn the_decimal_text_comes_back_as_the_same_bits() {
+        for value in samples() {
+            let text = Decimal(value).to_string();
+            assert_eq!(text.parse(), Ok(Decimal(value)), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_wire_comes_back_as_the_same_bits() {
+        for value in samples() {
+            let mut buffer = [0; 10];
+            let bytes =
+                postcard::to_slice(&Decimal(value), &mut buffer).expect("10 bytes hold 64 bits");
+            assert_eq!(postcard::from_bytes(bytes), Ok(Decimal(value)));
+        }
+    }
+}

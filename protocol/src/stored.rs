@@ -1,0 +1,106 @@
+//! The settings as they lie in flash: layout, content, CRC.
+//!
+//! ```text
+//! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
+//! ```
+//!
+//! The firmware keeps this image as the value of one key of a sequential-storage map, whose key is the layout version: firmware
+//! that knows another layout does not find it, keeps it, and a step back to the older firmware finds it again. Whatever is
+//! found and is not whole, of this layout, and valid is refused: the device then uses the defaults and latches
+//! `SettingsInvalid`. There is no guessing at half of an image.
+
+use crate::frame::{PAYLOAD_MAX, crc_of};
+use crate::settings::{DeviceSettings, Invalid};
+
+/// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
+pub const LAYOUT_VERSION: u16 = 1;
+
+/// No image is longer, bytes.
+pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + CRC_BYTES;
+
+const VERSION_BYTES: usize = 2;
+const CRC_BYTES: usize = 4;
+
+/// Why an image is refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Refused {
+    /// Too short, a wrong CRC, or no settings inside.
+    Damaged,
+    /// Whole, but of another layout.
+    OtherLayout(u16),
+    /// Whole, but refused by the validation.
+    Invalid(Invalid),
+}
+
+/// What a device starts with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Start {
+    /// The settings to use.
+    pub settings: DeviceSettings,
+    /// Why they are the defaults although something was stored: the device latches `SettingsInvalid`.
+    pub refused: Option<Refused>,
+}
+
+/// The image of settings.
+///
+/// # Errors
+/// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
+pub fn encode<'b>(
+    settings: &DeviceSettings,
+    buffer: &'b mut [u8],
+) -> Result<&'b [u8], postcard::Error> {
+    const FULL: postcard::Error = postcard::Error::SerializeBufferFull;
+    let (version, rest) = buffer
+        .split_first_chunk_mut::<VERSION_BYTES>()
+        .ok_or(FULL)?;
+    *version = LAYOUT_VERSION.to_le_bytes();
+    let content = VERSION_BYTES + postcard::to_slice(settings, rest)?.len();
+    let sum = crc_of(buffer.get(..content).ok_or(FULL)?);
+    let place = buffer.get_mut(content..content + CRC_BYTES).ok_or(FULL)?;
+    place.copy_from_slice(&sum.to_le_bytes());
+    buffer.get(..content + CRC_BYTES).ok_or(FULL)
+}
+
+/// The settings of an image, validated.
+///
+/// # Errors
+/// Whatever is not whole, of this layout, and valid.
+pub fn decode(image: &[u8]) -> Result<DeviceSettings, Refused> {
+    let (signed, sum) = image
+        .split_last_chunk::<CRC_BYTES>()
+        .ok_or(Refused::Damaged)?;
+    if crc_of(signed).to_le_bytes() != *sum {
+        return Err(Refused::Damaged);
+    }
+    let (version, content) = signed
+        .split_first_chunk::<VERSION_BYTES>()
+        .ok_or(Refused::Damaged)?;
+    let version = u16::from_le_bytes(*version);
+    if version != LAYOUT_VERSION {
+        return Err(Refused::OtherLayout(version));
+    }
+    let settings: DeviceSettings = crate::frame::message(content).ok_or(Refused::Damaged)?;
+    match settings.validate() {
+        Ok(_) => Ok(settings),
+        Err(invalid) => Err(Refused::Invalid(invalid)),
+    }
+}
+
+/// What to start with: the stored settings; the defaults where nothing is stored, or where what is stored is refused.
+#[must_use]
+pub fn start(image: Option<&[u8]>) -> Start {
+    match image.map(decode) {
+        None => Start {
+            settings: DeviceSettings::default(),
+            refused: None,
+        },
+        Some(Ok(settings)) => Start {
+            settings,
+            refused: None,
+        },
+        Some(Err(refused)) => Start {
+            settings: DeviceSettings::default(),
+            refused: Some(refused),
+        },
+    }
+}
