@@ -2,9 +2,11 @@
 
 mod bench;
 mod doc;
+mod firmware;
 mod float_free;
 mod fmt;
 mod lint;
+mod microcontroller;
 mod mutants;
 mod outcome;
 mod prove;
@@ -77,6 +79,12 @@ const COMMANDS: &[Command] = &[
         about: "every law on an emulated Cortex-M4F: its bits are this machine's; instructions per tick, size, no panic",
         in_test: true,
         run: thumb::run,
+    },
+    Command {
+        name: "firmware",
+        about: "both boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
+        in_test: true,
+        run: firmware::run,
     },
     Command {
         name: "bench",

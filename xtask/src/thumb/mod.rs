@@ -4,19 +4,17 @@
 //! two must be the same. The second also counts its instructions per tick: exactly, but only for the ticks that were played,
 //! and instructions are not cycles. Then the program is looked at: what a tick reaches must be free of floats and panics.
 
-mod elf;
+pub mod elf;
 mod report;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::float_free::thumb::{self as compilers, Compiler};
+use crate::microcontroller::{self, TARGET};
 use crate::outcome::Outcome;
 use crate::{setup, shell};
 use report::Report;
 
-/// The Cortex-M4 with its float unit, as firmware is built.
-const TARGET: &str = "thumbv7em-none-eabihf";
 const QEMU: &str = "qemu-system-arm";
 /// DESIGN's budget for one tick of the enhanced law, in instructions.
 const BUDGET: u64 = 600;
@@ -31,11 +29,7 @@ pub fn run(args: &[String]) -> Outcome {
 }
 
 fn compare() -> Result<Outcome, Outcome> {
-    let (build, options) = compiler().ok_or_else(|| {
-        Outcome::NotRun(format!(
-            "no compiler for {TARGET} (rustup target add {TARGET})"
-        ))
-    })?;
+    let (build, options) = microcontroller::build()?;
     if !has_qemu() {
         setup::apt_get(&[QEMU]);
     }
@@ -69,44 +63,6 @@ fn compare() -> Result<Outcome, Outcome> {
         0 => Outcome::Ok(format!("{} digests equal; {budget}", report.equal())),
         count => Outcome::Failed(format!("{count} wrong, the first: {}", wrong[0])),
     })
-}
-
-/// `cargo build` of the first compiler that can, and its options.
-fn compiler() -> Option<(Command, Vec<String>)> {
-    let chosen = |compiler: Compiler| {
-        println!("with {compiler}");
-        compiler.cargo()
-    };
-    if let Some(compiler) = compilers::find_for(TARGET) {
-        return Some(chosen(compiler));
-    }
-    let _ = shell::run(shell::program("rustup").args(["target", "add", TARGET]));
-    if let Some(compiler) = compilers::find_for(TARGET) {
-        return Some(chosen(compiler));
-    }
-    debian()
-}
-
-/// Debian's newer Rust, which has the library as source only.
-fn debian() -> Option<(Command, Vec<String>)> {
-    const CARGO: &str = "/usr/bin/cargo";
-    const CORE: &str = "/usr/lib/rustlib/src/rust/library/core";
-    if !Path::new(CORE).is_dir() {
-        setup::apt_get(&["rustc-web", "cargo-web", "rust-web-src", "lld"]);
-    }
-    if !Path::new(CORE).is_dir() {
-        return None;
-    }
-    println!("with Debian's compiler, its `core` built from source");
-    let mut cargo = shell::program(CARGO);
-    cargo
-        .arg("build")
-        .env("RUSTC", "/usr/bin/rustc")
-        .env("RUSTC_BOOTSTRAP", "1")
-        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld")
-        .env_remove("RUSTUP_TOOLCHAIN");
-    let options = [&format!("--target={TARGET}"), "-Zbuild-std=core"];
-    Some((cargo, options.map(str::to_owned).to_vec()))
 }
 
 fn has_qemu() -> bool {
@@ -214,14 +170,14 @@ fn look(program: &elf::Program) -> Vec<String> {
     wrong
 }
 
-fn is_panic(name: &str) -> bool {
+pub fn is_panic(name: &str) -> bool {
     ["panic", "unwrap_failed", "expect_failed", "slice_index"]
         .iter()
         .any(|word| name.contains(word))
 }
 
 /// The names of the Arm ABI's float functions, and of the compiler's own.
-fn is_soft_float(name: &str) -> bool {
+pub fn is_soft_float(name: &str) -> bool {
     const ENDINGS: [&str; 6] = ["2f", "2d", "2iz", "2uiz", "2lz", "2ulz"];
     match name.strip_prefix("__aeabi_") {
         Some(rest) => rest.starts_with(['f', 'd']) || ENDINGS.iter().any(|end| rest.ends_with(end)),

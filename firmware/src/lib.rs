@@ -1,0 +1,30 @@
+//! Touchstone on a microcontroller: registers and wiring.
+//!
+//! Nothing is decided here. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and
+//! writes the plain struct that it returns to registers. Which interrupt may do what is in `docs/firmware.md`.
+#![no_std]
+
+// The log goes to the probe, if there is one; it is dropped where nobody reads it.
+use defmt_rtt as _;
+
+#[cfg(all(feature = "nucleo-g474re", feature = "b-g431b-esc1"))]
+compile_error!("one board a build: --no-default-features --features <board>");
+#[cfg(not(any(feature = "nucleo-g474re", feature = "b-g431b-esc1")))]
+compile_error!("which board? --features nucleo-g474re or --features b-g431b-esc1");
+
+#[cfg(feature = "b-g431b-esc1")]
+#[path = "board/b_g431b_esc1.rs"]
+pub mod board;
+#[cfg(feature = "nucleo-g474re")]
+#[path = "board/nucleo_g474re.rs"]
+pub mod board;
+
+pub mod clock;
+pub mod crash;
+pub mod critical;
+pub mod interrupts;
+pub mod pwm;
+pub mod run;
+pub mod sense;
+pub mod serial;
+pub mod watchdog;

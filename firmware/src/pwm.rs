@@ -1,0 +1,208 @@
+//! TIM1: three complementary outputs at 20 kHz, and the moment at which the currents are sampled.
+//!
+//! The registers are written one by one and not through the driver of embassy-stm32: that one starts the timer with its
+//! outputs on (`MOE` set), and its duty setter may panic.
+
+use embassy_stm32::pac::TIM1;
+use embassy_stm32::pac::timer::vals::{
+    Bkinp, Bkp, Ckd, Cms, FilterValue, Lock, Mms2, Ocm, Ossi, Ossr,
+};
+use embassy_stm32::peripherals::TIM1 as Timer;
+use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
+use embassy_stm32::timer::simple_pwm::PwmPin;
+use embassy_stm32::timer::{Ch1, Ch2, Ch3};
+use embassy_stm32::{Peri, rcc};
+
+use crate::clock::CORE_HZ;
+
+/// Switching, and the current loop, Hz.
+pub const PWM_HZ: u32 = 20_000;
+
+/// Compare value of a duty of one: the timer counts up to it and down again in a period.
+pub const FULL_SCALE: u16 = (CORE_HZ / (2 * PWM_HZ)) as u16;
+
+/// The injected conversions begin this many counts before the middle of the time in which all low sides conduct, so that the
+/// middle lies within their sampling time.
+const SAMPLE_LEAD: u16 = 20;
+
+/// What a board's bridge needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Bridge {
+    /// Between one side off and the other on, ns.
+    pub dead_time_ns: u32,
+    /// What switches the outputs off without the processor.
+    pub break_input: BreakInput,
+}
+
+/// Where the hardware's over-current comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum BreakInput {
+    /// The pin BKIN, active low.
+    Pin,
+    /// Comparators inside the chip, as a mask: bit 0 is COMP1.
+    Comparators(u8),
+}
+
+/// Dead time in the code of BDTR.DTG, rounded up (reference manual RM0440, 28.6.20).
+const fn dead_time_code(ns: u32) -> u8 {
+    let counts = (ns as u64 * CORE_HZ as u64).div_ceil(1_000_000_000);
+    if counts < 128 {
+        counts as u8
+    } else if counts <= (64 + 63) * 2 {
+        0x80 | (counts.div_ceil(2) - 64) as u8
+    } else if counts <= (32 + 31) * 8 {
+        0xc0 | (counts.div_ceil(8) - 32) as u8
+    } else if counts <= (32 + 31) * 16 {
+        0xe0 | (counts.div_ceil(16) - 32) as u8
+    } else {
+        panic!("a dead time of more than 5.9 us")
+    }
+}
+
+const _: () = {
+    assert!(dead_time_code(500) == 85);
+    // 136 counts: 68 steps of two.
+    assert!(dead_time_code(800) == 0x80 | 4);
+    // 340 counts: 43 steps of eight.
+    assert!(dead_time_code(2_000) == 0xc0 | 11);
+    assert!(dead_time_code(5_000) == 0xe0 | 22);
+};
+
+/// The pins of the bridge's upper transistors.
+pub type HighSides = (
+    PwmPin<'static, Timer, Ch1>,
+    PwmPin<'static, Timer, Ch2>,
+    PwmPin<'static, Timer, Ch3>,
+);
+/// The pins of the lower ones.
+pub type LowSides = (
+    ComplementaryPwmPin<'static, Timer, Ch1>,
+    ComplementaryPwmPin<'static, Timer, Ch2>,
+    ComplementaryPwmPin<'static, Timer, Ch3>,
+);
+
+/// Leaves the pins to the timer, until the next reset.
+pub fn keep(high: HighSides, low: LowSides) {
+    core::mem::forget((high, low));
+}
+
+/// Starts the timer with its outputs off and held low. The board connects the pins after this,
+/// and gives them to [`keep`].
+pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
+    rcc::enable_and_reset::<Timer>();
+    TIM1.cr1().write(|w| {
+        w.set_cms(Cms::CENTER_ALIGNED1);
+        w.set_ckd(Ckd::DIV1);
+        w.set_arpe(true);
+    });
+    // Outputs low while they are off, and OC4REF triggers the converters.
+    TIM1.cr2().write(|w| w.set_mms2(Mms2::COMPARE_OC4));
+    TIM1.psc().write_value(0);
+    TIM1.arr().write(|w| w.set_arr(FULL_SCALE));
+    TIM1.rcr().write(|w| w.set_rep(0));
+    for channel in 0..4 {
+        TIM1.ccmr_output(channel / 2).modify(|w| {
+            w.set_ocpe(channel % 2, true);
+            // Channel 4 rises while counting up, just before the top: there all low sides conduct.
+            w.set_ocm(
+                channel % 2,
+                if channel == 3 {
+                    Ocm::PWM_MODE2
+                } else {
+                    Ocm::PWM_MODE1
+                },
+            );
+        });
+    }
+    for channel in 0..3 {
+        TIM1.ccr(channel).write(|w| w.set_ccr(FULL_SCALE / 2));
+    }
+    TIM1.ccr(3).write(|w| w.set_ccr(FULL_SCALE - SAMPLE_LEAD));
+    TIM1.ccer().write(|w| {
+        for channel in 0..3 {
+            w.set_cce(channel, true);
+            w.set_ccne(channel, true);
+        }
+    });
+    TIM1.af1().write(|w| match bridge.break_input {
+        BreakInput::Pin => {
+            w.set_bkine(true);
+            // Not inverted here: the polarity is BDTR's.
+            w.set_bkinp(Bkinp::NOT_INVERTED);
+        }
+        BreakInput::Comparators(mask) => {
+            for comparator in 0..4 {
+                w.set_bkcmpe(comparator, mask >> comparator & 1 != 0);
+            }
+        }
+    });
+    TIM1.bdtr().write(|w| {
+        w.set_dtg(dead_time_code(bridge.dead_time_ns));
+        w.set_ossi(Ossi::IDLE_LEVEL);
+        w.set_ossr(Ossr::IDLE_LEVEL);
+        w.set_bke(0, true);
+        w.set_bkp(
+            0,
+            match bridge.break_input {
+                BreakInput::Pin => Bkp::ACTIVE_LOW,
+                BreakInput::Comparators(_) => Bkp::ACTIVE_HIGH,
+            },
+        );
+        w.set_bkf(0, FilterValue::FCK_INT_N8);
+        // Only software sets MOE again, and only after a command.
+        w.set_aoe(false);
+        w.set_moe(false);
+        // Dead time, idle levels and break stay as they are until a reset, whatever the program does.
+        w.set_lock(Lock::LEVEL1);
+    });
+    // Loads the preloaded registers; the flags that it and the set-up raised are no events.
+    TIM1.egr().write(|w| w.set_ug(true));
+    TIM1.sr().write(|_| ());
+    TIM1.dier().write(|w| w.set_bie(true));
+    TIM1.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Switches all outputs off: from here on they are held low.
+#[inline(always)]
+pub fn outputs_off() {
+    TIM1.bdtr().modify(|w| w.set_moe(false));
+}
+
+/// Switches the outputs on, if no break is pending: the timer clears `MOE` again at once while its break input is active.
+#[inline(always)]
+pub fn outputs_on() {
+    TIM1.bdtr().modify(|w| w.set_moe(true));
+}
+
+/// Whether the outputs are on.
+#[inline(always)]
+pub fn are_outputs_on() -> bool {
+    TIM1.bdtr().read().moe()
+}
+
+/// Compare values from the next turn of the counter on; at most [`FULL_SCALE`].
+#[inline(always)]
+pub fn set_duty(duty: [u16; 3]) {
+    TIM1.ccr(0).write(|w| w.set_ccr(duty[0]));
+    TIM1.ccr(1).write(|w| w.set_ccr(duty[1]));
+    TIM1.ccr(2).write(|w| w.set_ccr(duty[2]));
+}
+
+/// Whether the counter still goes down from the top at which the currents were sampled: then what was written to the compare
+/// registers counts from the bottom on, for all three phases.
+#[inline(always)]
+pub fn is_before_bottom() -> bool {
+    TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
+}
+
+/// Takes the flag of the hardware's break.
+#[inline(always)]
+pub fn take_break() -> bool {
+    let was = TIM1.sr().read();
+    // Written, not modified: a zero clears, a one leaves alone.
+    TIM1.sr().write(|w| {
+        w.0 = !0;
+        w.set_bif(0, false);
+    });
+    was.bif(0)
+}

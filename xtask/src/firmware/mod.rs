@@ -1,0 +1,66 @@
+//! `cargo xtask firmware [--board BOARD]`: builds the firmware of both boards and looks at what came out.
+//!
+//! The program of a board ends up in `target/firmware/BOARD/touchstone.elf`, which is what the emulator runs and
+//! `touchstone flash` writes.
+
+use std::path::PathBuf;
+
+use crate::microcontroller::{self, TARGET};
+use crate::outcome::Outcome;
+use crate::shell;
+
+/// The boards: each is the name of a binary and of a feature of `firmware/`.
+pub const BOARDS: [&str; 2] = ["nucleo-g474re", "b-g431b-esc1"];
+
+/// What `cargo xtask firmware` takes.
+const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|b-g431b-esc1]";
+
+/// Where a board's program is, once built.
+pub fn program(board: &str) -> PathBuf {
+    shell::target("firmware").join(board).join("touchstone.elf")
+}
+
+pub fn run(args: &[String]) -> Outcome {
+    let boards: Vec<&str> = match args {
+        [] => BOARDS.to_vec(),
+        [option, name] if option == "--board" => match BOARDS.iter().find(|board| *board == name) {
+            Some(board) => vec![board],
+            None => return Outcome::Usage(format!("there is no board `{name}`: {USAGE}")),
+        },
+        _ => return Outcome::Usage(USAGE.into()),
+    };
+    let mut done = Vec::new();
+    for board in boards {
+        match build(board) {
+            Ok(path) => done.push(path.display().to_string()),
+            Err(outcome) => return outcome,
+        }
+    }
+    Outcome::Ok(done.join(", "))
+}
+
+/// Builds a board's program, warnings denied; where it is.
+pub fn build(board: &str) -> Result<PathBuf, Outcome> {
+    let (mut cargo, options) = microcontroller::build()?;
+    let folder = shell::target("firmware").join("build");
+    cargo
+        .args(["--release", "--manifest-path", "firmware/Cargo.toml"])
+        .arg("--target-dir")
+        .arg(&folder)
+        .args(&options)
+        .args(["--no-default-features", "--features", board])
+        .args(["--bin", board])
+        .args(["--config", "build.warnings='deny'"])
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    match shell::run(&mut cargo) {
+        Outcome::Ok(_) => {}
+        failed => return Err(failed),
+    }
+    let built = folder.join(TARGET).join("release").join(board);
+    let kept = program(board);
+    let copied = kept.parent().map_or(Ok(()), std::fs::create_dir_all);
+    let copied = copied.and_then(|()| std::fs::copy(&built, &kept));
+    copied.map_err(|error| Outcome::Failed(format!("{}: {error}", built.display())))?;
+    Ok(kept)
+}
