@@ -50,7 +50,7 @@ property! {
 }
 
 fn any_code<S: Source>(s: &mut S) -> FaultCode {
-    FaultCode::from_wire(s.u8() % 13 + 1).unwrap_or(FaultCode::Watchdog)
+    FaultCode::from_wire(s.u8() % 20 + 1).unwrap_or(FaultCode::Watchdog)
 }
 fn any_context<S: Source>(s: &mut S) -> Context {
     Context {

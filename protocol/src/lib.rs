@@ -9,6 +9,7 @@
 #[cfg(kani)]
 extern crate kani;
 
+pub mod limit;
 pub mod machine;
 pub mod unwrap;
 
@@ -25,6 +26,7 @@ pub mod stored;
 #[cfg(feature = "wire")]
 pub mod telemetry;
 
+pub use limit::{Limit, Limits};
 pub use machine::{Command, Context, Event, FaultCode, Machine, Outputs, State};
 pub use unwrap::{Unwrap16, Unwrap32};
 

@@ -10,54 +10,80 @@
 //! first, which is the cause, and only an explicit command leaves it, to `Stopped`. From there the way back to `Armed` leads
 //! through a calibration. A fault is taken in every state, before any command of the same tick.
 
-/// Why the outputs were switched off. The numbers go over the wire.
+/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is no longer used keeps its
+/// number.
+///
+/// What was measured is in [`Context::value`], in the unit given here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum FaultCode {
-    /// Phase current above its limit.
+    /// Phase current, or the current vector, above its limit; mA.
     OverCurrent = 1,
-    /// Bus voltage above its limit.
+    /// Bus voltage above its limit; mV.
     OverVoltage = 2,
-    /// Bus voltage below its limit.
+    /// Bus voltage below its limit; mV.
     UnderVoltage = 3,
-    /// Driver or motor too hot.
+    /// Power stage too hot, or its sensor broken or shorted; 0.1 degrees Celsius.
     OverTemperature = 4,
-    /// The encoder did not answer, or its check failed.
-    EncoderLost = 5,
-    /// The encoder moved further in one tick than the shaft can.
+    /// The encoder did not answer, several times in a row; how many times.
+    EncoderSilent = 5,
+    /// The encoder moved further in one tick than the shaft can; counts.
     EncoderJump = 6,
-    /// A tick was not finished when the next was due.
-    Overrun = 7,
-    /// The hardware break input pulled.
+    /// A control tick began too late, took too long, or was left out; cycles of lateness, cycles of the tick, or ticks left out.
+    DeadlineMiss = 7,
+    /// The hardware break input pulled; 0.
     HardwareBreak = 8,
-    /// The gate driver reported an error.
+    /// The gate driver reported an error; 0.
     GateDriver = 9,
-    /// Calibration found no plausible result.
+    /// Calibration found no plausible result; the reason's number.
     CalibrationFailed = 10,
-    /// Stored settings are damaged or were refused.
+    /// Stored settings are damaged or were refused; 0.
     SettingsInvalid = 11,
-    /// The supervisor missed its sign of life.
+    /// The watchdog reset the processor; 0 for the independent, 1 for the window watchdog.
     Watchdog = 12,
-    /// The shaft turned faster than allowed.
+    /// The shaft turned faster than allowed; mrad/s.
     OverSpeed = 13,
+    /// The encoder's words failed their parity or check sum, several times in a row; the raw word.
+    EncoderCheck = 14,
+    /// The motor's voltage says that it turns, the encoder says that it does not; the voltage's excess, mV. While
+    /// calibrating: the field turned and the encoder did not; counts moved.
+    EncoderStuck = 15,
+    /// The encoder itself reports an error (magnet too weak, too strong, track lost, framing), several times in a row; the raw
+    /// word.
+    EncoderStatus = 16,
+    /// The current loop got no new command for two control periods; periods of the current loop.
+    StaleCommand = 17,
+    /// The supply dipped below what the processor needs; 0.
+    BrownOut = 18,
+    /// The program panicked; where, as its record says.
+    Panic = 19,
+    /// The current sensors' resting values are implausible; the worst of them, counts of the converter.
+    CurrentSensor = 20,
 }
 
 impl FaultCode {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 20] = [
         Self::OverCurrent,
         Self::OverVoltage,
         Self::UnderVoltage,
         Self::OverTemperature,
-        Self::EncoderLost,
+        Self::EncoderSilent,
         Self::EncoderJump,
-        Self::Overrun,
+        Self::DeadlineMiss,
         Self::HardwareBreak,
         Self::GateDriver,
         Self::CalibrationFailed,
         Self::SettingsInvalid,
         Self::Watchdog,
         Self::OverSpeed,
+        Self::EncoderCheck,
+        Self::EncoderStuck,
+        Self::EncoderStatus,
+        Self::StaleCommand,
+        Self::BrownOut,
+        Self::Panic,
+        Self::CurrentSensor,
     ];
 
     /// The fault that a number on the wire stands for.
@@ -80,7 +106,7 @@ pub struct Context {
     pub code: FaultCode,
     /// Tick in which it was seen.
     pub tick: u32,
-    /// The measured value that broke the limit, in the raw unit of its source.
+    /// The measured value that broke the limit, in the unit given at the code.
     pub value: i32,
 }
 
@@ -236,14 +262,14 @@ mod tests {
             assert_eq!(FaultCode::from_wire(code.to_wire()), Some(code));
         }
         assert_eq!(FaultCode::from_wire(0), None);
-        assert_eq!(FaultCode::from_wire(14), None);
+        assert_eq!(FaultCode::from_wire(21), None);
     }
 
     #[test]
     fn the_way_to_armed_and_out_of_a_fault() {
         let mut machine = Machine::new();
         let fault = Context {
-            code: FaultCode::EncoderLost,
+            code: FaultCode::EncoderSilent,
             tick: 7,
             value: -1,
         };
