@@ -1,0 +1,184 @@
+//! What becomes of a torque: a current for this board's bridge, or a voltage for somebody else's amplifier.
+
+use crate::Amps;
+use crate::angle::Angle;
+use crate::current::{CurrentCommand, CurrentMode};
+use crate::hardware::Hardware;
+use crate::settings::{AnalogueSettings, Field, MotorSettings, SettingsError};
+use crate::transform::Dq;
+use crate::units::{clamp_i32, narrow, product, quotient};
+use touchstone_control::{Fixed32, Force, Si};
+use touchstone_protocol::{Limit, Limits};
+
+/// A code of the 12-bit output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DacCode(
+    /// 0 to 4,095.
+    pub u16,
+);
+
+impl DacCode {
+    /// The middle: zero torque.
+    pub const ZERO: Self = Self(2_048);
+}
+
+/// What the drive is told for a control period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveCommand {
+    /// Nothing moves: bridge off, amplifier disabled and its input at zero.
+    Off,
+    /// For the current loop.
+    Current(CurrentCommand),
+    /// For the amplifier, which is enabled.
+    Analogue(DacCode),
+}
+
+/// Where the rotor is, for the drives that need to know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Rotor {
+    /// Number of the control tick.
+    pub tick: u32,
+    /// Electrical angle.
+    pub angle: Angle,
+    /// How far it moves in a PWM period, 2^-32 turns.
+    pub advance: i32,
+    /// Whether the electrical angle falls when the count rises.
+    pub against: bool,
+    /// Share of the current limit that the temperature leaves, in 1/65,536; at most 65,536.
+    pub derating: u32,
+}
+
+/// A drive: torque in, command out.
+pub trait Drive {
+    /// The command for a torque along `+x`, and the limits that it met.
+    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> (DriveCommand, Limits);
+}
+
+/// A three-phase motor on this board's bridge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ThreePhase {
+    /// `1/k_t`, A/(N·m).
+    amps_per_nm: Amps,
+    limit: Amps,
+}
+
+impl ThreePhase {
+    /// From the motor's settings.
+    ///
+    /// # Errors
+    /// A torque constant whose inverse does not fit.
+    pub fn new(motor: &MotorSettings) -> Result<Self, SettingsError> {
+        let inverse = quotient(Si::ONE, motor.torque_constant_nm_per_a);
+        let amps_per_nm = narrow(inverse);
+        if amps_per_nm <= Amps::ZERO || amps_per_nm == Amps::MAX {
+            return Err(SettingsError::Coefficient {
+                field: Field::TorqueConstantNmPerA,
+                value: inverse,
+            });
+        }
+        Ok(Self {
+            amps_per_nm,
+            limit: narrow(motor.current_limit_a),
+        })
+    }
+}
+
+impl Drive for ThreePhase {
+    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> (DriveCommand, Limits) {
+        let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
+        let wanted = if rotor.against {
+            along.saturating_neg()
+        } else {
+            along
+        };
+        // At most the limit, as the derating is at most 1.
+        let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
+        let left = Amps::from_bits(clamp_i32(left));
+        let q = wanted.min(left).max(left.saturating_neg());
+        let command = CurrentCommand {
+            tick: rotor.tick,
+            mode: CurrentMode::Drive,
+            angle: rotor.angle,
+            advance: rotor.advance,
+            current: Dq { d: Amps::ZERO, q },
+        };
+        let limits = Limits::NONE
+            .with(Limit::Current, q != wanted)
+            .with(Limit::Temperature, rotor.derating < 1 << 16);
+        (DriveCommand::Current(command), limits)
+    }
+}
+
+/// A servo amplifier at the analogue output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Analogue {
+    /// Codes per N·m with 16 fractional bits.
+    codes_per_nm: i32,
+}
+
+impl Analogue {
+    /// From the amplifier's settings.
+    ///
+    /// # Errors
+    /// A full scale whose inverse does not fit.
+    pub fn new(analogue: &AnalogueSettings) -> Result<Self, SettingsError> {
+        let codes = quotient(Si::const_from_int(2_047), analogue.full_scale_nm);
+        let codes_per_nm = narrow(codes).to_bits();
+        if codes_per_nm <= 0 || codes_per_nm == i32::MAX {
+            return Err(SettingsError::Coefficient {
+                field: Field::FullScaleNm,
+                value: codes,
+            });
+        }
+        Ok(Self { codes_per_nm })
+    }
+}
+
+impl Drive for Analogue {
+    fn command(&self, torque: Force<Fixed32>, _rotor: &Rotor) -> (DriveCommand, Limits) {
+        // 24 + 16 fractional bits to none, to the nearest.
+        let wide = i64::from(torque.0.to_bits()) * i64::from(self.codes_per_nm);
+        let wanted = clamp_i32((wide + (1 << 39)) >> 40);
+        let given = wanted.clamp(-2_047, 2_047);
+        let code = DacCode(u16::try_from(given + 2_048).unwrap_or(DacCode::ZERO.0));
+        (
+            DriveCommand::Analogue(code),
+            Limits::NONE.with(Limit::Current, given != wanted),
+        )
+    }
+}
+
+/// Either, chosen by the settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnyDrive {
+    /// On this board's bridge.
+    ThreePhase(ThreePhase),
+    /// At the analogue output.
+    Analogue(Analogue),
+}
+
+impl AnyDrive {
+    /// From the settings.
+    ///
+    /// # Errors
+    /// A coefficient that does not fit.
+    pub fn new(settings: &crate::Settings, _hardware: &Hardware) -> Result<Self, SettingsError> {
+        Ok(match settings.drive {
+            crate::settings::DriveKind::ThreePhase => {
+                Self::ThreePhase(ThreePhase::new(&settings.motor)?)
+            }
+            crate::settings::DriveKind::Analogue => {
+                Self::Analogue(Analogue::new(&settings.analogue)?)
+            }
+        })
+    }
+}
+
+impl Drive for AnyDrive {
+    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> (DriveCommand, Limits) {
+        match self {
+            Self::ThreePhase(drive) => drive.command(torque, rotor),
+            Self::Analogue(drive) => drive.command(torque, rotor),
+        }
+    }
+}

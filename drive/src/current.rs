@@ -1,0 +1,453 @@
+//! One PWM period: phase currents in, compare values out. Field-oriented control at 20 kHz.
+//!
+//! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels: it
+//! switches off by itself when a current is too large, when the hardware break pulled, or when the command is older than two
+//! control periods. What it saw goes back in a [`CurrentReport`].
+//!
+//! Compare values written in one period act in the next, and act on average in its middle: the voltage is turned by one and a
+//! half periods of the rotor's motion.
+
+use crate::angle::Angle;
+use crate::modulation::Modulator;
+use crate::pi::{Pi, PiGains};
+use crate::transform::{AlphaBeta, Dq, Rotation};
+use crate::units::{clamp_i32, milli, product};
+use crate::{Amps, Volts};
+use touchstone_protocol::FaultCode;
+
+/// What the bridge shall do until the next control tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum CurrentMode {
+    /// Off: all six switches open.
+    #[default]
+    Off = 0,
+    /// Off, and measure what the sensors read without current.
+    Offsets = 1,
+    /// On: the currents of the command, in the frame of the command.
+    Drive = 2,
+}
+
+/// The mailbox from the control tick to the current loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CurrentCommand {
+    /// Number of the control tick: a new number is a sign of life.
+    pub tick: u32,
+    /// What to do.
+    pub mode: CurrentMode,
+    /// Electrical angle when the encoder was read.
+    pub angle: Angle,
+    /// How far the angle moves in a PWM period, 2^-32 turns.
+    pub advance: i32,
+    /// Currents to hold.
+    pub current: Dq,
+}
+
+/// What is sampled in a PWM period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CurrentSample {
+    /// Converter's code of the current of phase A.
+    pub phase_a: u16,
+    /// Of phase B.
+    pub phase_b: u16,
+    /// Of the bus voltage.
+    pub bus: u16,
+    /// Of the power stage's temperature: passed on.
+    pub temperature: u16,
+    /// The timer's break flag is set: the hardware has switched off.
+    pub hardware_break: bool,
+    /// The mailbox.
+    pub command: CurrentCommand,
+}
+
+/// What the bridge does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bridge {
+    /// All six switches open.
+    Off,
+    /// Compare values of phases A, B, C.
+    On([u16; 3]),
+}
+
+/// What the interrupt does next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CurrentOutput {
+    /// For the timer.
+    pub bridge: Bridge,
+    /// A control tick is due: pend its interrupt.
+    pub pend_control: bool,
+    /// For the control tick.
+    pub report: CurrentReport,
+}
+
+/// Why the loop switched off by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Trip {
+    /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`] or [`FaultCode::HardwareBreak`].
+    pub code: FaultCode,
+    /// As [`touchstone_protocol::Context::value`].
+    pub value: i32,
+}
+
+/// The sensors' readings without current.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Offsets {
+    /// Mean of phase A, 1/16 of a code.
+    pub a: u16,
+    /// Mean of phase B, 1/16 of a code.
+    pub b: u16,
+    /// Largest minus smallest reading, the worse of the two phases, codes.
+    pub spread: u16,
+}
+
+/// The mailbox from the current loop to the control tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CurrentReport {
+    /// PWM periods since the start, wrapping.
+    pub periods: u32,
+    /// Measured currents in the frame of the command.
+    pub current: Dq,
+    /// Voltages given, same frame.
+    pub voltage: Dq,
+    /// Bus voltage.
+    pub bus: Volts,
+    /// Converter's code of the temperature.
+    pub temperature: u16,
+    /// Control ticks that were due and brought no command in time, since the start, wrapping.
+    pub missed: u16,
+    /// Periods in which the voltage was at its limit, since the start, wrapping.
+    pub saturated: u16,
+    /// How often the loop tripped, wrapping: a change is a new trip.
+    pub trips: u8,
+    /// The last trip.
+    pub trip: Option<Trip>,
+    /// The sensors' offsets, once measured.
+    pub offsets: Option<Offsets>,
+}
+
+/// Coefficients of the loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CurrentConfig {
+    /// Controller gains, the same for d and q.
+    pub gains: PiGains,
+    /// Timer.
+    pub modulator: Modulator,
+    /// A per code with 28 fractional bits; negative where the amplifier inverts.
+    pub amps_per_code: i32,
+    /// V of the bus per code.
+    pub volts_per_code: Volts,
+    /// Largest current ever held.
+    pub limit: Amps,
+    /// Current of a phase, or length of the vector, at which the loop trips.
+    pub trip: Amps,
+    /// PWM periods in a control period.
+    pub periods_per_tick: u16,
+}
+
+/// Samples of which an offset is the mean: 1,024, that is 51 ms at 20 kHz.
+const OFFSET_SAMPLES_LOG2: u32 = 10;
+/// Fractional bits of an offset.
+const OFFSET_BITS: u32 = 4;
+
+/// Readings without current, on their way to a mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct OffsetSums {
+    count: u32,
+    sum: [u32; 2],
+    least: [u16; 2],
+    most: [u16; 2],
+}
+
+impl OffsetSums {
+    const EMPTY: Self = Self {
+        count: 0,
+        sum: [0; 2],
+        least: [u16::MAX; 2],
+        most: [0; 2],
+    };
+
+    fn add(&mut self, a: u16, b: u16) -> Option<Offsets> {
+        let Self {
+            sum: [sum_a, sum_b],
+            least: [least_a, least_b],
+            most: [most_a, most_b],
+            ..
+        } = self;
+        *sum_a = sum_a.saturating_add(u32::from(a));
+        *sum_b = sum_b.saturating_add(u32::from(b));
+        (*least_a, *most_a) = ((*least_a).min(a), (*most_a).max(a));
+        (*least_b, *most_b) = ((*least_b).min(b), (*most_b).max(b));
+        let spread = most_a
+            .saturating_sub(*least_a)
+            .max(most_b.saturating_sub(*least_b));
+        // Codes have 12 bits, so 1/16 of them fits; wider ones saturate and are then implausible.
+        let mean = |sum: u32| {
+            u16::try_from(sum >> (OFFSET_SAMPLES_LOG2 - OFFSET_BITS)).unwrap_or(u16::MAX)
+        };
+        let (a, b) = (mean(*sum_a), mean(*sum_b));
+        self.count += 1;
+        (self.count >= 1 << OFFSET_SAMPLES_LOG2).then_some(Offsets { a, b, spread })
+    }
+}
+
+/// The loop with its memory.
+#[derive(Debug, Clone, Copy)]
+pub struct CurrentLoop {
+    config: CurrentConfig,
+    d: Pi,
+    q: Pi,
+    /// Periods since the last control tick was pended.
+    phase: u16,
+    /// Periods since the encoder reading that the command is made of.
+    age: u32,
+    last_tick: u32,
+    sums: OffsetSums,
+    tripped: bool,
+    report: CurrentReport,
+}
+
+impl CurrentLoop {
+    /// Off, offsets unknown.
+    #[must_use]
+    pub fn new(config: CurrentConfig) -> Self {
+        Self {
+            config,
+            d: Pi::default(),
+            q: Pi::default(),
+            phase: 0,
+            age: 0,
+            last_tick: 0,
+            sums: OffsetSums::EMPTY,
+            tripped: false,
+            report: CurrentReport::default(),
+        }
+    }
+
+    /// Other coefficients, for a bridge that is off: what was counted goes on, offsets are forgotten.
+    pub fn reconfigure(&mut self, config: CurrentConfig) {
+        let report = CurrentReport {
+            offsets: None,
+            ..self.report
+        };
+        *self = Self {
+            tripped: self.tripped,
+            last_tick: self.last_tick,
+            report,
+            ..Self::new(config)
+        };
+    }
+
+    /// One PWM period.
+    pub fn tick(&mut self, sample: &CurrentSample) -> CurrentOutput {
+        let command = &sample.command;
+        let config = &self.config;
+        self.report.periods = self.report.periods.wrapping_add(1);
+        self.phase = self.phase.wrapping_add(1);
+        let pend_control = self.phase >= config.periods_per_tick;
+        if pend_control {
+            self.phase = 0;
+        }
+        let fresh = command.tick != self.last_tick;
+        if fresh {
+            self.last_tick = command.tick;
+            // Its encoder was read when the tick was pended. In the very period that pends the next, that was a whole tick ago.
+            self.age = if pend_control {
+                u32::from(config.periods_per_tick)
+            } else {
+                u32::from(self.phase)
+            };
+        } else {
+            self.age = self.age.saturating_add(1);
+        }
+        // At the moment of pending, the command of the tick before is one control period old, or that tick did not end.
+        if pend_control && self.age > u32::from(config.periods_per_tick) {
+            self.report.missed = self.report.missed.wrapping_add(1);
+        }
+        self.report.bus = Volts::from_bits(clamp_i32(
+            i64::from(sample.bus) * i64::from(config.volts_per_code.to_bits()),
+        ));
+        self.report.temperature = sample.temperature;
+
+        if sample.hardware_break {
+            self.trip(FaultCode::HardwareBreak, 0);
+        }
+        let bridge = match command.mode {
+            CurrentMode::Off | CurrentMode::Offsets => {
+                if fresh && !sample.hardware_break {
+                    self.tripped = false;
+                }
+                self.rest(sample);
+                Bridge::Off
+            }
+            CurrentMode::Drive => {
+                self.sums = OffsetSums::EMPTY;
+                self.drive(sample)
+            }
+        };
+        CurrentOutput {
+            bridge,
+            pend_control,
+            report: self.report,
+        }
+    }
+
+    fn trip(&mut self, code: FaultCode, value: i32) {
+        // The first cause until it is cleared, as in the fault machine.
+        if !self.tripped {
+            self.tripped = true;
+            self.report.trips = self.report.trips.wrapping_add(1);
+            self.report.trip = Some(Trip { code, value });
+        }
+    }
+
+    /// A period with the bridge off.
+    fn rest(&mut self, sample: &CurrentSample) {
+        self.d.reset();
+        self.q.reset();
+        self.report.current = Dq::ZERO;
+        self.report.voltage = Dq::ZERO;
+        if sample.command.mode == CurrentMode::Offsets {
+            if self.sums.count == 0 {
+                self.report.offsets = None;
+            }
+            if self.report.offsets.is_none() {
+                self.report.offsets = self.sums.add(sample.phase_a, sample.phase_b);
+            }
+        } else {
+            self.sums = OffsetSums::EMPTY;
+        }
+    }
+
+    /// A period with the bridge on, unless something is wrong.
+    fn drive(&mut self, sample: &CurrentSample) -> Bridge {
+        let config = self.config;
+        let command = &sample.command;
+        let Some(offsets) = self.report.offsets else {
+            return Bridge::Off;
+        };
+        let amps = |code: u16, offset: u16| {
+            let difference = (i32::from(code) << OFFSET_BITS) - i32::from(offset);
+            // 28 + 4 fractional bits to 16.
+            Amps::from_bits(product(
+                difference,
+                config.amps_per_code,
+                28 + OFFSET_BITS - 16,
+            ))
+        };
+        let (a, b) = (
+            amps(sample.phase_a, offsets.a),
+            amps(sample.phase_b, offsets.b),
+        );
+        let c = a.saturating_add(b).saturating_neg();
+        let vector = AlphaBeta::from_phases(a, b);
+        let trip = u64::from(config.trip.to_bits().max(0).unsigned_abs());
+        // The largest of the phases is what a person would measure; the vector sees what two phases hide from the third.
+        let largest = a
+            .saturating_abs()
+            .max(b.saturating_abs())
+            .max(c.saturating_abs());
+        if largest > config.trip || vector.square() > trip * trip {
+            self.trip(FaultCode::OverCurrent, milli(largest));
+        }
+        if self.age > 2 * u32::from(config.periods_per_tick) {
+            self.trip(FaultCode::StaleCommand, clamp_i32(i64::from(self.age)));
+        }
+        if self.tripped {
+            self.d.reset();
+            self.q.reset();
+            self.report.current = Dq::ZERO;
+            self.report.voltage = Dq::ZERO;
+            return Bridge::Off;
+        }
+
+        let moved = |periods_times_2: i64| {
+            // 2^-32 turns to 2^-16, halves of periods to periods.
+            Angle(((i64::from(command.advance) * periods_times_2) >> 17) as u16)
+        };
+        let twice = i64::from(self.age) * 2;
+        let current = Rotation::of(command.angle.plus(moved(twice))).park(vector);
+        let error = |wanted: Amps, is: Amps| {
+            let limit = config.limit;
+            wanted
+                .min(limit)
+                .max(limit.saturating_neg())
+                .saturating_sub(is)
+        };
+        let longest = Volts::from_bits(product(
+            self.report.bus.to_bits(),
+            config.modulator.share(),
+            16,
+        ))
+        .max(Volts::ZERO);
+        let (v_d, short_d) =
+            self.d
+                .tick(&config.gains, error(command.current.d, current.d), longest);
+        let (v_q, short_q) = self.q.tick(
+            &config.gains,
+            error(command.current.q, current.q),
+            other_side(longest, v_d),
+        );
+        if short_d || short_q {
+            self.report.saturated = self.report.saturated.wrapping_add(1);
+        }
+        let voltage = Dq { d: v_d, q: v_q };
+        self.report.current = current;
+        self.report.voltage = voltage;
+        // One and a half periods on, where it acts.
+        let vector = Rotation::of(command.angle.plus(moved(twice + 3))).back(voltage);
+        Bridge::On(config.modulator.duties(vector, self.report.bus))
+    }
+}
+
+/// `√(length² - side²)`: what the circle of voltages leaves the q axis, rounded down to 1/1,024 V; lengths up to 63 V count.
+fn other_side(length: Volts, side: Volts) -> Volts {
+    let short =
+        |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));
+    let (length, side) = (short(length), short(side));
+    // Both below 2^16, so the squares fit.
+    let root = root((length * length).saturating_sub(side * side));
+    Volts::from_bits(clamp_i32(i64::from(root) << 6))
+}
+
+/// `floor(√x)`, bit by bit: 16 steps.
+const fn root(x: u32) -> u32 {
+    let (mut rest, mut root, mut bit) = (x, 0, 1 << 30);
+    while bit != 0 {
+        if rest >= root + bit {
+            rest -= root + bit;
+            root = (root >> 1) + bit;
+        } else {
+            root >>= 1;
+        }
+        bit >>= 2;
+    }
+    root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_root_is_rounded_down() {
+        for x in (0..=u32::MAX)
+            .step_by(65_537)
+            .chain([u32::MAX, 0, 1, 2, 3, 4, 0xFFFE_0001])
+        {
+            let r = u64::from(root(x));
+            assert!(
+                r * r <= u64::from(x) && (r + 1) * (r + 1) > u64::from(x),
+                "{x}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_sides_stay_in_the_circle() {
+        let v = |x: f64| Volts::from_num(x);
+        assert!((other_side(v(13.0), v(5.0)) - v(12.0)).abs() < v(0.002));
+        assert_eq!(other_side(v(5.0), v(-5.0)), Volts::ZERO);
+        assert_eq!(other_side(v(5.0), v(6.0)), Volts::ZERO);
+        assert!(other_side(Volts::MAX, Volts::MIN) == Volts::ZERO);
+    }
+}

@@ -1,0 +1,179 @@
+//! From an encoder's raw word to an unbroken count, and what may be wrong with it.
+
+mod as5047p;
+mod mt6701;
+
+use touchstone_protocol::Unwrap32;
+
+pub use as5047p::READ_ANGLE as AS5047P_READ_ANGLE;
+pub use as5047p::READ_ERRORS as AS5047P_READ_ERRORS;
+
+/// Which encoder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EncoderKind {
+    /// Two tracks into a timer.
+    Incremental,
+    /// AS5047P over SPI: 14 bits, parity.
+    #[default]
+    As5047p,
+    /// MT6701 over SSI: 14 bits, CRC.
+    Mt6701,
+}
+
+/// What was read in this tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EncoderReading {
+    /// A timer of 16 bits.
+    Counter16(u16),
+    /// A timer of 32 bits.
+    Counter32(u32),
+    /// The frame that answered [`AS5047P_READ_ANGLE`] of the frame before.
+    As5047p(u16),
+    /// 24 bits of SSI, the first received in bit 23.
+    Mt6701(u32),
+    /// Nothing came in time.
+    Silent,
+}
+
+/// Why a reading is not used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EncoderError {
+    /// Nothing came, or the answer of another encoder.
+    Silent,
+    /// Parity or check sum are wrong; the raw word.
+    Check(u32),
+    /// The encoder reports an error of its own; the raw word.
+    Status(u32),
+}
+
+/// A good reading: the counter's value at the upper end of 32 bits, so that it wraps where the encoder does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Word {
+    aligned: u32,
+    shift: u32,
+}
+
+impl Word {
+    const fn new(value: u32, bits: u32) -> Self {
+        let shift = 32 - bits;
+        Self {
+            aligned: value << shift,
+            shift,
+        }
+    }
+
+    /// The counter's value.
+    #[must_use]
+    pub const fn value(self) -> u32 {
+        self.aligned >> self.shift
+    }
+}
+
+impl EncoderReading {
+    /// Checks and decodes.
+    ///
+    /// # Errors
+    /// What is wrong with the reading.
+    #[inline]
+    pub fn decode(self, kind: EncoderKind) -> Result<Word, EncoderError> {
+        match (kind, self) {
+            (EncoderKind::Incremental, Self::Counter16(value)) => {
+                Ok(Word::new(u32::from(value), 16))
+            }
+            (EncoderKind::Incremental, Self::Counter32(value)) => Ok(Word::new(value, 32)),
+            (EncoderKind::As5047p, Self::As5047p(frame)) => as5047p::decode(frame),
+            (EncoderKind::Mt6701, Self::Mt6701(frame)) => mt6701::decode(frame),
+            _ => Err(EncoderError::Silent),
+        }
+    }
+}
+
+/// Unwraps any of the encoders: their counters, moved to the upper end of 32 bits, all wrap at 2^32, and nothing is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unwrapped {
+    aligned: Unwrap32,
+    shift: u32,
+    reversed: bool,
+}
+
+impl Unwrapped {
+    /// Starts at count 0.
+    #[must_use]
+    pub const fn new(word: Word, reversed: bool) -> Self {
+        Self {
+            aligned: Unwrap32::new(word.aligned, 0),
+            shift: word.shift,
+            reversed,
+        }
+    }
+
+    /// Takes the next reading; the unbroken count, right if the shaft moved by less than half the counter's range.
+    #[inline]
+    pub fn update(&mut self, word: Word) -> i64 {
+        let count = self.aligned.update(word.aligned) >> (self.shift & 31);
+        if self.reversed {
+            count.wrapping_neg()
+        } else {
+            count
+        }
+    }
+
+    /// The count at the last reading.
+    #[must_use]
+    pub const fn count(&self) -> i64 {
+        let count = self.aligned.count() >> (self.shift & 31);
+        if self.reversed {
+            count.wrapping_neg()
+        } else {
+            count
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_width_wraps_where_its_encoder_does() {
+        let word = |value: u32, bits| Word::new(value, bits);
+        for bits in [14, 16, 32] {
+            let range = 1_u64 << bits;
+            let mut unwrapped = Unwrapped::new(word((range - 3) as u32, bits), false);
+            assert_eq!(unwrapped.update(word(4, bits)), 7);
+            assert_eq!(unwrapped.update(word((range - 10) as u32, bits)), -7);
+            let mut reversed = Unwrapped::new(word(0, bits), true);
+            assert_eq!(reversed.update(word(5, bits)), -5);
+            assert_eq!(reversed.count(), -5);
+        }
+    }
+
+    #[test]
+    fn the_answer_of_another_encoder_is_none() {
+        for kind in [
+            EncoderKind::Incremental,
+            EncoderKind::As5047p,
+            EncoderKind::Mt6701,
+        ] {
+            assert_eq!(
+                EncoderReading::Silent.decode(kind),
+                Err(EncoderError::Silent)
+            );
+        }
+        assert_eq!(
+            EncoderReading::Counter16(1).decode(EncoderKind::As5047p),
+            Err(EncoderError::Silent)
+        );
+        assert_eq!(
+            EncoderReading::Mt6701(0).decode(EncoderKind::Incremental),
+            Err(EncoderError::Silent)
+        );
+        assert_eq!(
+            EncoderReading::Counter16(9)
+                .decode(EncoderKind::Incremental)
+                .unwrap()
+                .value(),
+            9
+        );
+    }
+}

@@ -1,0 +1,91 @@
+//! What a board's parts make of volts and amperes: constants, no pins.
+
+use crate::modulation::Modulator;
+use crate::thermistor::{NTC_10K_3455_OVER_4K7, Thermistor};
+use crate::units::clamp_i32;
+use touchstone_control::Si;
+
+/// A board's power stage as the converter sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hardware {
+    /// PWM rate and rate of the current loop, Hz.
+    pub pwm_hz: u32,
+    /// Processor clock, Hz: the unit of [`crate::timing`].
+    pub core_hz: u32,
+    /// Compare value at which a phase is always high (centre-aligned: `core_hz / (2 pwm_hz)`).
+    pub timer_top: u16,
+    /// Timer counts that the low side must be on for so that its shunt can be sampled: settling, dead time, conversion.
+    pub sampling_counts: u16,
+    /// A of phase current per code of the converter; negative where a current into the motor lowers the code.
+    pub amps_per_code: Si,
+    /// V of bus voltage per code.
+    pub volts_per_code: Si,
+    /// Code that the current sensors show without current, by their schematic.
+    pub offset_code: u16,
+    /// How far a measured offset may be from it, codes.
+    pub offset_tolerance: u16,
+    /// How far apart readings without current may be, codes.
+    pub offset_spread: u16,
+    /// Largest current that the sensors resolve with a reserve, A.
+    pub current_max_a: Si,
+    /// Lowest bus voltage at which the gate drivers work, V.
+    pub bus_min_v: Si,
+    /// Highest bus voltage, V.
+    pub bus_max_v: Si,
+    /// Highest temperature of the power stage, degrees Celsius.
+    pub temperature_max_c: Si,
+    /// The temperature sensor.
+    pub thermistor: Thermistor,
+}
+
+/// NUCLEO-G474RE with X-NUCLEO-IHM08M1: shunts 0.01 Ω behind a gain of 5.18 around 1.55 V, bus divider 1:19.17, 3.3 V, 12 bits.
+pub const IHM08M1: Hardware = Hardware {
+    pwm_hz: 20_000,
+    core_hz: 170_000_000,
+    timer_top: 4_250,
+    // 2 µs: 1 µs of settling, 0.5 µs of dead time, 0.3 µs of conversion, and a reserve; half of it on each side of the middle.
+    sampling_counts: 340,
+    // 3.3 V / 4,096 / (0.01 Ω · 5.18)
+    amps_per_code: Si::lit("0.015553"),
+    // 3.3 V / 4,096 · 19.17
+    volts_per_code: Si::lit("0.015445"),
+    offset_code: 1_924,
+    offset_tolerance: 250,
+    offset_spread: 60,
+    current_max_a: Si::lit("15"),
+    bus_min_v: Si::lit("8"),
+    bus_max_v: Si::lit("48"),
+    temperature_max_c: Si::lit("110"),
+    thermistor: NTC_10K_3455_OVER_4K7,
+};
+
+/// B-G431B-ESC1: shunts 0.003 Ω behind a gain of 64/7 around 2.06 V, bus divider 1:10.39, 3.3 V, 12 bits.
+pub const B_G431B_ESC1: Hardware = Hardware {
+    // 3.3 V / 4,096 / (0.003 Ω · 64/7)
+    amps_per_code: Si::lit("0.029373"),
+    // 3.3 V / 4,096 · 10.39
+    volts_per_code: Si::lit("0.008371"),
+    // 16 · 0.9 V/7 of 3.3 V
+    offset_code: 2_553,
+    current_max_a: Si::lit("25"),
+    bus_max_v: Si::lit("30"),
+    ..IHM08M1
+};
+
+impl Hardware {
+    /// The modulator of this timer.
+    #[must_use]
+    pub const fn modulator(&self) -> Modulator {
+        Modulator {
+            top: self.timer_top,
+            // The low side is on around the timer's top, for the counts above the compare value, up and down again.
+            longest: self.timer_top.saturating_sub(self.sampling_counts / 2),
+        }
+    }
+
+    /// A per code with 28 fractional bits.
+    #[must_use]
+    pub const fn amps_per_code_bits(&self) -> i32 {
+        clamp_i32(self.amps_per_code.to_bits() >> 4)
+    }
+}

@@ -1,0 +1,68 @@
+//! What the firmware decides, from raw readings to compare values, as plain structs in and plain structs out.
+//!
+//! ```text
+//! encoder register -> decode (encoder) -> unwrap (protocol) -> supervisor -> fault machine (protocol)
+//!   -> penetration, law (control, unchanged) -> torque -> current (command) -> mailbox -> current loop (current) -> compare values
+//! ```
+//!
+//! Two calls are all that an interrupt makes: [`CurrentLoop::tick`] once a PWM period and [`Device::tick`] once a control period.
+//! Neither waits, allocates, panics, knows a clock or a register, or calculates with floats; so both run the same on any host.
+//!
+//! Read it in this order: [`device`] for one control tick, [`command`] for what becomes of its torque, [`current`] for one PWM
+//! period; [`supervisor`] for what may go wrong and [`calibration`] for what must be known first.
+//!
+//! | word | meaning | type |
+//! |---|---|---|
+//! | current | A, positive into the motor | [`Amps`] |
+//! | voltage | V | [`Volts`] |
+//! | electrical angle | fraction of a turn of the rotor's field, wraps by itself | [`Angle`] |
+//! | d, q | along the rotor's field, and a quarter turn ahead of it: the torque is `k_t i_q` | |
+//! | duty | compare value, 0 to the timer's top; the phase's voltage rises with it | `u16` |
+//! | tick | one control period | |
+//! | period | one PWM period, in which the current loop runs once | |
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+#![allow(dead_code, unused_imports)]
+
+pub mod angle;
+pub mod calibration;
+pub mod command;
+pub mod current;
+pub mod device;
+pub mod encoder;
+pub mod hardware;
+pub mod mailbox;
+pub mod modulation;
+pub mod pi;
+pub mod record;
+pub mod reset;
+pub mod ring;
+pub mod settings;
+pub mod supervisor;
+pub mod thermistor;
+pub mod timing;
+pub mod transform;
+mod units;
+
+pub use angle::Angle;
+pub use calibration::{Calibration, Reason};
+pub use command::{DacCode, DriveCommand};
+pub use current::{
+    Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentOutput, CurrentReport,
+    CurrentSample, Trip,
+};
+pub use device::{ControlInput, ControlOutput, Device};
+pub use encoder::{EncoderError, EncoderKind, EncoderReading};
+pub use hardware::Hardware;
+pub use record::Record;
+pub use reset::{ResetFlags, ResetReason};
+pub use ring::{CompactRecord, Ring};
+pub use settings::{Settings, SettingsError};
+pub use timing::{Cycles, TickTiming};
+
+/// A current, A: ±32,768 in steps of 15 µA.
+pub type Amps = fixed::types::I16F16;
+/// A voltage, V: ±32,768 in steps of 15 µV.
+pub type Volts = fixed::types::I16F16;
+/// A temperature, degrees Celsius.
+pub type Celsius = fixed::types::I16F16;

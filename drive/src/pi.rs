@@ -1,0 +1,93 @@
+//! The two current controllers: proportional and integral, with an integrator that cannot wind up.
+//!
+//! A winding is `L di/dt = v - R i - e`. With `k_p = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole and
+//! the loop is a first-order lag of bandwidth `ω`. The integrator is written so that the limit is part of it:
+//!
+//! ```text
+//! v  = limited(k_p (i* - i) + s)
+//! s' = s + (R T/L) (v - s)
+//! ```
+//!
+//! Without the limit that is the usual sum, `s' = s + k_i T (i* - i)`. At the limit `s` follows the voltage that is really there
+//! with the winding's own time constant, so that it is what the resistance takes when the limit is left: no wind-up, no
+//! tail (Hanus' conditioned controller). It never leaves the limits of `v`, being a mean of values within them.
+
+use crate::settings::{Field, SettingsError};
+use crate::units::{clamp_i32, narrow, product, quotient};
+use crate::{Amps, Volts};
+use fixed::types::I16F16;
+use touchstone_control::Si;
+
+/// Gains, computed once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PiGains {
+    /// `ω L`, V/A.
+    pub proportional: I16F16,
+    /// `R T/L`, the share of its way that the integrator goes in a period; 0 to 1, in 1/65,536.
+    pub share: u16,
+}
+
+/// `2π`.
+const TWO_PI: Si = Si::lit("6.283185307");
+
+impl PiGains {
+    /// For a winding (phase to star point) and a bandwidth, at a rate of the loop.
+    ///
+    /// # Errors
+    /// A gain that does not fit: an inductance so large or so small that a period does not resolve the winding.
+    pub fn new(
+        resistance_ohm: Si,
+        inductance_h: Si,
+        bandwidth_hz: Si,
+        loop_rate_hz: Si,
+    ) -> Result<Self, SettingsError> {
+        let proportional = bandwidth_hz
+            .saturating_mul(TWO_PI)
+            .saturating_mul(inductance_h);
+        let share = quotient(quotient(resistance_ohm, inductance_h), loop_rate_hz);
+        let gain = narrow(proportional);
+        if gain <= I16F16::ZERO || gain == I16F16::MAX {
+            return Err(SettingsError::Coefficient {
+                field: Field::InductanceH,
+                value: proportional,
+            });
+        }
+        let bits = share.to_bits() >> 16;
+        match u16::try_from(bits) {
+            Ok(share) if share > 0 => Ok(Self {
+                proportional: gain,
+                share,
+            }),
+            _ => Err(SettingsError::Coefficient {
+                field: Field::ResistanceOhm,
+                value: share,
+            }),
+        }
+    }
+}
+
+/// One controller's memory: what the resistance and the motion take, V.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Pi {
+    integral: Volts,
+}
+
+impl Pi {
+    /// One period: the error of the current to a voltage within `-limit..=limit`, and whether the limit acted.
+    #[inline]
+    pub fn tick(&mut self, gains: &PiGains, error: Amps, limit: Volts) -> (Volts, bool) {
+        let wanted = Volts::from_bits(product(gains.proportional.to_bits(), error.to_bits(), 16))
+            .saturating_add(self.integral);
+        let given = wanted.min(limit).max(limit.saturating_neg());
+        let way = i64::from(given.to_bits()) - i64::from(self.integral.to_bits());
+        // To the nearest step, so that a small error is not lost on one side only.
+        let step = (way * i64::from(gains.share) + (1 << 15)) >> 16;
+        self.integral = Volts::from_bits(clamp_i32(i64::from(self.integral.to_bits()) + step));
+        (given, given != wanted)
+    }
+
+    /// Forgets; for a bridge that is off.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+}

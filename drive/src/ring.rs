@@ -1,0 +1,295 @@
+//! The last second, for whoever asks after a fault: 1,000 compact records of 12 bytes, frozen when a fault is latched.
+
+use crate::record::Record;
+use touchstone_protocol::{Limits, State};
+
+/// How many records are kept.
+pub const RECORDS: usize = 1_000;
+/// Bytes of a record.
+pub const BYTES: usize = 12;
+
+/// One kept tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CompactRecord {
+    /// Low 16 bits of the tick's number.
+    pub tick: u16,
+    /// Low 24 bits of the count, with its sign.
+    pub count: i32,
+    /// Force, N·m in 1/4,096, saturating at ±8.
+    pub force: i16,
+    /// Measured current `i_q`, A in 1/1,024, saturating at ±32.
+    pub current: i16,
+    /// Lateness in units of 64 cycles, saturating.
+    pub lateness: u8,
+    /// Limits that acted.
+    pub limits: Limits,
+    /// State: 0 boot, 1 calibrating, 2 ready, 3 armed, 4 fault, 5 stopped.
+    pub state: u8,
+}
+
+/// A state's number in records and on the wire.
+#[must_use]
+pub const fn state_number(state: State) -> u8 {
+    match state {
+        State::Boot => 0,
+        State::Calibrating => 1,
+        State::Ready => 2,
+        State::Armed => 3,
+        State::Fault(_) => 4,
+        State::Stopped => 5,
+    }
+}
+
+/// Takes fractional bits off, saturating.
+fn short(bits: i32, shift: u32) -> i16 {
+    let shifted = bits >> shift;
+    i16::try_from(shifted).unwrap_or(if shifted < 0 { i16::MIN } else { i16::MAX })
+}
+
+impl CompactRecord {
+    /// What is kept of a record.
+    #[must_use]
+    pub fn of(record: &Record) -> Self {
+        Self {
+            tick: record.tick as u16,
+            count: (record.count as i32) << 8 >> 8,
+            force: short(record.force.0.to_bits(), 24 - 12),
+            current: short(record.current.q.to_bits(), 16 - 10),
+            lateness: u8::try_from(record.timing.lateness >> 6).unwrap_or(u8::MAX),
+            limits: record.limits,
+            state: state_number(record.state),
+        }
+    }
+
+    /// Little-endian: tick 2, count 3, force 2, current 2, lateness 1, limits 1, state 1.
+    #[must_use]
+    pub const fn to_bytes(&self) -> [u8; BYTES] {
+        let [t0, t1] = self.tick.to_le_bytes();
+        let [c0, c1, c2, _] = self.count.to_le_bytes();
+        let [f0, f1] = self.force.to_le_bytes();
+        let [i0, i1] = self.current.to_le_bytes();
+        [
+            t0,
+            t1,
+            c0,
+            c1,
+            c2,
+            f0,
+            f1,
+            i0,
+            i1,
+            self.lateness,
+            self.limits.to_wire(),
+            self.state,
+        ]
+    }
+
+    /// The record behind the bytes.
+    #[must_use]
+    pub const fn from_bytes(bytes: &[u8; BYTES]) -> Self {
+        let [t0, t1, c0, c1, c2, f0, f1, i0, i1, lateness, limits, state] = *bytes;
+        Self {
+            tick: u16::from_le_bytes([t0, t1]),
+            // Into the upper bytes and down again, so that the sign is kept.
+            count: i32::from_le_bytes([0, c0, c1, c2]) >> 8,
+            force: i16::from_le_bytes([f0, f1]),
+            current: i16::from_le_bytes([i0, i1]),
+            lateness,
+            limits: Limits::from_wire(limits),
+            state,
+        }
+    }
+}
+
+/// The records, oldest first when read.
+#[derive(Debug, Clone)]
+pub struct Ring {
+    records: [[u8; BYTES]; RECORDS],
+    /// Where the next one goes.
+    next: usize,
+    length: usize,
+    /// Every so manieth tick is kept.
+    every: u16,
+    since: u16,
+    frozen: bool,
+}
+
+impl Ring {
+    /// Empty, for a control rate: at more than 1 kHz, every so manieth tick is kept that the ring holds a second.
+    #[must_use]
+    pub const fn new(rate_hz: u32) -> Self {
+        let every = rate_hz.div_ceil(RECORDS as u32);
+        Self {
+            records: [[0; BYTES]; RECORDS],
+            next: 0,
+            length: 0,
+            every: if every == 0 { 1 } else { every as u16 },
+            since: 0,
+            frozen: false,
+        }
+    }
+
+    /// Takes a tick; the tick of a fault is kept whatever its number is, and is the last one.
+    pub fn take(&mut self, record: &Record) {
+        if self.frozen {
+            return;
+        }
+        self.since = self.since.saturating_add(1);
+        let fault = matches!(record.state, State::Fault(_));
+        if self.since >= self.every || fault {
+            self.since = 0;
+            self.push(CompactRecord::of(record).to_bytes());
+        }
+        self.frozen = fault;
+    }
+
+    fn push(&mut self, bytes: [u8; BYTES]) {
+        if let Some(place) = self.records.get_mut(self.next) {
+            *place = bytes;
+        }
+        self.next += 1;
+        if self.next >= RECORDS {
+            self.next = 0;
+        }
+        self.length = (self.length + 1).min(RECORDS);
+    }
+
+    /// Goes on after a fault, empty.
+    pub fn thaw(&mut self) {
+        self.frozen = false;
+        self.length = 0;
+        self.next = 0;
+        self.since = 0;
+    }
+
+    /// Whether a fault has stopped it.
+    #[must_use]
+    pub const fn is_frozen(&self) -> bool {
+        self.frozen
+    }
+
+    /// Every so manieth tick is kept.
+    #[must_use]
+    pub const fn every(&self) -> u16 {
+        self.every
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// The bytes of a record by its age's order: 0 is the oldest.
+    #[must_use]
+    pub fn get(&self, index: usize) -> Option<&[u8; BYTES]> {
+        if index >= self.length {
+            return None;
+        }
+        let first = if self.length < RECORDS { 0 } else { self.next };
+        let place = first + index;
+        self.records.get(if place >= RECORDS {
+            place - RECORDS
+        } else {
+            place
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_control::Force;
+    use touchstone_protocol::{Context, FaultCode, Limit};
+
+    fn record(tick: u32) -> Record {
+        Record {
+            tick,
+            state: State::Armed,
+            count: -5 - i64::from(tick),
+            ..Record::empty()
+        }
+    }
+
+    fn ticks(ring: &Ring) -> Vec<u16> {
+        (0..ring.len())
+            .map(|i| CompactRecord::from_bytes(ring.get(i).unwrap()).tick)
+            .collect()
+    }
+
+    #[test]
+    fn bytes_come_back() {
+        for count in [0, 1, -1, 0x7F_FFFF, -0x80_0000] {
+            let kept = CompactRecord {
+                tick: 0xABCD,
+                count,
+                force: -2,
+                current: i16::MIN,
+                lateness: 9,
+                limits: Limits::NONE.with(Limit::Voltage, true),
+                state: 3,
+            };
+            assert_eq!(CompactRecord::from_bytes(&kept.to_bytes()), kept);
+        }
+        let far = Record {
+            count: -3,
+            force: Force(fixed::types::I8F24::lit("-0.5")),
+            ..record(1)
+        };
+        assert_eq!(CompactRecord::of(&far).count, -3);
+        assert_eq!(CompactRecord::of(&far).force, -2_048);
+        let beyond = Record {
+            force: Force(fixed::types::I8F24::MAX),
+            ..record(1)
+        };
+        assert_eq!(CompactRecord::of(&beyond).force, i16::MAX);
+    }
+
+    #[test]
+    fn the_last_second_in_order() {
+        let mut ring = Ring::new(1_000);
+        assert!(ring.is_empty() && ring.get(0).is_none());
+        for tick in 1..=2_345 {
+            ring.take(&record(tick));
+        }
+        assert_eq!(ring.len(), RECORDS);
+        assert_eq!(ticks(&ring), (1_346..=2_345).collect::<Vec<u16>>());
+        assert!(ring.get(RECORDS).is_none());
+    }
+
+    #[test]
+    fn a_fault_is_the_last_record_until_thawed() {
+        let mut ring = Ring::new(10_000);
+        assert_eq!(ring.every(), 10);
+        let fault = State::Fault(Context {
+            code: FaultCode::OverCurrent,
+            tick: 25,
+            value: 1,
+        });
+        for tick in 1..=40 {
+            ring.take(&Record {
+                state: if tick >= 25 { fault } else { State::Armed },
+                ..record(tick)
+            });
+        }
+        assert_eq!(ticks(&ring), [10, 20, 25]);
+        assert!(ring.is_frozen());
+        ring.thaw();
+        assert!(ring.is_empty() && !ring.is_frozen());
+        for tick in 41..=50 {
+            ring.take(&record(tick));
+        }
+        assert_eq!(ticks(&ring), [50]);
+    }
+
+    #[test]
+    fn it_takes_twelve_kilobytes() {
+        assert!(size_of::<Ring>() <= 12_040);
+    }
+}

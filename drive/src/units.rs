@@ -1,0 +1,39 @@
+//! Conversions between the settings' wide values and the narrow ones of the ticks; none overflows, none panics.
+
+use fixed::types::I16F16;
+use touchstone_control::Si;
+
+/// Settings are `I32F32`, currents and voltages `I16F16`: half the fraction, saturating.
+pub(crate) const fn narrow(value: Si) -> I16F16 {
+    I16F16::from_bits(clamp_i32(value.to_bits() >> 16))
+}
+
+/// The nearest value that fits.
+pub(crate) const fn clamp_i32(value: i64) -> i32 {
+    if value > i32::MAX as i64 {
+        i32::MAX
+    } else if value < i32::MIN as i64 {
+        i32::MIN
+    } else {
+        value as i32
+    }
+}
+
+/// `a · b` with `shift` fractional bits taken off, towards minus infinity, saturating. For `shift` below 64.
+pub(crate) const fn product(a: i32, b: i32, shift: u32) -> i32 {
+    clamp_i32((a as i64 * b as i64) >> shift)
+}
+
+/// `a / b`, saturating; the largest value with the sign of `a` for `b = 0`.
+pub(crate) fn quotient(a: Si, b: Si) -> Si {
+    if b == Si::ZERO {
+        if a < Si::ZERO { Si::MIN } else { Si::MAX }
+    } else {
+        a.saturating_div(b)
+    }
+}
+
+/// Thousandths of a value with 16 fractional bits, saturating: mA of A, mV of V.
+pub(crate) const fn milli(value: I16F16) -> i32 {
+    clamp_i32((value.to_bits() as i64 * 1000) >> 16)
+}
