@@ -78,7 +78,7 @@ mod tests {
                 .celsius(code(exact).round() as u16)
                 .unwrap();
             // A straight line for the curve between points 20 degrees apart: best where it matters.
-            let bound = if (20.0..110.0).contains(&exact) {
+            let bound = if (20.0..100.0).contains(&exact) {
                 1.0
             } else {
                 2.0
