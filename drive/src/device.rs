@@ -8,7 +8,6 @@ use crate::hardware::Hardware;
 use crate::pi::PiGains;
 use crate::record::Record;
 use crate::reset::ResetReason;
-use crate::ring::Ring;
 use crate::settings::{Settings, SettingsError};
 use crate::timing::TickTiming;
 use crate::units::narrow;
@@ -46,7 +45,7 @@ pub struct ControlOutput {
     pub reconfigure: bool,
     /// Whether the command of this tick had an effect; `None` without one.
     pub accepted: Option<bool>,
-    /// The telemetry record.
+    /// The telemetry record; also for the [`crate::Ring`], which is no part of the device: it is too large for a stack.
     pub record: Record,
 }
 
@@ -89,7 +88,6 @@ impl Config {
 pub struct Device {
     config: Config,
     machine: Machine,
-    ring: Ring,
     record: Record,
     alignment: Option<Alignment>,
 }
@@ -103,7 +101,6 @@ impl Device {
         Ok(Self {
             config: Config::new(settings, hardware)?,
             machine: Machine::new(),
-            ring: Ring::new(settings.wall.rate_hz),
             record: Record::empty(),
             alignment: None,
         })
@@ -154,11 +151,5 @@ impl Device {
     #[must_use]
     pub const fn fault(&self) -> Option<Context> {
         self.machine.fault()
-    }
-
-    /// The last second.
-    #[must_use]
-    pub const fn ring(&self) -> &Ring {
-        &self.ring
     }
 }

@@ -108,25 +108,35 @@ pub struct Ring {
     /// Where the next one goes.
     next: usize,
     length: usize,
-    /// Every so manieth tick is kept.
-    every: u16,
+    /// Ticks left out between two that are kept.
+    skipped: u16,
     since: u16,
     frozen: bool,
 }
 
 impl Ring {
-    /// Empty, for a control rate: at more than 1 kHz, every so manieth tick is kept that the ring holds a second.
+    /// Empty, for a control rate: at more than 1 kHz, every so manieth tick is kept that the ring holds a second. At 1 kHz and
+    /// below it is all zeros, so that as a static it takes no place in the program.
     #[must_use]
     pub const fn new(rate_hz: u32) -> Self {
-        let every = rate_hz.div_ceil(RECORDS as u32);
         Self {
             records: [[0; BYTES]; RECORDS],
             next: 0,
             length: 0,
-            every: if every == 0 { 1 } else { every as u16 },
+            skipped: Self::skipped_at(rate_hz),
             since: 0,
             frozen: false,
         }
+    }
+
+    const fn skipped_at(rate_hz: u32) -> u16 {
+        (rate_hz.div_ceil(RECORDS as u32) as u16).saturating_sub(1)
+    }
+
+    /// Empty, for another control rate.
+    pub fn restart(&mut self, rate_hz: u32) {
+        self.skipped = Self::skipped_at(rate_hz);
+        self.thaw();
     }
 
     /// Takes a tick; the tick of a fault is kept whatever its number is, and is the last one.
@@ -136,7 +146,7 @@ impl Ring {
         }
         self.since = self.since.saturating_add(1);
         let fault = matches!(record.state, State::Fault(_));
-        if self.since >= self.every || fault {
+        if self.since > self.skipped || fault {
             self.since = 0;
             self.push(CompactRecord::of(record).to_bytes());
         }
@@ -171,7 +181,7 @@ impl Ring {
     /// Every so manieth tick is kept.
     #[must_use]
     pub const fn every(&self) -> u16 {
-        self.every
+        self.skipped.saturating_add(1)
     }
 
     /// How many there are.
