@@ -43,6 +43,8 @@ pub mod thermistor;
 pub mod timing;
 pub mod transform;
 mod units;
+#[cfg(feature = "wire")]
+pub mod wire;
 
 pub use angle::Angle;
 pub use calibration::{Calibration, Reason};

@@ -13,12 +13,16 @@ pub mod limit;
 pub mod machine;
 pub mod unwrap;
 
+#[cfg(feature = "flash")]
+pub mod flash;
 #[cfg(feature = "wire")]
 pub mod frame;
 #[cfg(feature = "wire")]
 pub mod reply;
 #[cfg(feature = "wire")]
 pub mod request;
+#[cfg(feature = "wire")]
+pub mod session;
 #[cfg(feature = "wire")]
 pub mod settings;
 #[cfg(feature = "wire")]

@@ -105,18 +105,24 @@ impl Board {
 /// Why the device last started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetReason {
-    /// Power came or had dropped too low.
+    /// Power came on.
     PowerOn,
+    /// Power dipped, and came back before memory was lost.
+    BrownOut,
     /// The reset pin: button or probe.
     Pin,
-    /// The watchdog was not fed.
-    Watchdog,
-    /// The firmware asked for it: command `Reboot`, or a probe.
+    /// The firmware asked for it (`Reboot`), or a probe.
     Software,
-    /// The firmware had panicked.
-    Panic,
-    /// None of these.
-    Unknown,
+    /// The independent watchdog was not fed.
+    IndependentWatchdog,
+    /// The window watchdog was not fed, or too early.
+    WindowWatchdog,
+    /// A panic; where, as its record says.
+    Panic(u32),
+    /// The option bytes were loaded.
+    OptionBytes,
+    /// A forbidden low-power mode.
+    LowPower,
 }
 
 impl ResetReason {
@@ -124,12 +130,15 @@ impl ResetReason {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
-            Self::PowerOn => "power on or brown-out",
+            Self::PowerOn => "power on",
+            Self::BrownOut => "brown-out",
             Self::Pin => "reset pin",
-            Self::Watchdog => "watchdog",
             Self::Software => "software",
-            Self::Panic => "panic",
-            Self::Unknown => "unknown",
+            Self::IndependentWatchdog => "independent watchdog",
+            Self::WindowWatchdog => "window watchdog",
+            Self::Panic(_) => "panic",
+            Self::OptionBytes => "option bytes",
+            Self::LowPower => "low-power mode",
         }
     }
 }

@@ -21,6 +21,9 @@ pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + CRC_BYTES;
 const VERSION_BYTES: usize = 2;
 const CRC_BYTES: usize = 4;
 
+/// The check of settings, `touchstone_drive::wire::checked` on a device.
+pub type Check<'c> = &'c dyn Fn(&DeviceSettings) -> Result<(), Invalid>;
+
 /// Why an image is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refused {
@@ -61,11 +64,11 @@ pub fn encode<'b>(
     buffer.get(..content + CRC_BYTES).ok_or(FULL)
 }
 
-/// The settings of an image, validated.
+/// The settings of an image, validated by `check`.
 ///
 /// # Errors
 /// Whatever is not whole, of this layout, and valid.
-pub fn decode(image: &[u8]) -> Result<DeviceSettings, Refused> {
+pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     let (signed, sum) = image
         .split_last_chunk::<CRC_BYTES>()
         .ok_or(Refused::Damaged)?;
@@ -80,18 +83,18 @@ pub fn decode(image: &[u8]) -> Result<DeviceSettings, Refused> {
         return Err(Refused::OtherLayout(version));
     }
     let settings: DeviceSettings = crate::frame::message(content).ok_or(Refused::Damaged)?;
-    match settings.validate() {
-        Ok(_) => Ok(settings),
+    match check(&settings) {
+        Ok(()) => Ok(settings),
         Err(invalid) => Err(Refused::Invalid(invalid)),
     }
 }
 
 /// What to start with: the stored settings; the defaults where nothing is stored, or where what is stored is refused.
 #[must_use]
-pub fn start(image: Option<&[u8]>) -> Start {
-    match image.map(decode) {
+pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -> Start {
+    match image.map(|image| decode(image, check)) {
         None => Start {
-            settings: DeviceSettings::default(),
+            settings: defaults,
             refused: None,
         },
         Some(Ok(settings)) => Start {
@@ -99,7 +102,7 @@ pub fn start(image: Option<&[u8]>) -> Start {
             refused: None,
         },
         Some(Err(refused)) => Start {
-            settings: DeviceSettings::default(),
+            settings: defaults,
             refused: Some(refused),
         },
     }

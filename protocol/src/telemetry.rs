@@ -28,6 +28,8 @@ pub struct Telemetry {
     pub phase: Phase,
     /// The latched fault, 0 for none: [`FaultCode::to_wire`].
     pub fault: u8,
+    /// What held the force back: [`crate::Limits`] as bits.
+    pub limits: u8,
     /// Processor cycles of the tick before.
     pub cycles: u32,
     /// Processor cycles from when this tick was due to when it began.
@@ -36,8 +38,8 @@ pub struct Telemetry {
     pub current_q_ma: i32,
 }
 
-/// No record takes more bytes: ten numbers of at most 32 bits, one of 64, two bytes.
-pub const TELEMETRY_MAX: usize = 8 * 5 + 10 + 1 + 2;
+/// No record takes more bytes: eight numbers of 32 bits, one of 64, three bytes.
+pub const TELEMETRY_MAX: usize = 8 * 5 + 10 + 3;
 
 /// State of the device, without the fault's context.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,6 +59,16 @@ pub enum Phase {
 }
 
 impl Phase {
+    /// All of them, by their numbers.
+    pub const ALL: [Self; 6] = [
+        Self::Boot,
+        Self::Calibrating,
+        Self::Ready,
+        Self::Armed,
+        Self::Fault,
+        Self::Stopped,
+    ];
+
     /// For people.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -114,13 +126,11 @@ impl From<Context> for Fault {
 }
 
 /// Records in one answer to `Ring`.
-pub const RING_CHUNK: usize = 16;
+pub const RING_CHUNK: usize = 24;
 
 /// Part of the ring of the last second.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RingChunk {
-    /// Tick of the first record here; one tick a record.
-    pub tick: u32,
     /// Index of the first record here; 0 is the oldest.
     pub first: u16,
     /// Records in the ring.
@@ -129,16 +139,21 @@ pub struct RingChunk {
     pub records: Vec<RingRecord, RING_CHUNK>,
 }
 
-/// One tick in the ring: small, so that a second fits into the smaller board.
+/// One tick in the ring: coarser than [`Telemetry`], so that a second fits into the smaller board.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RingRecord {
-    /// Position, counts from the calibrated zero.
+    /// Low 16 bits of the tick's number.
+    pub tick: u16,
+    /// Position, counts from the calibrated zero; 24 bits.
     pub count: i32,
-    /// Torque that the law commands, N·m, positive out of the wall.
-    #[serde(with = "bits")]
-    pub force_n_m: I8F24,
-    /// Measured q-axis current, mA.
-    pub current_q_ma: i16,
-    /// Processor cycles of the tick, in units of 16.
-    pub cycles_16: u16,
+    /// Torque that the law commands, N·m in 1/4096, at most ±8.
+    pub force: i16,
+    /// Measured q-axis current, A in 1/1024, at most ±32.
+    pub current_q: i16,
+    /// Lateness in units of 64 cycles.
+    pub lateness_64: u8,
+    /// What held the force back: [`crate::Limits`] as bits.
+    pub limits: u8,
+    /// [`Phase`] as a number, in its order.
+    pub phase: u8,
 }

@@ -59,6 +59,7 @@ impl DeviceSettings {
 mod tests {
     use super::super::fields::FIELDS;
     use super::*;
+    use crate::reply::Board;
     use miniconf::TreeSchema;
 
     #[test]
@@ -77,9 +78,9 @@ mod tests {
 
     #[test]
     fn every_leaf_is_read_and_written_by_its_path() {
-        let original = DeviceSettings::default();
+        let original = DeviceSettings::defaults(Board::NucleoG474re);
         for field in FIELDS {
-            let mut settings = DeviceSettings::default();
+            let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
             let mut buffer = [0; VALUE_MAX];
             let value = settings
                 .clone()
@@ -107,7 +108,7 @@ mod tests {
 
     #[test]
     fn what_is_no_leaf_has_no_value() {
-        let mut settings = DeviceSettings::default();
+        let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
         for path in [
             "",
             ".",

@@ -168,7 +168,7 @@ fn within(path: &str, value: Option<Decimal>, kind: Kind) -> Result<(), Invalid>
 
 // Bounds of the wall: those of `control`, or narrower where this device cannot do more; a test holds the two together.
 fields! {
-    control.rate_hz: whole(100, 10_000), "Hz",
+    control.rate_hz: whole(500, 10_000), "Hz",
         "control rate, a whole fraction of 20000 Hz";
     wall.surface_rad: number("-100", "100"), "rad",
         "where the surface is, from the zero of the calibration; inside is beyond it";
@@ -214,38 +214,46 @@ fields! {
         "largest torque ever commanded, at most torque constant times current limit";
     encoder.kind: word(EncoderKind::WORDS), "",
         "which encoder is connected";
-    encoder.counts_per_rev: whole(16, 4_000_000), "counts/rev",
+    encoder.counts_per_rev: whole(4, 1_000_000), "counts/rev",
         "counts a revolution, all edges counted; 16384 for as5047p and mt6701";
-    motor.pole_pairs: whole(1, 50), "",
-        "pole pairs; the calibration checks them";
-    motor.torque_constant_n_m_per_a: number("0.001", "10"), "N·m/A",
-        "torque for a q-axis current, amplitude of the phase current";
-    motor.resistance_ohm: number("0.01", "100"), "Ω",
-        "resistance of one phase";
-    motor.inductance_h: number("0.000001", "0.1"), "H",
-        "inductance of one phase";
-    motor.current_limit_a: number("0.1", "30"), "A",
-        "largest current that is ever asked for";
-    motor.calibration_current_a: number("0.05", "30"), "A",
-        "current of the calibration, at most the current limit";
+    encoder.reversed: Kind::Flag, "",
+        "turning the other way is positive";
+    encoder.bad_readings: whole(1, 10), "readings",
+        "bad readings in a row that make a fault; the outputs are off from the first";
     drive.kind: word(DriveKind::WORDS), "",
         "what moves the shaft";
-    drive.analogue_a_per_v: number("0.001", "100"), "A/V",
-        "analogue: motor current of the external amplifier for one volt";
-    drive.analogue_zero_v: number("0", "3.3"), "V",
-        "analogue: command that means no current";
-    limits.over_current_a: number("0.1", "40"), "A",
-        "phase current that switches off, at least the current limit";
-    limits.bus_min_v: number("6", "60"), "V",
+    drive.analogue_full_scale_n_m: number("0.01", "100"), "N·m",
+        "analogue: torque at the upper end of the output; none in the middle";
+    motor.pole_pairs: whole(1, 50), "",
+        "pole pairs; the calibration checks them";
+    motor.resistance_ohm: number("0.01", "100"), "Ω",
+        "resistance of one phase to the star point: half of that between two wires";
+    motor.inductance_h: number("0.000005", "0.1"), "H",
+        "inductance of one phase to the star point: half of that between two wires";
+    motor.torque_constant_n_m_per_a: number("0.001", "10"), "N·m/A",
+        "torque for a q-axis current of 1 A (the amplitude of a phase current)";
+    motor.current_limit_a: number("0.05", "25"), "A",
+        "largest current that is ever asked for, at most the trip current";
+    motor.current_bandwidth_hz: number("50", "1500"), "Hz",
+        "bandwidth of the current loop";
+    limits.trip_current_a: number("0.05", "25"), "A",
+        "phase current that switches off; at most 15 on nucleo-g474re";
+    limits.bus_min_v: number("8", "48"), "V",
         "bus voltage below which it switches off";
-    limits.bus_max_v: number("6", "60"), "V",
-        "bus voltage above which it switches off";
-    limits.derating_celsius: number("0", "150"), "°C",
+    limits.bus_max_v: number("8", "48"), "V",
+        "bus voltage above which it switches off; at most 30 on b-g431b-esc1";
+    limits.derate_from_celsius: number("20", "109"), "°C",
         "from here the current is reduced";
-    limits.temperature_max_celsius: number("0", "150"), "°C",
+    limits.fault_from_celsius: number("30", "110"), "°C",
         "switches off; the reduced current reaches zero here";
-    limits.speed_max_rad_per_s: number("1", "1000"), "rad/s",
+    limits.max_speed_rad_per_s: number("1", "1000"), "rad/s",
         "speed above which it switches off";
+    limits.fade_in_s: number("0", "10"), "s",
+        "time over which the torque fades in after arming";
+    calibration.current_a: number("0.05", "25"), "A",
+        "current of the field that turns the shaft, at most the current limit";
+    calibration.electrical_turns_per_s: number("0.2", "20"), "turns/s",
+        "speed of that field, electrical turns";
     telemetry.decimation: whole(0, 1000), "ticks",
         "one record every so many control ticks; 0 sends none";
 }

@@ -22,13 +22,10 @@ pub use choice::{
     DriveKind, EncoderKind, FirstContact, IdealStep, Law, Observer, OffsetUpdate, Regulate,
 };
 pub use decimal::Decimal;
-pub use validate::{Invalid, PATH_MAX, PathText, Reason};
-
-/// Rate of the PWM and of the current loop, Hz. The control rate is a whole fraction of it.
-pub const PWM_RATE_HZ: u32 = 20_000;
+pub use validate::{Invalid, PATH_MAX, PathText, Reason, refused};
 
 /// Everything that a device can be told.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Tree, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Tree)]
 #[serde(deny_unknown_fields)]
 pub struct DeviceSettings {
     /// When the control interrupt runs.
@@ -37,12 +34,14 @@ pub struct DeviceSettings {
     pub wall: WallSettings,
     /// The encoder.
     pub encoder: EncoderSettings,
-    /// The motor.
-    pub motor: MotorSettings,
     /// What moves the shaft.
     pub drive: DriveSettings,
+    /// The motor.
+    pub motor: MotorSettings,
     /// Beyond these the outputs are switched off.
     pub limits: LimitSettings,
+    /// How the encoder is aligned with the motor.
+    pub calibration: CalibrationSettings,
     /// What is sent by itself.
     pub telemetry: TelemetrySettings,
 }
@@ -51,7 +50,7 @@ pub struct DeviceSettings {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Tree)]
 #[serde(deny_unknown_fields)]
 pub struct ControlSettings {
-    /// Control rate `1/T`, Hz; divides [`PWM_RATE_HZ`].
+    /// Control rate `1/T`, Hz; a whole fraction of the PWM rate.
     pub rate_hz: u32,
 }
 
@@ -139,31 +138,12 @@ pub struct EncoderSettings {
     /// Which one.
     #[tree(with = miniconf::leaf)]
     pub kind: EncoderKind,
-    /// Counts a revolution, all edges counted (four times the lines); 16384 for the magnetic ones.
+    /// Counts a revolution, all edges counted (four times the lines); 16,384 for the magnetic ones.
     pub counts_per_rev: u32,
-}
-
-/// The motor.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Tree)]
-#[serde(deny_unknown_fields)]
-pub struct MotorSettings {
-    /// Pole pairs.
-    pub pole_pairs: u8,
-    /// Torque for a q-axis current (amplitude), N·m/A.
-    #[tree(with = miniconf::leaf)]
-    pub torque_constant_n_m_per_a: Decimal,
-    /// Resistance of one phase, Ω.
-    #[tree(with = miniconf::leaf)]
-    pub resistance_ohm: Decimal,
-    /// Inductance of one phase, H.
-    #[tree(with = miniconf::leaf)]
-    pub inductance_h: Decimal,
-    /// Largest current that the current loop asks for, A.
-    #[tree(with = miniconf::leaf)]
-    pub current_limit_a: Decimal,
-    /// Current of the calibration, A.
-    #[tree(with = miniconf::leaf)]
-    pub calibration_current_a: Decimal,
+    /// Turning the other way is positive.
+    pub reversed: bool,
+    /// Bad readings in a row that make a fault.
+    pub bad_readings: u8,
 }
 
 /// What moves the shaft.
@@ -173,12 +153,32 @@ pub struct DriveSettings {
     /// Which.
     #[tree(with = miniconf::leaf)]
     pub kind: DriveKind,
-    /// Analogue: motor current for one volt of command, A/V.
+    /// Analogue: torque at the upper end of the output, N·m; its negative at the lower, none in the middle.
     #[tree(with = miniconf::leaf)]
-    pub analogue_a_per_v: Decimal,
-    /// Analogue: command that means no current, V.
+    pub analogue_full_scale_n_m: Decimal,
+}
+
+/// The motor. Resistance and inductance are those of one phase to the star point: half of what is measured between two wires.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Tree)]
+#[serde(deny_unknown_fields)]
+pub struct MotorSettings {
+    /// Pole pairs; the calibration compares them with what it finds.
+    pub pole_pairs: u8,
+    /// Resistance of one phase, Ω.
     #[tree(with = miniconf::leaf)]
-    pub analogue_zero_v: Decimal,
+    pub resistance_ohm: Decimal,
+    /// Inductance of one phase, H.
+    #[tree(with = miniconf::leaf)]
+    pub inductance_h: Decimal,
+    /// Torque for a q-axis current of 1 A, N·m/A.
+    #[tree(with = miniconf::leaf)]
+    pub torque_constant_n_m_per_a: Decimal,
+    /// Largest current, A.
+    #[tree(with = miniconf::leaf)]
+    pub current_limit_a: Decimal,
+    /// Bandwidth of the current loop, Hz.
+    #[tree(with = miniconf::leaf)]
+    pub current_bandwidth_hz: Decimal,
 }
 
 /// Beyond these the outputs are switched off.
@@ -187,7 +187,7 @@ pub struct DriveSettings {
 pub struct LimitSettings {
     /// Phase current, A.
     #[tree(with = miniconf::leaf)]
-    pub over_current_a: Decimal,
+    pub trip_current_a: Decimal,
     /// Lowest bus voltage, V.
     #[tree(with = miniconf::leaf)]
     pub bus_min_v: Decimal,
@@ -196,13 +196,28 @@ pub struct LimitSettings {
     pub bus_max_v: Decimal,
     /// From here the current is reduced, °C.
     #[tree(with = miniconf::leaf)]
-    pub derating_celsius: Decimal,
-    /// Highest temperature, °C; at this the reduced current is zero.
+    pub derate_from_celsius: Decimal,
+    /// Here nothing is left of it, °C.
     #[tree(with = miniconf::leaf)]
-    pub temperature_max_celsius: Decimal,
+    pub fault_from_celsius: Decimal,
     /// Highest speed, rad/s.
     #[tree(with = miniconf::leaf)]
-    pub speed_max_rad_per_s: Decimal,
+    pub max_speed_rad_per_s: Decimal,
+    /// Time over which the torque fades in after arming, s.
+    #[tree(with = miniconf::leaf)]
+    pub fade_in_s: Decimal,
+}
+
+/// How the encoder is aligned with the motor.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Tree)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationSettings {
+    /// Current of the field that turns the shaft, A.
+    #[tree(with = miniconf::leaf)]
+    pub current_a: Decimal,
+    /// Speed of the field, electrical turns a second.
+    #[tree(with = miniconf::leaf)]
+    pub electrical_turns_per_s: Decimal,
 }
 
 /// What is sent by itself.

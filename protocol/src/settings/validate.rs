@@ -1,7 +1,8 @@
 //! Validation of the whole: each number against its range, the numbers against each other, and the wall by the control law
 //! itself.
 
-use super::{Decimal, DeviceSettings, EncoderKind, PWM_RATE_HZ, fields};
+use super::{Decimal, DeviceSettings, DriveKind, EncoderKind, fields};
+use crate::reply::Board;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 use touchstone_control as law;
@@ -38,10 +39,14 @@ pub enum Reason {
     OutOfFormat,
     /// No whole fraction of this rate, Hz.
     NoFractionOf(u32),
+    /// The board has nothing to connect it to; the value is the number of the word.
+    NotOnThisBoard,
 }
 
 impl Invalid {
-    pub(super) fn new(path: &str, value: Decimal, reason: Reason) -> Self {
+    /// By its path.
+    #[must_use]
+    pub fn new(path: &str, value: Decimal, reason: Reason) -> Self {
         Self {
             // Every path fits: a test goes through all of them.
             path: PathText::try_from(path).unwrap_or_default(),
@@ -77,99 +82,72 @@ impl fmt::Display for Invalid {
                     "{path} = {value}{space}{unit} is no whole fraction of {rate} Hz"
                 )
             }
+            Reason::NotOnThisBoard => {
+                write!(f, "{path}: this board has no connector for it")
+            }
         }
     }
 }
 
 impl core::error::Error for Invalid {}
 
-/// Refuses a setting that is above another; its least value stands in the table.
-macro_rules! at_most {
-    ($path:literal, $value:expr, $most:expr) => {
-        if $value > $most {
-            let least = const { fields::least($path) };
-            let reason = Reason::Outside { least, most: $most };
-            return Err(Invalid::new($path, $value, reason));
-        }
-    };
-}
-
 impl DeviceSettings {
-    /// Checks everything; returns the law that the wall will follow.
+    /// Checks everything that a board and the law decide; returns the law that the wall will follow.
+    ///
+    /// What the power stage adds (its largest current and voltage) is checked by `touchstone_drive::wire::checked`, which calls
+    /// this first and is what firmware and desktop use.
     ///
     /// # Errors
     /// The first setting that is refused.
-    pub fn validate(&self) -> Result<Controller<Fixed32>, Invalid> {
+    pub fn validate(&self, board: Board) -> Result<Controller<Fixed32>, Invalid> {
         fields::check(self)?;
-        self.check_rate()?;
-        self.check_encoder()?;
-        self.check_against_each_other()?;
+        self.check_board(board)?;
+        self.check_force_limit()?;
         Controller::new(&self.law()).map_err(|error| refused(&error))
     }
 
-    fn check_rate(&self) -> Result<(), Invalid> {
-        let rate = self.control.rate_hz;
-        if PWM_RATE_HZ.checked_rem(rate) == Some(0) {
+    /// The smaller board has neither SPI nor a DAC on its connectors.
+    fn check_board(&self, board: Board) -> Result<(), Invalid> {
+        if board == Board::NucleoG474re {
             return Ok(());
         }
-        let reason = Reason::NoFractionOf(PWM_RATE_HZ);
-        Err(Invalid::new(
-            "control.rate_hz",
-            Decimal::from_num(rate),
-            reason,
-        ))
+        let (encoder, drive) = (self.encoder.kind, self.drive.kind);
+        let refused = if encoder != EncoderKind::Incremental {
+            Some(("encoder.kind", encoder as u32))
+        } else if drive != DriveKind::ThreePhase {
+            Some(("drive.kind", drive as u32))
+        } else {
+            None
+        };
+        refused.map_or(Ok(()), |(path, number)| {
+            let value = Decimal::from_num(number);
+            Err(Invalid::new(path, value, Reason::NotOnThisBoard))
+        })
     }
 
-    fn check_encoder(&self) -> Result<(), Invalid> {
-        /// Both magnetic encoders have 14 bits.
-        const MAGNETIC: u32 = 1 << 14;
-        let counts = self.encoder.counts_per_rev;
-        match self.encoder.kind {
-            EncoderKind::Incremental => Ok(()),
-            EncoderKind::As5047p | EncoderKind::Mt6701 if counts == MAGNETIC => Ok(()),
-            EncoderKind::As5047p | EncoderKind::Mt6701 => Err(Invalid::new(
-                "encoder.counts_per_rev",
-                Decimal::from_num(counts),
-                Reason::Outside {
-                    least: Decimal::from_num(MAGNETIC),
-                    most: Decimal::from_num(MAGNETIC),
-                },
-            )),
+    /// A torque that the drive cannot give would be taken for given by the law's energy observer.
+    fn check_force_limit(&self) -> Result<(), Invalid> {
+        let most = match self.drive.kind {
+            DriveKind::Analogue => self.drive.analogue_full_scale_n_m,
+            DriveKind::ThreePhase => {
+                let motor = &self.motor;
+                let torque = motor.torque_constant_n_m_per_a.0;
+                Decimal(torque.saturating_mul(motor.current_limit_a.0))
+            }
+        };
+        let value = self.wall.force_limit_n_m;
+        if value <= most {
+            return Ok(());
         }
-    }
-
-    /// The ranges that settings leave to others.
-    fn check_against_each_other(&self) -> Result<(), Invalid> {
-        let (motor, limits) = (&self.motor, &self.limits);
-        let torque = Decimal(
-            motor
-                .torque_constant_n_m_per_a
-                .0
-                .saturating_mul(motor.current_limit_a.0),
-        );
-        at_most!("wall.force_limit_n_m", self.wall.force_limit_n_m, torque);
-        at_most!(
-            "motor.calibration_current_a",
-            motor.calibration_current_a,
-            motor.current_limit_a
-        );
-        at_most!(
-            "motor.current_limit_a",
-            motor.current_limit_a,
-            limits.over_current_a
-        );
-        at_most!("limits.bus_min_v", limits.bus_min_v, limits.bus_max_v);
-        at_most!(
-            "limits.derating_celsius",
-            limits.derating_celsius,
-            limits.temperature_max_celsius
-        );
-        Ok(())
+        let least = const { fields::least("wall.force_limit_n_m") };
+        let reason = Reason::Outside { least, most };
+        Err(Invalid::new("wall.force_limit_n_m", value, reason))
     }
 }
 
 /// The law's refusal, by the path of the setting.
-fn refused(error: &SettingsError) -> Invalid {
+#[must_use]
+pub fn refused(error: &SettingsError) -> Invalid {
     match *error {
         SettingsError::OutOfRange {
             field,

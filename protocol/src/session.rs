@@ -1,0 +1,179 @@
+//! The device's side of the talk: what a request does to the settings, and what is passed on.
+//!
+//! The firmware and the fake device of the tests run this very code; only [`Device`] differs.
+
+use crate::frame;
+use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
+use crate::request::{DeviceCommand, Request, ToDevice};
+use crate::settings::{DeviceSettings, Invalid, VALUE_MAX};
+use crate::stored;
+use crate::telemetry::{Fault, Phase, RingChunk};
+
+/// What the talk needs of the device around it.
+pub trait Device {
+    /// Who it is.
+    fn identity(&self) -> Identity;
+    /// State of the fault machine.
+    fn phase(&self) -> Phase;
+    /// The latched fault.
+    fn fault(&self) -> Option<Fault>;
+    /// Control ticks since the reset, modulo 2^32.
+    fn tick(&self) -> u32;
+    /// What was counted, but the decoding errors.
+    fn counters(&self) -> Counters;
+    /// The ring from a record on; `None` while it runs.
+    fn ring(&self, first: u16) -> Option<RingChunk>;
+    /// Whether settings may be used here.
+    ///
+    /// # Errors
+    /// The first setting that is refused.
+    fn check(&self, settings: &DeviceSettings) -> Result<(), Invalid>;
+    /// Takes settings that were checked; they count from the next calibration.
+    fn use_settings(&mut self, settings: &DeviceSettings);
+    /// Writes an image of settings into flash.
+    ///
+    /// # Errors
+    /// The flash refused; what was in it before is still there.
+    fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
+    /// A command; whether it had an effect.
+    fn command(&mut self, command: DeviceCommand) -> bool;
+    /// Telemetry from now on, one record every so many control ticks; 0 for none.
+    fn telemetry(&mut self, decimation: u16);
+}
+
+/// The flash could not be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FlashError;
+
+/// The settings in use, and what is known of them.
+#[derive(Debug, Clone)]
+pub struct Session {
+    settings: DeviceSettings,
+    unsaved: bool,
+}
+
+impl Session {
+    /// With the settings that the device started with; `saved` if they are those in flash.
+    #[must_use]
+    pub const fn new(settings: DeviceSettings, saved: bool) -> Self {
+        Self {
+            settings,
+            unsaved: !saved,
+        }
+    }
+
+    /// The settings in use.
+    #[must_use]
+    pub const fn settings(&self) -> &DeviceSettings {
+        &self.settings
+    }
+
+    /// Answers a whole frame's payload. A payload that is no request of this version is answered where its number can be
+    /// read, as the frame was whole; `None` where not, to be counted.
+    pub fn answer_payload(
+        &mut self,
+        payload: &[u8],
+        decode_errors: u32,
+        device: &mut impl Device,
+    ) -> Option<FromDevice> {
+        if let Some(ToDevice { id, request }) = frame::message(payload) {
+            let answer = self.answer(&request, decode_errors, device);
+            return Some(FromDevice::Answer { id, answer });
+        }
+        payload.first().map(|&id| FromDevice::Answer {
+            id,
+            answer: Err(Refusal::NotUnderstood),
+        })
+    }
+
+    /// Answers a request.
+    ///
+    /// # Errors
+    /// Why not; nothing is changed then.
+    pub fn answer(
+        &mut self,
+        request: &Request<'_>,
+        decode_errors: u32,
+        device: &mut impl Device,
+    ) -> Result<Reply, Refusal> {
+        match request {
+            Request::Hello => Ok(Reply::Identity(device.identity())),
+            Request::Status => Ok(Reply::Status(Status {
+                phase: device.phase(),
+                fault: device.fault(),
+                tick: device.tick(),
+                unsaved: self.unsaved,
+            })),
+            Request::Get { path } => {
+                let mut buffer = [0; VALUE_MAX];
+                let value = self.settings.get(path, &mut buffer).map_err(Refusal::Key)?;
+                Ok(Reply::Value(value.try_into().unwrap_or_default()))
+            }
+            Request::Set { path, value } => {
+                let mut changed = self.settings.clone();
+                changed.set(path, value).map_err(Refusal::Key)?;
+                self.change(changed, device)
+            }
+            Request::GetAll => Ok(Reply::Settings(self.settings.clone())),
+            Request::SetAll(settings) => self.change(settings.clone(), device),
+            Request::Defaults => {
+                self.change(DeviceSettings::defaults(device.identity().board), device)
+            }
+            Request::Save => self.save(device),
+            Request::Command(command) => {
+                if device.command(*command) {
+                    Ok(Reply::Done)
+                } else {
+                    Err(Refusal::NotNow(device.phase()))
+                }
+            }
+            Request::Fault => Ok(Reply::Fault(device.fault())),
+            Request::Ring { first } => match device.ring(*first) {
+                Some(chunk) => Ok(Reply::Ring(chunk)),
+                None => Err(Refusal::RingRuns),
+            },
+            Request::Telemetry { decimation } => {
+                device.telemetry(*decimation);
+                Ok(Reply::Done)
+            }
+            Request::Counters => Ok(Reply::Counters(Counters {
+                decode_errors,
+                ..device.counters()
+            })),
+        }
+    }
+
+    /// Takes settings, in the states in which no output depends on them.
+    fn change(
+        &mut self,
+        settings: DeviceSettings,
+        device: &mut impl Device,
+    ) -> Result<Reply, Refusal> {
+        match device.phase() {
+            Phase::Boot | Phase::Ready | Phase::Stopped | Phase::Fault => {}
+            phase @ (Phase::Calibrating | Phase::Armed) => return Err(Refusal::NotNow(phase)),
+        }
+        device.check(&settings).map_err(Refusal::Invalid)?;
+        if settings != self.settings {
+            self.unsaved = true;
+            self.settings = settings;
+        }
+        device.use_settings(&self.settings);
+        Ok(Reply::Done)
+    }
+
+    /// Writes the settings. Not in `Ready`: the erase of a page stalls the processor for longer than a command to arm takes.
+    fn save(&mut self, device: &mut impl Device) -> Result<Reply, Refusal> {
+        match device.phase() {
+            Phase::Boot | Phase::Stopped | Phase::Fault => {}
+            phase @ (Phase::Ready | Phase::Calibrating | Phase::Armed) => {
+                return Err(Refusal::NotNow(phase));
+            }
+        }
+        let mut buffer = [0; stored::IMAGE_MAX];
+        let image = stored::encode(&self.settings, &mut buffer).map_err(|_| Refusal::Flash)?;
+        device.save(image).map_err(|FlashError| Refusal::Flash)?;
+        self.unsaved = false;
+        Ok(Reply::Done)
+    }
+}
