@@ -1,0 +1,186 @@
+//! What is soldered around the chip: which pin sees what, at which scale.
+
+use crate::peripheral::encoder::{As5047p, Mt6701};
+use crate::peripheral::spi::Slave;
+use crate::world::World;
+
+/// Reference of the converters, V.
+const REFERENCE_V: f64 = 3.3;
+
+/// The converter's code for a voltage at its pin.
+#[must_use]
+pub fn code(volts: f64) -> u16 {
+    (volts / REFERENCE_V * 4_095.0).round().clamp(0.0, 4_095.0) as u16
+}
+
+/// Which encoder is mounted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Encoder {
+    /// Two tracks, this many counts a turn.
+    Incremental(u32),
+    /// AS5047P.
+    As5047p,
+    /// MT6701.
+    Mt6701,
+}
+
+impl Encoder {
+    pub(crate) fn slave(self) -> Option<Box<dyn Slave>> {
+        match self {
+            Self::Incremental(_) => None,
+            Self::As5047p => Some(Box::new(As5047p::default())),
+            Self::Mt6701 => Some(Box::new(Mt6701::default())),
+        }
+    }
+}
+
+/// What goes to a converter's pin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Current of phase 0 or 1.
+    Current(usize),
+    /// The bus voltage.
+    Bus,
+    /// The driver's thermistor.
+    Temperature,
+    /// The motor's thermistor.
+    MotorTemperature,
+}
+
+/// What is wrong between the world and the chip's pins.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wiring {
+    /// A voltage at a pin instead of the right one.
+    pub forced: [Option<(Source, f64)>; 2],
+    /// The gate driver pulls the break input.
+    pub break_pulled: bool,
+    /// The incremental encoder's count stays.
+    pub encoder_held: Option<i64>,
+    /// The incremental encoder's count is this much further.
+    pub encoder_moved: i64,
+}
+
+/// A board.
+#[derive(Debug, Clone)]
+pub struct Board {
+    /// Name, as the firmware's binary.
+    pub name: &'static str,
+    /// Which encoder is mounted.
+    pub encoder: Encoder,
+    /// Chip select of the magnetic encoder: port and pin.
+    pub chip_select: Option<(usize, usize)>,
+    /// The desktop link is USART2, not LPUART1.
+    pub link_is_usart2: bool,
+    /// FLASH_OPTR.
+    pub option_bytes: u32,
+    /// DBGMCU_IDCODE.
+    pub device_id: u32,
+    /// (converter, channel) to what is there.
+    pub pins: &'static [(usize, u32, Source)],
+    /// Volts of a current sensor's output at no current, and per ampere.
+    pub current: (f64, f64),
+    /// Volts at the pin for a volt of the bus.
+    pub bus_divider: f64,
+    /// What is wrong.
+    pub wiring: Wiring,
+}
+
+impl Board {
+    /// NUCLEO-G474RE with X-NUCLEO-IHM08M1.
+    #[must_use]
+    pub fn nucleo_g474re(encoder: Encoder) -> Self {
+        Self {
+            name: "nucleo-g474re",
+            encoder,
+            // PD2.
+            chip_select: Some((3, 2)),
+            link_is_usart2: false,
+            // Dual bank, read protection off.
+            option_bytes: 0xffef_f8aa | 1 << 22,
+            device_id: 0x2003_6469,
+            pins: &[
+                (0, 1, Source::Current(0)),
+                (1, 7, Source::Current(1)),
+                (0, 2, Source::Bus),
+                (1, 8, Source::Temperature),
+            ],
+            current: (1.65, 0.01 * 5.18),
+            bus_divider: 9.31 / (9.31 + 169.0),
+            wiring: Wiring::default(),
+        }
+    }
+
+    /// Volts at a converter's pin.
+    #[must_use]
+    pub fn analog(&self, adc: usize, channel: u32, world: &World) -> f64 {
+        let Some((_, _, source)) = self
+            .pins
+            .iter()
+            .find(|(at, pin, _)| (*at, *pin) == (adc, channel))
+        else {
+            return 0.0;
+        };
+        let forced = self
+            .wiring
+            .forced
+            .iter()
+            .flatten()
+            .find(|(forced, _)| forced == source);
+        if let Some((_, volts)) = forced {
+            return *volts;
+        }
+        match source {
+            Source::Current(phase) => self.current.0 + self.current.1 * world.current_a(*phase),
+            Source::Bus => world.bus_v() * self.bus_divider,
+            Source::Temperature | Source::MotorTemperature => thermistor_v(world.temperature_c()),
+        }
+    }
+
+    /// Count of an incremental encoder.
+    #[must_use]
+    pub fn encoder_count(&self, world: &World) -> i64 {
+        let Encoder::Incremental(counts) = self.encoder else {
+            return 0;
+        };
+        let count = (world.turns() * f64::from(counts)).floor() as i64;
+        self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
+    }
+
+    /// Level of the break pin, and the comparators that are active.
+    #[must_use]
+    pub fn break_input(&self, world: &World) -> (bool, u32) {
+        let over = world.hardware_over_current();
+        (
+            !(self.wiring.break_pulled || over),
+            u32::from(over || self.wiring.break_pulled) * 7,
+        )
+    }
+
+    /// The chip's read-only memory: flash size, unique number.
+    #[must_use]
+    pub fn system_memory(&self, address: u32) -> u32 {
+        match address {
+            0x1fff_7590 => 0x0047_0031,
+            0x1fff_7594 => 0x3133_5107,
+            0x1fff_7598 => 0x2036_3935,
+            0x1fff_75e0 => 512,
+            _ => 0xffff_ffff,
+        }
+    }
+
+    /// Registers of blocks without a model that have a bit which says "ready".
+    #[must_use]
+    pub fn read_back(&self, address: u32, value: u32) -> u32 {
+        match address {
+            // DAC_SR: both channels ready.
+            0x5000_0834 => value | 1 << 11 | 1 << 27,
+            _ => value,
+        }
+    }
+}
+
+/// The shield's thermistor, 10 kohm at 25 degrees C, B 3455, towards the supply; 4.7 kohm to ground.
+fn thermistor_v(celsius: f64) -> f64 {
+    let ohm = 10e3 * (3_455.0 * (1.0 / (celsius + 273.15) - 1.0 / 298.15)).exp();
+    REFERENCE_V * 4.7e3 / (4.7e3 + ohm)
+}

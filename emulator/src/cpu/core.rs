@@ -1,0 +1,284 @@
+//! What the processor's every instruction touches: counters of instructions and cycles, and when to stop.
+
+use super::decode::{Info, Kind, REFILL};
+
+/// Where code may be: flash and RAM, each half-word with a decoded instruction or none yet.
+#[derive(Debug)]
+struct Cache {
+    base: u32,
+    infos: Vec<Option<Info>>,
+}
+
+/// Why the processor stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// Its time is over, or something changed that may interrupt.
+    Slice,
+    /// Before a WFE.
+    WaitEvent,
+    /// Before a WFI.
+    WaitInterrupt,
+    /// Before an instruction that is not modelled.
+    Unsupported,
+}
+
+/// A function whose calls are counted.
+#[derive(Debug, Clone)]
+pub struct Watch {
+    /// Name for people.
+    pub name: String,
+    start: u32,
+    /// Where the present call returns to, with the stack that it had, and the counters at its start.
+    call: Option<Call>,
+    /// Calls so far.
+    pub calls: u64,
+    /// Most instructions of one call, without what interrupted it.
+    pub worst: Cost,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Call {
+    depth: usize,
+    returns_to: u32,
+    begin: Cost,
+}
+
+/// Instructions and cycles.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Instructions, those skipped in an IT block with them.
+    pub instructions: u64,
+    /// Cycles by the table, see [`super::decode`].
+    pub cycles: u64,
+}
+
+impl Cost {
+    /// What was spent since `earlier`.
+    #[must_use]
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            instructions: self.instructions - earlier.instructions,
+            cycles: self.cycles - earlier.cycles,
+        }
+    }
+
+    /// The larger of each.
+    #[must_use]
+    pub fn worst(self, other: Self) -> Self {
+        Self {
+            instructions: self.instructions.max(other.instructions),
+            cycles: self.cycles.max(other.cycles),
+        }
+    }
+}
+
+/// The counters.
+#[derive(Debug)]
+pub struct Core {
+    /// Time in cycles of the processor, since power came on.
+    pub now: u64,
+    /// What was executed; the cycles are those of instructions only, at the table's cost.
+    pub spent: Cost,
+    /// Stop at this time.
+    pub limit: u64,
+    /// Stop at the next instruction boundary.
+    pub interrupted: bool,
+    /// Why it stopped.
+    pub stop: Stop,
+    /// The float unit was used since the last exception began.
+    pub float_used: bool,
+    /// The event register.
+    pub event: bool,
+    /// Every instruction takes this many times its cycles, in 256ths: 256 by the table. More stands for wait states, or, far
+    /// more, for a program that takes too long.
+    pub stretch: u64,
+    /// End of the last instruction or IT block, if it was executed in this slice.
+    end: Option<u32>,
+    /// Where the present IT block begins; `u32::MAX` outside of one.
+    block_start: u32,
+    caches: [Cache; 2],
+    /// Functions that are counted.
+    pub watches: Vec<Watch>,
+    /// Exceptions that run, and what each had cost at its start.
+    pub depth: usize,
+    /// What each level of exceptions (0 the thread) has spent.
+    pub by_depth: [Cost; 8],
+}
+
+impl Core {
+    /// With code in flash and RAM of these sizes.
+    #[must_use]
+    pub fn new(flash: (u32, usize), ram: (u32, usize)) -> Self {
+        let cache = |(base, bytes): (u32, usize)| Cache {
+            base,
+            infos: vec![None; bytes / 2],
+        };
+        Self {
+            now: 0,
+            spent: Cost::default(),
+            limit: 0,
+            interrupted: false,
+            stop: Stop::Slice,
+            float_used: false,
+            event: false,
+            stretch: 256,
+            end: None,
+            block_start: u32::MAX,
+            caches: [cache(flash), cache(ram)],
+            watches: Vec::new(),
+            depth: 0,
+            by_depth: [Cost::default(); 8],
+        }
+    }
+
+    /// Counts the calls of a function.
+    pub fn watch(&mut self, name: &str, start: u32) {
+        let (name, call, worst) = (name.to_owned(), None, Cost::default());
+        self.watches.push(Watch {
+            name,
+            start,
+            call,
+            calls: 0,
+            worst,
+        });
+    }
+
+    /// After a reset; the time goes on.
+    pub fn reset(&mut self) {
+        self.end = None;
+        self.block_start = u32::MAX;
+        self.float_used = false;
+        self.event = false;
+        self.depth = 0;
+        self.interrupted = false;
+        for watch in &mut self.watches {
+            watch.call = None;
+        }
+    }
+
+    /// The decoded instruction, if it was met before.
+    #[must_use]
+    #[inline]
+    pub fn known(&self, address: u32) -> Option<Info> {
+        for cache in &self.caches {
+            let at = address.wrapping_sub(cache.base) as usize / 2;
+            if let Some(info) = cache.infos.get(at) {
+                return *info;
+            }
+        }
+        None
+    }
+
+    /// Remembers one.
+    pub fn learn(&mut self, address: u32, info: Info) {
+        for cache in &mut self.caches {
+            let at = address.wrapping_sub(cache.base) as usize / 2;
+            if let Some(slot) = cache.infos.get_mut(at) {
+                *slot = Some(info);
+            }
+        }
+    }
+
+    #[inline]
+    fn spend(&mut self, instructions: u64, cycles: u64) {
+        self.spent.instructions += instructions;
+        self.spent.cycles += cycles;
+        let level = &mut self.by_depth[self.depth.min(7)];
+        level.instructions += instructions;
+        level.cycles += cycles;
+        self.now += if self.stretch == 256 {
+            cycles
+        } else {
+            cycles * self.stretch / 256
+        };
+    }
+
+    /// Time that passes without instructions: an exception's entry or return.
+    pub fn spend_cycles(&mut self, cycles: u64) {
+        self.now += cycles;
+    }
+
+    /// An instruction is about to be executed. `true`: it is not to be, stop before it.
+    ///
+    /// `link` and `stack` are asked for only where a watched function begins.
+    #[inline]
+    pub fn step(&mut self, address: u32, size: u32, info: Info) -> bool {
+        if let Some(end) = self.end.take() {
+            if address < end && address >= self.block_start {
+                // In an IT block, which counts as one instruction and cannot be stopped in. Its head was charged with a cycle
+                // for each of its instructions, executed or not.
+                self.spend(0, u64::from(info.cycles) - 1);
+                self.end = Some(end);
+                return false;
+            }
+            self.block_start = u32::MAX;
+            if end != address {
+                self.spend(0, REFILL);
+            }
+        }
+        if self.interrupted || self.now >= self.limit {
+            self.stop = Stop::Slice;
+            return true;
+        }
+        let mut end = Some(address + size);
+        match info.kind {
+            Kind::Plain => {}
+            Kind::IfThen { count, bytes } => {
+                self.spend(u64::from(count), u64::from(count));
+                self.block_start = address + size;
+                end = Some(address + size + u32::from(bytes));
+            }
+            Kind::Mask => self.interrupted = true,
+            Kind::Float => self.float_used = true,
+            Kind::SendEvent => self.event = true,
+            Kind::WaitEvent | Kind::WaitInterrupt => {
+                self.spend(1, 1);
+                self.stop = match info.kind {
+                    Kind::WaitEvent => Stop::WaitEvent,
+                    _ => Stop::WaitInterrupt,
+                };
+                return true;
+            }
+            Kind::ReadIpsr => {
+                self.stop = Stop::Unsupported;
+                return true;
+            }
+        }
+        self.spend(1, u64::from(info.cycles));
+        self.end = end;
+        false
+    }
+
+    /// Whether a watched function begins here, or a call of one returns.
+    #[inline]
+    #[must_use]
+    pub fn is_watched(&self, address: u32) -> bool {
+        self.watches.iter().any(|watch| match &watch.call {
+            Some(call) => call.returns_to == address && call.depth == self.depth,
+            None => watch.start == address,
+        })
+    }
+
+    /// Looks at the watched functions at an address, with the link register's value.
+    pub fn watch_at(&mut self, address: u32, link: u32) {
+        let spent = self.by_depth[self.depth.min(7)];
+        let depth = self.depth;
+        for watch in &mut self.watches {
+            match watch.call {
+                Some(call) if call.returns_to == address && call.depth == depth => {
+                    watch.calls += 1;
+                    watch.worst = watch.worst.worst(spent.since(call.begin));
+                    watch.call = None;
+                }
+                None if watch.start == address => {
+                    watch.call = Some(Call {
+                        depth,
+                        returns_to: link & !1,
+                        begin: spent,
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Runs the unmodified firmware on an emulated chip with a simulated motor and hand.
+
+pub mod board;
+pub mod chip;
+pub mod cpu;
+pub mod peripheral;
+pub mod world;

@@ -1,0 +1,148 @@
+//! Magnetic encoders on the bus, from their data sheets: AS5047P and MT6701.
+
+use super::spi::{Slave, SlaveFault};
+
+/// Counts of a turn of both.
+const COUNTS: f64 = 16_384.0;
+
+/// The angle as both report it, with what is wrong with it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Angle {
+    turns: f64,
+    fault: SlaveFault,
+    held: Option<u16>,
+}
+
+impl Angle {
+    fn count(&mut self) -> u16 {
+        let count = ((self.turns.rem_euclid(1.0) * COUNTS) as u16) & 0x3fff;
+        match self.fault {
+            SlaveFault::Stuck => *self.held.get_or_insert(count),
+            SlaveFault::Jump(by) => count.wrapping_add(by >> 2) & 0x3fff,
+            _ => {
+                self.held = None;
+                count
+            }
+        }
+    }
+
+    /// What the line makes of a frame.
+    fn disturb(&self, frame: u32, bits: u32) -> u32 {
+        match self.fault {
+            SlaveFault::Low => 0,
+            SlaveFault::High => (1 << bits) - 1,
+            SlaveFault::FlipBit(bit) => frame ^ 1 << (u32::from(bit) % bits),
+            _ => frame,
+        }
+    }
+}
+
+/// AS5047P: each frame answers the command of the frame before.
+#[derive(Debug, Default)]
+pub struct As5047p {
+    angle: Angle,
+    command: u16,
+}
+
+impl Slave for As5047p {
+    fn select(&mut self) {}
+
+    fn exchange(&mut self, sent: u16, bits: u32) -> u16 {
+        let says_error = self.angle.fault == SlaveFault::SaysError;
+        let data = match self.command & 0x3fff {
+            0x3fff | 0x3ffe => self.angle.count(),
+            // ERRFL.
+            0x0001 => u16::from(says_error) << 2,
+            _ => 0,
+        };
+        let data = data | u16::from(says_error) << 14;
+        let frame = data | ((data.count_ones() & 1) as u16) << 15;
+        self.command = sent;
+        self.angle.disturb(u32::from(frame), bits) as u16
+    }
+
+    fn set_angle(&mut self, turns: f64) {
+        self.angle.turns = turns;
+    }
+
+    fn set_fault(&mut self, fault: SlaveFault) {
+        self.angle.fault = fault;
+    }
+}
+
+/// MT6701 over SSI: 24 bits after each fall of the chip select.
+#[derive(Debug, Default)]
+pub struct Mt6701 {
+    angle: Angle,
+    word: u32,
+    left: u32,
+}
+
+/// The CRC of 18 bits, polynomial x^6 + x + 1.
+fn crc(mut data: u32) -> u32 {
+    data <<= 6;
+    for bit in (6..24).rev() {
+        if data >> bit & 1 != 0 {
+            data ^= 0b100_0011 << (bit - 6);
+        }
+    }
+    data
+}
+
+impl Slave for Mt6701 {
+    fn select(&mut self) {
+        let status = if self.angle.fault == SlaveFault::SaysError {
+            8
+        } else {
+            0
+        };
+        let data = u32::from(self.angle.count()) << 4 | status;
+        self.word = self.angle.disturb(data << 6 | crc(data), 24);
+        self.left = 24;
+    }
+
+    fn exchange(&mut self, _sent: u16, bits: u32) -> u16 {
+        let taken = bits.min(self.left);
+        self.left -= taken;
+        let frame = self.word >> self.left & ((1 << taken) - 1);
+        // After the last bit the line stays high.
+        let rest = bits - taken;
+        (frame << rest | ((1 << rest) - 1)) as u16
+    }
+
+    fn set_angle(&mut self, turns: f64) {
+        self.angle.turns = turns;
+    }
+
+    fn set_fault(&mut self, fault: SlaveFault) {
+        self.angle.fault = fault;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_angle_by_as5047p_comes_one_frame_later_with_even_parity() {
+        let mut chip = As5047p::default();
+        chip.set_angle(0.25);
+        chip.exchange(0xffff, 16);
+        assert_eq!(chip.exchange(0xffff, 16), 0x9000);
+        chip.set_fault(SlaveFault::FlipBit(3));
+        assert_eq!(chip.exchange(0xffff, 16), 0x9008);
+    }
+
+    #[test]
+    fn an_angle_by_mt6701_in_three_bytes() {
+        let mut chip = Mt6701::default();
+        chip.set_angle(0.5);
+        chip.select();
+        let bytes = [0, 0, 0].map(|sent| u32::from(chip.exchange(sent, 8)));
+        let word = bytes[0] << 16 | bytes[1] << 8 | bytes[2];
+        assert_eq!(word >> 10, 0x2000);
+        assert_eq!(word & 63, crc(word >> 6));
+        // A word and its check sum leave no remainder.
+        assert_eq!(crc(word >> 6) ^ (word & 63), 0);
+    }
+}

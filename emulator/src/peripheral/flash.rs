@@ -1,0 +1,167 @@
+//! The flash memory: unlocking, programming double words, erasing pages, each with its time, during which the processor, which
+//! fetches from the same bank, stands still. The power may be cut at any write.
+
+use super::plain::Plain;
+use super::{CYCLES_PER_US, NEVER, Peripheral};
+
+const KEYR: u32 = 0x08;
+const SR: u32 = 0x10;
+const CR: u32 = 0x14;
+const OPTR: u32 = 0x20;
+
+const PG: u32 = 1;
+const PER: u32 = 1 << 1;
+const STRT: u32 = 1 << 16;
+const LOCK: u32 = 1 << 31;
+const EOP: u32 = 1;
+const PROGERR: u32 = 1 << 3;
+const PGSERR: u32 = 1 << 7;
+const BSY: u32 = 1 << 16;
+
+/// Where the memory begins.
+pub const BASE: u32 = 0x0800_0000;
+/// Bytes of a page, dual bank.
+pub const PAGE: u32 = 2048;
+/// Typical times of the data sheet (DS12288, table 49).
+const PROGRAM_US: u64 = 82;
+const ERASE_US: u64 = 22_000;
+
+/// What is to be done to the memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Change {
+    /// Eight bytes become these.
+    Program(u32, [u8; 8]),
+    /// A page becomes 0xff.
+    Erase(u32),
+}
+
+/// The controller. The memory itself is the processor's.
+#[derive(Debug, Clone)]
+pub struct Flash {
+    registers: Plain,
+    control: u32,
+    status: u32,
+    keys: u32,
+    /// The first word of a double word.
+    half: Option<(u32, u32)>,
+    busy_until: u64,
+    /// What the processor's side has still to do to the memory.
+    pub changes: Vec<Change>,
+    /// Words that were stored, with what was there before: that must be there again unless it is programmed.
+    pub stores: Vec<(u32, u32)>,
+    /// Changes so far, this run.
+    pub count: u64,
+    /// Cut the power at the change with this number, counted from 0.
+    pub cut_at: Option<u64>,
+}
+
+impl Flash {
+    /// Locked; the option bytes say dual bank.
+    #[must_use]
+    pub fn new(option_bytes: u32) -> Self {
+        Self {
+            registers: Plain::default().with(OPTR, option_bytes),
+            control: LOCK | 1 << 30,
+            status: 0,
+            keys: 0,
+            half: None,
+            busy_until: 0,
+            changes: Vec::new(),
+            stores: Vec::new(),
+            count: 0,
+            cut_at: None,
+        }
+    }
+
+    /// Until when the processor stands still.
+    #[must_use]
+    pub fn busy_until(&self) -> u64 {
+        self.busy_until
+    }
+
+    /// The program stores a word to the memory.
+    pub fn store(&mut self, address: u32, value: u32, now: u64) {
+        if self.control & (LOCK | PG) != PG {
+            self.status |= PGSERR;
+            return;
+        }
+        match self.half.take() {
+            None if address.is_multiple_of(8) => self.half = Some((address, value)),
+            Some((first, low)) if address == first + 4 => {
+                let mut bytes = [0; 8];
+                bytes[..4].copy_from_slice(&low.to_le_bytes());
+                bytes[4..].copy_from_slice(&value.to_le_bytes());
+                self.changes.push(Change::Program(first, bytes));
+                self.begin(PROGRAM_US, now);
+            }
+            _ => self.status |= PGSERR,
+        }
+    }
+
+    /// What was to be programmed was not blank.
+    pub fn refuse(&mut self) {
+        self.status |= PROGERR;
+    }
+
+    fn begin(&mut self, us: u64, now: u64) {
+        self.count += 1;
+        self.busy_until = now + us * CYCLES_PER_US;
+        self.status |= BSY;
+    }
+}
+
+impl Peripheral for Flash {
+    fn read(&mut self, offset: u32, now: u64) -> u32 {
+        self.advance(now);
+        match offset {
+            SR => self.status,
+            CR => self.control,
+            _ => self.registers.get(offset),
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, now: u64) {
+        match (offset, value) {
+            (KEYR, 0x4567_0123) => self.keys = 1,
+            (KEYR, 0xcdef_89ab) if self.keys == 1 => {
+                self.control &= !LOCK;
+                self.keys = 0;
+            }
+            (SR, value) => self.status &= !(value & 0xffff),
+            (CR, _) if self.control & LOCK != 0 => {}
+            (CR, value) => {
+                self.control = value & !STRT;
+                self.half = None;
+                if value & (PER | STRT) == PER | STRT {
+                    let bank = if value >> 11 & 1 != 0 { 0x4_0000 } else { 0 };
+                    let page = BASE + bank + (value >> 3 & 0x7f) * PAGE;
+                    self.changes.push(Change::Erase(page));
+                    self.begin(ERASE_US, now);
+                }
+            }
+            _ => self.registers.write(offset, value, now),
+        }
+    }
+
+    fn next_event(&self) -> u64 {
+        if self.status & BSY != 0 {
+            self.busy_until
+        } else {
+            NEVER
+        }
+    }
+
+    fn advance(&mut self, now: u64) {
+        if self.status & BSY != 0 && now >= self.busy_until {
+            self.status &= !BSY;
+            self.status |= EOP;
+        }
+    }
+
+    fn lines(&self) -> u128 {
+        // EOPIE, ERRIE.
+        let done = self.control >> 24 & 1 != 0 && self.status & EOP != 0;
+        let wrong = self.control >> 25 & 1 != 0 && self.status & (PROGERR | PGSERR) != 0;
+        u128::from(done || wrong) << 4
+    }
+}

@@ -1,0 +1,81 @@
+//! The ports A to G: output registers, and inputs that the board pulls or drives.
+
+use super::Peripheral;
+use super::plain::Plain;
+
+const MODER: u32 = 0x00;
+const PUPDR: u32 = 0x0c;
+const IDR: u32 = 0x10;
+const ODR: u32 = 0x14;
+const BSRR: u32 = 0x18;
+const BRR: u32 = 0x28;
+
+/// A port of 16 pins.
+#[derive(Debug, Clone)]
+pub struct Port {
+    registers: Plain,
+    out: u32,
+    /// Level that the board drives at each pin, where it drives one.
+    driven: [Option<bool>; 16],
+}
+
+impl Port {
+    /// After a reset; port A and B keep the debugger's pins.
+    #[must_use]
+    pub fn new(index: usize) -> Self {
+        let modes = match index {
+            0 => 0xabff_ffff,
+            1 => 0xffff_febf,
+            _ => 0xffff_ffff,
+        };
+        Self {
+            registers: Plain::default().with(MODER, modes),
+            out: 0,
+            driven: [None; 16],
+        }
+    }
+
+    /// The board drives a pin, or lets it go.
+    pub fn drive(&mut self, pin: usize, level: Option<bool>) {
+        self.driven[pin] = level;
+    }
+
+    /// Level of the port at the pin: what the program puts out where it does, else the board's, else the pull.
+    #[must_use]
+    pub fn level(&self, pin: usize) -> bool {
+        let field = |register| self.registers.get(register) >> (2 * pin) & 3;
+        match (field(MODER), self.driven[pin], field(PUPDR)) {
+            (1, ..) => self.out >> pin & 1 != 0,
+            (_, Some(level), _) => level,
+            (_, None, pull) => pull == 1,
+        }
+    }
+
+    /// Whether the program drives the pin: as an output, or by a peripheral.
+    #[must_use]
+    pub fn mode(&self, pin: usize) -> u32 {
+        self.registers.get(MODER) >> (2 * pin) & 3
+    }
+}
+
+impl Peripheral for Port {
+    fn read(&mut self, offset: u32, now: u64) -> u32 {
+        match offset {
+            IDR => (0..16).map(|pin| u32::from(self.level(pin)) << pin).sum(),
+            ODR => self.out,
+            BSRR | BRR => 0,
+            _ => self.registers.read(offset, now),
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, now: u64) {
+        match offset {
+            ODR => self.out = value & 0xffff,
+            // Setting wins over resetting.
+            BSRR => self.out = (self.out & !(value >> 16)) | (value & 0xffff),
+            BRR => self.out &= !value,
+            IDR => {}
+            _ => self.registers.write(offset, value, now),
+        }
+    }
+}

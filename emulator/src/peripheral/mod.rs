@@ -1,0 +1,46 @@
+//! The chip around the processor, as far as the firmware uses it.
+//!
+//! Times are in cycles of the processor's clock. Nothing completes at once: a model whose flags are there before one looks
+//! hides the races of whoever waits for them.
+
+pub mod adc;
+pub mod encoder;
+pub mod exti;
+pub mod flash;
+pub mod gpio;
+pub mod iwdg;
+pub mod plain;
+pub mod rcc;
+pub mod spi;
+pub mod timer;
+pub mod uart;
+
+/// No event ahead.
+pub const NEVER: u64 = u64::MAX;
+
+/// Cycles of the processor's clock in a microsecond, of the clock that the firmware sets up; what the models use for times
+/// that are not derived from a clock in their registers.
+pub const CYCLES_PER_US: u64 = 170;
+
+/// A block of registers.
+pub trait Peripheral {
+    /// Reads the register at `offset`, a multiple of four.
+    fn read(&mut self, offset: u32, now: u64) -> u32;
+    /// Writes the register at `offset`.
+    fn write(&mut self, offset: u32, value: u32, now: u64);
+    /// When it next does something by itself.
+    fn next_event(&self) -> u64 {
+        NEVER
+    }
+    /// Does what is due.
+    fn advance(&mut self, _now: u64) {}
+    /// Which of its interrupt lines are up, as bits by interrupt number.
+    fn lines(&self) -> u128 {
+        0
+    }
+}
+
+/// Bits of a register, changed as `(old & !clear) | set`.
+pub(crate) fn change(register: &mut u32, set: u32, clear: u32) {
+    *register = (*register & !clear) | set;
+}

@@ -1,0 +1,163 @@
+//! SPI as master with frames of 4 to 16 bits, and what answers at the other end.
+
+use std::collections::VecDeque;
+
+use super::plain::Plain;
+use super::{NEVER, Peripheral};
+
+const CR1: u32 = 0x00;
+const CR2: u32 = 0x04;
+const SR: u32 = 0x08;
+const DR: u32 = 0x0c;
+const SPE: u32 = 1 << 6;
+
+/// What is connected.
+pub trait Slave: std::fmt::Debug {
+    /// The chip select line falls: a transfer begins.
+    fn select(&mut self);
+    /// A frame of so many bits comes in, another goes out.
+    fn exchange(&mut self, sent: u16, bits: u32) -> u16;
+    /// The shaft is at this angle, in turns.
+    fn set_angle(&mut self, turns: f64);
+    /// What is wrong with it from now on.
+    fn set_fault(&mut self, fault: SlaveFault);
+}
+
+/// What can be wrong with an encoder on a bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SlaveFault {
+    /// Nothing.
+    #[default]
+    None,
+    /// The line stays low: no power, or a broken wire with a pull-down.
+    Low,
+    /// The line stays high.
+    High,
+    /// One bit of each frame is turned over.
+    FlipBit(u8),
+    /// The same angle for ever, in good frames.
+    Stuck,
+    /// Each angle this many 65,536ths of a turn further.
+    Jump(u16),
+    /// The chip says that it has an error.
+    SaysError,
+}
+
+/// The controller.
+#[derive(Debug, Default)]
+pub struct Spi {
+    interrupt: u32,
+    registers: Plain,
+    transmit: VecDeque<u16>,
+    receive: VecDeque<u16>,
+    shifting: Option<(u64, u16)>,
+    /// At the other end.
+    pub slave: Option<Box<dyn Slave>>,
+    selected: bool,
+    /// The bus hangs: a frame that has begun never ends.
+    pub hangs: bool,
+}
+
+impl Spi {
+    /// With its interrupt.
+    #[must_use]
+    pub fn new(interrupt: u32) -> Self {
+        Self {
+            interrupt,
+            ..Self::default()
+        }
+    }
+
+    /// Level of the chip select line, active low.
+    pub fn set_select(&mut self, level: bool) {
+        if !level
+            && !self.selected
+            && let Some(slave) = &mut self.slave
+        {
+            slave.select();
+        }
+        self.selected = !level;
+    }
+
+    fn bits(&self) -> u32 {
+        ((self.registers.get(CR2) >> 8 & 15) + 1).max(4)
+    }
+
+    fn frame_time(&self) -> u64 {
+        u64::from(self.bits()) * (2 << (self.registers.get(CR1) >> 3 & 7))
+    }
+
+    fn begin(&mut self, now: u64) {
+        if self.shifting.is_none()
+            && self.registers.get(CR1) & SPE != 0
+            && let Some(frame) = self.transmit.pop_front()
+        {
+            let time = if self.hangs {
+                NEVER
+            } else {
+                now + self.frame_time()
+            };
+            self.shifting = Some((time, frame));
+        }
+    }
+}
+
+impl Peripheral for Spi {
+    fn read(&mut self, offset: u32, now: u64) -> u32 {
+        match offset {
+            SR => {
+                let busy = self.shifting.is_some() || !self.transmit.is_empty();
+                let received = (self.receive.len() as u32 * 2).min(3);
+                u32::from(!self.receive.is_empty())
+                    | u32::from(self.transmit.len() < 2) << 1
+                    | u32::from(busy) << 7
+                    | received << 9
+                    | (self.transmit.len() as u32 * 2).min(3) << 11
+            }
+            DR => u32::from(self.receive.pop_front().unwrap_or(0)),
+            _ => self.registers.read(offset, now),
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, now: u64) {
+        match offset {
+            DR => {
+                self.transmit.push_back(value as u16);
+                self.begin(now);
+            }
+            SR => {}
+            _ => {
+                self.registers.write(offset, value, now);
+                self.begin(now);
+            }
+        }
+    }
+
+    fn next_event(&self) -> u64 {
+        self.shifting.map_or(NEVER, |(time, _)| time)
+    }
+
+    fn advance(&mut self, now: u64) {
+        while let Some((time, frame)) = self.shifting.filter(|(time, _)| *time <= now) {
+            // Without a slave the line is pulled up by nobody and read as ones.
+            let bits = self.bits();
+            let answer = match &mut self.slave {
+                Some(slave) if self.selected => slave.exchange(frame, bits),
+                _ => 0xffff,
+            };
+            // Two frames fit; more are lost.
+            if self.receive.len() < 2 {
+                self.receive.push_back(answer);
+            }
+            self.shifting = None;
+            self.begin(time);
+        }
+    }
+
+    fn lines(&self) -> u128 {
+        let cr2 = self.registers.get(CR2);
+        let up = cr2 >> 6 & 1 != 0 && !self.receive.is_empty()
+            || cr2 >> 7 & 1 != 0 && self.transmit.len() < 2;
+        u128::from(up) << self.interrupt
+    }
+}
