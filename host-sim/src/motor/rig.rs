@@ -1,0 +1,94 @@
+//! Motor, bridge, knob and hand in lock-step with whoever drives them: one call a PWM period.
+
+use super::bridge::{Bridge, Drive};
+use super::windings::{MotorParameters, Windings};
+use crate::plant::{Device, Motion, Stepper};
+
+/// What can be measured after a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Phase currents into the motor, A.
+    pub currents_a: [f64; 3],
+    /// Shaft angle, rad.
+    pub angle_rad: f64,
+    /// Shaft speed, rad/s.
+    pub speed_rad_per_s: f64,
+    /// Mean torque of the motor over the last period, along `+x`, N·m.
+    pub torque_n_m: f64,
+}
+
+/// A motor on a plant.
+#[derive(Debug, Clone)]
+pub struct Rig<S: Stepper> {
+    /// The bridge; the bus voltage may be changed between two periods.
+    pub bridge: Bridge,
+    windings: Windings,
+    plant: S,
+    state: S::State,
+    torque_n_m: f64,
+}
+
+impl<S: Stepper> Rig<S> {
+    /// At rest at an angle, without current. The plant's interval is the PWM period.
+    #[must_use]
+    pub fn new(motor: MotorParameters, bridge: Bridge, plant: S, angle_rad: f64) -> Self {
+        Self {
+            bridge,
+            windings: Windings::new(motor, plant.interval_s()),
+            plant,
+            state: S::State::at_rest(angle_rad),
+            torque_n_m: 0.0,
+        }
+    }
+
+    /// What can be measured now.
+    #[must_use]
+    pub fn now(&self) -> Reading {
+        Reading {
+            currents_a: self.windings.currents_a(),
+            angle_rad: self.state.angle_rad(),
+            speed_rad_per_s: self.state.velocity_rad_per_s(),
+            torque_n_m: self.torque_n_m,
+        }
+    }
+
+    /// Crosses one PWM period with these duties at work and the hand's rest point here (rad; not read without a hand).
+    /// Returns what can be measured at its end.
+    pub fn step(&mut self, drive: Drive, rest_rad: f64) -> Reading {
+        let angle = self.state.angle_rad();
+        let torque_n_m = match drive {
+            Drive::Off => self
+                .windings
+                .freewheel(self.bridge.bus_v, self.bridge.diode_v, angle),
+            Drive::On(duties) => {
+                let voltages = self.bridge.voltages(duties, self.windings.currents_a());
+                // The period's mean speed, looked up ahead with the torque of the period before.
+                let mut ahead = self.state;
+                self.plant.step(&mut ahead, self.torque_n_m, rest_rad);
+                let speed = (ahead.angle_rad() - angle) / self.plant.interval_s();
+                self.windings.step(voltages, angle, speed)
+            }
+        };
+        self.torque_n_m = torque_n_m;
+        self.plant.step(&mut self.state, torque_n_m, rest_rad);
+        self.now()
+    }
+
+    /// Currents `(i_d, i_q)` in the rotor's true frame, A.
+    #[must_use]
+    pub fn dq_a(&self) -> (f64, f64) {
+        self.windings.dq_a(self.state.angle_rad())
+    }
+
+    /// The plant's state, to start it elsewhere or to disturb it.
+    pub fn state_mut(&mut self) -> &mut S::State {
+        &mut self.state
+    }
+}
+
+/// The thesis' knob: 1e-4 kg·m², 4e-4 N·m·s/rad, without its dry friction.
+pub const KNOB: Device = Device {
+    inertia_kg_m2: 1e-4,
+    damping_n_m_s_per_rad: 4e-4,
+    friction: None,
+};
