@@ -88,6 +88,38 @@ impl Angle {
     }
 }
 
+/// From encoder counts to the electrical angle: exact to 2^-64 turns a count, so that no number of turns adds up to a drift.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ElectricalScale {
+    /// `2^64 pole pairs/counts`, wrapping as angles do.
+    per_count: u64,
+}
+
+impl ElectricalScale {
+    /// For a motor's pole pairs and an encoder's counts a turn; 0 counts count as 1.
+    #[must_use]
+    pub const fn new(pole_pairs: u8, counts_per_rev: u32) -> Self {
+        let counts = if counts_per_rev == 0 {
+            1
+        } else {
+            counts_per_rev as u64
+        };
+        // 32 bits at a time: the rest is below 2^32 and is divided again.
+        let turns = (pole_pairs as u64) << 32;
+        let (upper, rest) = (turns / counts, turns % counts);
+        Self {
+            per_count: (upper << 32).wrapping_add((rest << 32) / counts),
+        }
+    }
+
+    /// The angle of a count, relative to that of count 0.
+    #[inline]
+    #[must_use]
+    pub const fn angle(&self, count: i64) -> Angle {
+        Angle((count.cast_unsigned().wrapping_mul(self.per_count) >> 48) as u16)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,6 +145,32 @@ mod tests {
         for (bits, sine) in [(0, 0), (0x4000, 32_767), (0x8000, 0), (0xC000, -32_767)] {
             assert_eq!(Angle(bits).sin(), sine);
         }
+    }
+
+    #[test]
+    fn counts_become_angles_without_drift() {
+        for (pairs, counts) in [
+            (7, 16_384),
+            (7, 40_000),
+            (11, 4_001),
+            (50, 1_000_000),
+            (1, 4),
+        ] {
+            let scale = ElectricalScale::new(pairs, counts);
+            for turns in [0_i64, 1, -1, 1_000_003, -99_999_999] {
+                for rest in [0_i64, 1, i64::from(counts) / 3] {
+                    let count = turns * i64::from(counts) + rest;
+                    let exact =
+                        (rest * i64::from(pairs) * 65_536).div_euclid(i64::from(counts)) as u16;
+                    let error = scale.angle(count).since(Angle(exact));
+                    assert!(
+                        (-1..=0).contains(&error),
+                        "{pairs} {counts} {turns} {rest}: {error}"
+                    );
+                }
+            }
+        }
+        assert_eq!(ElectricalScale::new(3, 0).angle(5), Angle(0));
     }
 
     #[test]

@@ -6,22 +6,23 @@
 //! ```
 //!
 //! 1. Bridge off: the mean of 1,024 readings of each current sensor, which must be near where the schematic says.
-//! 2. A current along a field that stands still is raised slowly; the rotor turns into it, less than half an electrical turn.
-//! 3. The field turns one mechanical turn forward (`pole pairs` electrical turns), then the same way back; the rotor follows.
-//!    The counts moved give direction and pole pairs.
+//! 2. A current along a field that stands still is raised slowly; the rotor turns into it, at most half an electrical turn.
+//! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
+//!    the rotor follows. The first electrical turn of each way is not looked at: it frees a rotor that happened to stand
+//!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
 //! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
-//!    rotor lag; it lags the other way on the way back, so the mean of both ways is right.
+//!    rotor lag; it lags the other way on the way back, so the mean of both ways is right, and being that of a whole turn, so
+//!    is the mean over an eccentric magnet.
 //!
-//! Nothing is learned unless all of it is plausible.
+//! Nothing is learned unless all of it is plausible, and every stage ends after a fixed number of ticks.
 
 use crate::Amps;
-use crate::angle::Angle;
+use crate::angle::{Angle, ElectricalScale};
 use crate::current::{CurrentCommand, CurrentMode, CurrentReport};
 use crate::hardware::Hardware;
 use crate::settings::Settings;
 use crate::transform::Dq;
 use crate::units::{clamp_i32, narrow};
-use touchstone_control::Si;
 use touchstone_protocol::FaultCode;
 
 /// Why a calibration failed: the value of [`FaultCode::CalibrationFailed`].
@@ -30,26 +31,23 @@ use touchstone_protocol::FaultCode;
 pub enum Reason {
     /// The current loop did not report offsets in time.
     OffsetsLate = 1,
-    /// The shaft moved, but not as far as the settings' pole pairs say.
+    /// The shaft moved, but not as far as the settings' pole pairs and counts say.
     PolePairs = 2,
-    /// The shaft did not come back to where it began.
+    /// The shaft did not come back to where it began: it slipped by a pole.
     NotBack = 3,
-    /// The shaft did not follow the field evenly: held fast, or the encoder is not on the motor's shaft.
+    /// The shaft did not follow the field: held fast, loaded, or the encoder is not on the motor's shaft.
     Uneven = 4,
-    /// The encoder had a bad reading.
-    Encoder = 5,
     /// The current did not reach what was asked: a phase is open, or the bus is too low.
-    NoCurrent = 6,
+    NoCurrent = 5,
 }
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 5] = [
         Self::OffsetsLate,
         Self::PolePairs,
         Self::NotBack,
         Self::Uneven,
-        Self::Encoder,
         Self::NoCurrent,
     ];
 
@@ -80,21 +78,30 @@ pub enum Progress {
     Failed(FaultCode, i32),
 }
 
+/// Samples in an electrical turn, as a power of two.
+const SAMPLES_LOG2: u32 = 3;
+/// Furthest apart that field and rotor may be over all samples, turns/65,536: a quarter turn, where the torque is largest.
+const SPREAD: i32 = 0x4000;
+
 /// Coefficients of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationConfig {
     current: Amps,
-    /// 2^-32 electrical turns a tick.
+    /// Share of the current by which it is raised in a tick, A.
+    current_step: Amps,
+    /// Speed of the field, 2^-32 electrical turns a tick.
     speed: u32,
-    /// Ticks of raising the current, and of settling.
-    raise: u32,
-    /// Ticks after which offsets are late.
-    patience: u32,
+    /// By how much a tick's speed differs from the last one's at the beginning of a way.
+    speed_step: u32,
+    /// 2^-32 electrical turns in a PWM period per those in a tick, with 16 fractional bits.
+    per_period: u32,
+    /// Ticks of settling; also how long offsets may take.
+    settle: u32,
+    /// Electrical turns of a way that are looked at.
+    turns: i64,
     pole_pairs: u8,
     counts_per_rev: u32,
-    /// 2^-32 electrical turns per count, wrapping.
-    turns_per_count: u32,
-    periods_per_tick: u16,
+    scale: ElectricalScale,
     offset_code: u16,
     offset_tolerance: u16,
     offset_spread: u16,
@@ -109,16 +116,22 @@ impl CalibrationConfig {
         let counts_per_rev = settings.encoder.counts_per_rev.max(1);
         // 2^32 turns · turns/s / rate, from 32 fractional bits.
         let speed = settings.calibration.turns_per_s.to_bits().unsigned_abs() / u64::from(rate);
-        let turn = (u64::from(pole_pairs) << 32) / u64::from(counts_per_rev);
+        let speed = u32::try_from(speed).unwrap_or(u32::MAX);
+        let current = narrow(settings.calibration.current_a);
+        // Half a second for the current, a quarter for the speed.
+        let (half, quarter) = ((rate / 2).max(1), (rate / 4).max(1));
+        let step = current.to_bits() / i32::try_from(half).unwrap_or(i32::MAX);
         Self {
-            current: narrow(settings.calibration.current_a),
-            speed: u32::try_from(speed).unwrap_or(u32::MAX),
-            raise: rate / 2,
-            patience: rate / 2,
+            current,
+            current_step: Amps::from_bits(step.max(1)),
+            speed,
+            speed_step: (speed / quarter).max(1),
+            per_period: (1 << 16) / u32::from(settings.periods_per_tick(hardware)),
+            settle: half,
+            turns: i64::from(pole_pairs) << 32,
             pole_pairs,
             counts_per_rev,
-            turns_per_count: turn as u32,
-            periods_per_tick: u16::try_from(hardware.pwm_hz / rate).unwrap_or(u16::MAX),
+            scale: ElectricalScale::new(pole_pairs, counts_per_rev),
             offset_code: hardware.offset_code,
             offset_tolerance: hardware.offset_tolerance,
             offset_spread: hardware.offset_spread,
@@ -135,6 +148,40 @@ enum Stage {
     Back,
 }
 
+/// Differences of field and rotor, for one direction of counting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Fit {
+    first: Option<Angle>,
+    /// Sum, least and most of the others relative to the first.
+    sum: i32,
+    least: i32,
+    most: i32,
+}
+
+impl Fit {
+    const EMPTY: Self = Self {
+        first: None,
+        sum: 0,
+        least: 0,
+        most: 0,
+    };
+
+    fn add(&mut self, difference: Angle) {
+        let first = *self.first.get_or_insert(difference);
+        let relative = i32::from(difference.since(first));
+        // At most 2 · 8 · 50 samples of 2^15.
+        self.sum = self.sum.saturating_add(relative);
+        self.least = self.least.min(relative);
+        self.most = self.most.max(relative);
+    }
+
+    fn mean(&self, count: i32) -> Angle {
+        let mean = self.sum.checked_div(count).unwrap_or(0);
+        // Within the least and the most, so within 16 bits.
+        self.first.unwrap_or_default().plus(Angle(mean as u16))
+    }
+}
+
 /// A running calibration.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibration {
@@ -142,6 +189,18 @@ pub struct Calibration {
     stage: Stage,
     /// Ticks in the stage.
     ticks: u32,
+    current: Amps,
+    /// Where the field is, 2^-32 electrical turns.
+    field: i64,
+    /// Its speed, the same a tick.
+    speed: u32,
+    /// Counts where the mechanical turn began and ended, forward.
+    began: i64,
+    ended: i64,
+    /// For a count that rises with the field, and for one that falls.
+    along: Fit,
+    against: Fit,
+    samples: i32,
 }
 
 impl Calibration {
@@ -152,17 +211,217 @@ impl Calibration {
             config,
             stage: Stage::Offsets,
             ticks: 0,
+            current: Amps::ZERO,
+            field: 0,
+            speed: 0,
+            began: 0,
+            ended: 0,
+            along: Fit::EMPTY,
+            against: Fit::EMPTY,
+            samples: 0,
         }
     }
 
-    /// One control tick: the unwrapped count (`None`: bad reading) and the current loop's report.
-    pub fn tick(&mut self, tick: u32, count: Option<i64>, report: &CurrentReport) -> Progress {
-        let _ = (count, report);
+    /// One control tick with a good reading: the unwrapped count and the current loop's report.
+    ///
+    /// A tick without a good reading is left out: the outputs are off in it, and the field waits.
+    pub fn tick(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
         self.ticks = self.ticks.saturating_add(1);
+        let done = match self.stage {
+            Stage::Offsets => return self.offsets(tick, report),
+            Stage::Raise => self.raise(),
+            Stage::Settle => self.settle(report),
+            Stage::Forward => self.forward(count),
+            Stage::Back => self.back(count),
+        };
+        done.unwrap_or_else(|| self.drive(tick))
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        self.stage = stage;
+        self.ticks = 0;
+        self.speed = 0;
+    }
+
+    fn drive(&self, tick: u32) -> Progress {
+        let advance = (u64::from(self.speed) * u64::from(self.config.per_period)) >> 16;
+        let advance = i32::try_from(advance).unwrap_or(i32::MAX);
+        Progress::Running(CurrentCommand {
+            tick,
+            mode: CurrentMode::Drive,
+            angle: self.field_angle(),
+            advance: if self.stage == Stage::Back {
+                advance.saturating_neg()
+            } else {
+                advance
+            },
+            current: Dq {
+                d: self.current,
+                q: Amps::ZERO,
+            },
+        })
+    }
+
+    fn field_angle(&self) -> Angle {
+        Angle((self.field >> 16) as u16)
+    }
+
+    fn offsets(&mut self, tick: u32, report: &CurrentReport) -> Progress {
+        let config = &self.config;
+        // The loop forgets old ones in the first period that it sees the command, which is before the third tick.
+        if self.ticks >= 3
+            && let Some(offsets) = report.offsets
+        {
+            let off = |sixteenths: u16| (sixteenths >> 4).abs_diff(config.offset_code);
+            let (a, b) = (off(offsets.a), off(offsets.b));
+            if a.max(b) > config.offset_tolerance {
+                let worst = if a >= b { offsets.a } else { offsets.b };
+                return Progress::Failed(FaultCode::CurrentSensor, i32::from(worst >> 4));
+            }
+            if offsets.spread > config.offset_spread {
+                return Progress::Failed(FaultCode::CurrentSensor, i32::from(offsets.spread));
+            }
+            self.enter(Stage::Raise);
+            return self.drive(tick);
+        }
+        if self.ticks > config.settle {
+            return failed(Reason::OffsetsLate);
+        }
         Progress::Running(CurrentCommand {
             tick,
             mode: CurrentMode::Offsets,
             ..CurrentCommand::default()
         })
     }
+
+    fn raise(&mut self) -> Option<Progress> {
+        self.current = self
+            .current
+            .saturating_add(self.config.current_step)
+            .min(self.config.current);
+        if self.current >= self.config.current {
+            self.enter(Stage::Settle);
+        }
+        None
+    }
+
+    fn settle(&mut self, report: &CurrentReport) -> Option<Progress> {
+        if self.ticks < self.config.settle {
+            return None;
+        }
+        // Three quarters are less than any ripple takes away.
+        let least = Amps::from_bits(self.config.current.to_bits() >> 2)
+            .saturating_mul(Amps::const_from_int(3));
+        if report.current.d < least {
+            return Some(failed(Reason::NoCurrent));
+        }
+        self.enter(Stage::Forward);
+        None
+    }
+
+    /// Moves the field by a tick, towards `target`; whether it has passed one of the places of the samples.
+    fn turn(&mut self, forward: bool, target: i64) -> bool {
+        self.speed = self
+            .speed
+            .saturating_add(self.config.speed_step)
+            .min(self.config.speed);
+        let before = self.field;
+        let step = i64::from(self.speed);
+        self.field = if forward {
+            self.field.saturating_add(step).min(target)
+        } else {
+            self.field.saturating_sub(step).max(target)
+        };
+        const SHIFT: u32 = 32 - SAMPLES_LOG2;
+        before >> SHIFT != self.field >> SHIFT
+    }
+
+    fn sample(&mut self, field: Angle, count: i64) {
+        let rotor = self.config.scale.angle(count);
+        self.along.add(Angle(field.0.wrapping_sub(rotor.0)));
+        self.against.add(field.plus(rotor));
+        self.samples = self.samples.saturating_add(1);
+    }
+
+    fn forward(&mut self, count: i64) -> Option<Progress> {
+        const TURN: i64 = 1 << 32;
+        // The count belongs to the field of the tick before: that one has acted.
+        let (field, inside) = (self.field_angle(), self.field >= TURN);
+        if !inside {
+            self.began = count;
+        }
+        let end = self.config.turns.saturating_add(TURN);
+        let passed = self.turn(true, end);
+        if inside && passed {
+            self.sample(field, count);
+        }
+        if self.field < end {
+            return None;
+        }
+        self.ended = count;
+        self.enter(Stage::Back);
+        self.judge_distance()
+    }
+
+    /// Whether the mechanical turn was one.
+    fn judge_distance(&self) -> Option<Progress> {
+        let counts = i64::from(self.config.counts_per_rev);
+        let moved = self.ended.saturating_sub(self.began).saturating_abs();
+        if moved <= 1 {
+            return Some(Progress::Failed(FaultCode::EncoderStuck, clamp_i32(moved)));
+        }
+        if moved < counts / 8 {
+            return Some(failed(Reason::Uneven));
+        }
+        // With one pole pair more, the field's turns would be a (p + 1)-th of a turn short: half of that decides.
+        let twice = i64::from(self.config.pole_pairs)
+            .saturating_add(1)
+            .saturating_mul(2);
+        let error = moved.saturating_sub(counts).saturating_abs();
+        (error.saturating_mul(twice) >= counts).then(|| failed(Reason::PolePairs))
+    }
+
+    fn back(&mut self, count: i64) -> Option<Progress> {
+        let (field, inside) = (self.field_angle(), self.field <= self.config.turns);
+        let passed = self.turn(false, 0);
+        if inside && passed {
+            self.sample(field, count);
+        }
+        // Where the forward turn began to be looked at.
+        if field_turns(self.field) >= 1 {
+            self.ended = count;
+        }
+        (self.field <= 0).then(|| self.judge())
+    }
+
+    /// Whether rotor and field agreed all along, and on what.
+    fn judge(&self) -> Progress {
+        let config = &self.config;
+        let slipped = self.ended.saturating_sub(self.began).saturating_abs();
+        // A quarter of an electrical turn.
+        let quarter = i64::from(config.pole_pairs).saturating_mul(4);
+        if slipped.saturating_mul(quarter) > i64::from(config.counts_per_rev) {
+            return failed(Reason::NotBack);
+        }
+        let spread = |fit: &Fit| fit.most.saturating_sub(fit.least);
+        // The wrong direction differs by whole turns, so that its spread is far larger.
+        let against = spread(&self.against) < spread(&self.along);
+        let fit = if against { &self.against } else { &self.along };
+        if spread(fit) > SPREAD {
+            return failed(Reason::Uneven);
+        }
+        Progress::Done(Alignment {
+            offset: fit.mean(self.samples),
+            against,
+        })
+    }
+}
+
+/// Whole electrical turns of the field.
+const fn field_turns(field: i64) -> i64 {
+    field >> 32
+}
+
+fn failed(reason: Reason) -> Progress {
+    Progress::Failed(FaultCode::CalibrationFailed, reason as i32)
 }

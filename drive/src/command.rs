@@ -3,8 +3,7 @@
 use crate::Amps;
 use crate::angle::Angle;
 use crate::current::{CurrentCommand, CurrentMode};
-use crate::hardware::Hardware;
-use crate::settings::{AnalogueSettings, Field, MotorSettings, SettingsError};
+use crate::settings::{AnalogueSettings, DriveKind, Field, MotorSettings, Settings, SettingsError};
 use crate::transform::Dq;
 use crate::units::{clamp_i32, narrow, product, quotient};
 use touchstone_control::{Fixed32, Force, Si};
@@ -162,14 +161,10 @@ impl AnyDrive {
     ///
     /// # Errors
     /// A coefficient that does not fit.
-    pub fn new(settings: &crate::Settings, _hardware: &Hardware) -> Result<Self, SettingsError> {
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         Ok(match settings.drive {
-            crate::settings::DriveKind::ThreePhase => {
-                Self::ThreePhase(ThreePhase::new(&settings.motor)?)
-            }
-            crate::settings::DriveKind::Analogue => {
-                Self::Analogue(Analogue::new(&settings.analogue)?)
-            }
+            DriveKind::ThreePhase => Self::ThreePhase(ThreePhase::new(&settings.motor)?),
+            DriveKind::Analogue => Self::Analogue(Analogue::new(&settings.analogue)?),
         })
     }
 }

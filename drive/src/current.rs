@@ -43,6 +43,17 @@ pub struct CurrentCommand {
     pub current: Dq,
 }
 
+impl CurrentCommand {
+    /// Off, without a sign of life.
+    pub const OFF: Self = Self {
+        tick: 0,
+        mode: CurrentMode::Off,
+        angle: Angle(0),
+        advance: 0,
+        current: Dq::ZERO,
+    };
+}
+
 /// What is sampled in a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentSample {

@@ -22,7 +22,6 @@
 //! | period | one PWM period, in which the current loop runs once | |
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
-#![allow(dead_code, unused_imports)]
 
 pub mod angle;
 pub mod calibration;
@@ -53,7 +52,7 @@ pub use current::{
     Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentOutput, CurrentReport,
     CurrentSample, Trip,
 };
-pub use device::{ControlInput, ControlOutput, Device};
+pub use device::{Config, ControlInput, ControlOutput, Device};
 pub use encoder::{EncoderError, EncoderKind, EncoderReading};
 pub use hardware::Hardware;
 pub use record::Record;

@@ -31,6 +31,12 @@ pub struct PiGains {
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
+    /// For a loop that never drives.
+    pub const NONE: Self = Self {
+        proportional: I16F16::ZERO,
+        share: 0,
+    };
+
     /// For a winding (phase to star point) and a bandwidth, at a rate of the loop.
     ///
     /// # Errors

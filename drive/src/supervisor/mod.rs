@@ -1,1 +1,211 @@
-//! What may go wrong, and what is done about it: limits become faults, the first of them is latched by the fault machine.
+//! What may go wrong, and what is done about it.
+//!
+//! Each control tick, before anything else, everything that was read is compared with its limits. The first that is broken
+//! becomes the tick's fault; the fault machine switches the outputs off in the same tick and latches it with its context.
+//! Power and sensors are watched from the command to calibrate until the next stop: what is off may lie unpowered and open.
+//!
+//! | seen by | faults |
+//! |---|---|
+//! | here | break input, gate driver, deadline |
+//! | [`power`] | bus voltage, temperature (with derating below the fault) |
+//! | [`shaft`] | encoder silent, parity and CRC, own error, jump, overspeed |
+//! | [`stuck`] | encoder stuck while armed |
+//! | [`crate::current`] | over-current, stale command, break: the loop has switched off already and says why |
+//! | [`crate::calibration`] | calibration, current sensors, encoder stuck while calibrating |
+//! | [`crate::reset`] | watchdog, brown-out, panic: after the reset that they caused |
+//!
+//! Limits that hold back without a fault have codes of their own, [`touchstone_protocol::Limits`].
+
+pub mod power;
+pub mod shaft;
+pub mod stuck;
+
+use crate::current::CurrentReport;
+use crate::device::ControlInput;
+use crate::hardware::Hardware;
+use crate::settings::{DriveKind, Settings};
+use crate::timing::TickTiming;
+use power::{Power, PowerConfig};
+use shaft::{Seen, Shaft, ShaftConfig};
+use stuck::{Stuck, StuckConfig};
+use touchstone_protocol::FaultCode;
+
+/// Why, and the value that goes into the context.
+pub type Found = (FaultCode, i32);
+
+/// Limits, computed once.
+#[derive(Debug, Clone, Copy)]
+pub struct SupervisorConfig {
+    shaft: ShaftConfig,
+    /// Not for an analogue drive, whose power stage is somebody else's.
+    motor: Option<(PowerConfig, StuckConfig)>,
+    /// Cycles of a control period.
+    period: u32,
+}
+
+impl SupervisorConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
+        let rate = settings.wall.rate_hz.max(1);
+        let motor = (
+            PowerConfig::new(settings, hardware),
+            StuckConfig::new(settings),
+        );
+        Self {
+            shaft: ShaftConfig::new(settings, hardware),
+            motor: (settings.drive == DriveKind::ThreePhase).then_some(motor),
+            period: hardware.core_hz / rate,
+        }
+    }
+
+    /// For the shaft's speed.
+    #[must_use]
+    pub const fn shaft(&self) -> &ShaftConfig {
+        &self.shaft
+    }
+}
+
+/// What is remembered from tick to tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Supervisor {
+    shaft: Shaft,
+    stuck: Stuck,
+    trips: u8,
+    missed: u16,
+    watched: bool,
+}
+
+/// What a tick's look gave.
+#[derive(Debug, Clone, Copy)]
+pub struct Verdict {
+    /// The first limit that was broken.
+    pub fault: Option<Found>,
+    /// The unbroken count, if the reading was good.
+    pub count: Option<i64>,
+    /// Share of the current that the temperature leaves, in 1/65,536.
+    pub derating: u32,
+}
+
+impl Default for Supervisor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Supervisor {
+    /// Nothing seen yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            shaft: Shaft::new(),
+            stuck: Stuck::new(),
+            trips: 0,
+            missed: 0,
+            watched: false,
+        }
+    }
+
+    /// For another configuration: the shaft is new, what the current loop counts goes on.
+    #[must_use]
+    pub const fn restarted(&self) -> Self {
+        Self {
+            trips: self.trips,
+            missed: self.missed,
+            watched: self.watched,
+            ..Self::new()
+        }
+    }
+
+    /// The shaft's motion.
+    #[must_use]
+    pub const fn shaft(&self) -> &Shaft {
+        &self.shaft
+    }
+
+    /// Looks at everything. `watched`: broken limits are faults. `driven`: the tick before drove the motor by the law.
+    pub fn look(
+        &mut self,
+        config: &SupervisorConfig,
+        input: &ControlInput,
+        watched: bool,
+        driven: bool,
+    ) -> Verdict {
+        let report = &input.current;
+        let seen = self.shaft.take(&config.shaft, input.encoder, watched);
+        let (count, shaft_fault) = match seen {
+            Seen::Good { count, .. } => (Some(count), None),
+            Seen::Bad => (None, None),
+            Seen::Fault(code, value) => (None, Some((code, value))),
+        };
+        let stuck_fault = match (&config.motor, seen) {
+            (Some((_, stuck)), Seen::Good { moved, .. }) if driven => {
+                self.stuck.take(stuck, moved, report)
+            }
+            _ => {
+                self.stuck = Stuck::new();
+                None
+            }
+        };
+        let (power_fault, derating) = match &config.motor {
+            Some((power, _)) => Power::look(power, report),
+            None => (None, 1 << 16),
+        };
+        let loop_fault = self.look_at_loop(config, input.timing, report);
+        // Always taken along, so that what happened unwatched is not found later.
+        let before = self.watched;
+        self.watched = watched;
+        let fault = break_fault(input)
+            .or(loop_fault.filter(|_| before))
+            .or(power_fault)
+            .or(shaft_fault)
+            .or(stuck_fault);
+        Verdict {
+            fault: fault.filter(|_| watched),
+            count,
+            derating,
+        }
+    }
+
+    /// What the current loop says, and the deadlines; of the time since the tick before.
+    fn look_at_loop(
+        &mut self,
+        config: &SupervisorConfig,
+        timing: TickTiming,
+        report: &CurrentReport,
+    ) -> Option<Found> {
+        let tripped = report.trips != self.trips;
+        let missed = report.missed.wrapping_sub(self.missed);
+        self.trips = report.trips;
+        self.missed = report.missed;
+        let trip = report.trip.filter(|_| tripped);
+        if let Some(trip) = trip {
+            return Some((trip.code, trip.value));
+        }
+        if missed != 0 {
+            return Some((FaultCode::DeadlineMiss, i32::from(missed)));
+        }
+        // Half a period late, or not done when the next is due.
+        if timing.lateness > config.period / 2 {
+            return Some((FaultCode::DeadlineMiss, cycles(timing.lateness)));
+        }
+        if timing.duration > config.period.saturating_sub(timing.lateness) {
+            return Some((FaultCode::DeadlineMiss, cycles(timing.duration)));
+        }
+        None
+    }
+}
+
+fn cycles(cycles: u32) -> i32 {
+    i32::try_from(cycles).unwrap_or(i32::MAX)
+}
+
+fn break_fault(input: &ControlInput) -> Option<Found> {
+    if input.hardware_break {
+        Some((FaultCode::HardwareBreak, 0))
+    } else if input.gate_driver_error {
+        Some((FaultCode::GateDriver, 0))
+    } else {
+        None
+    }
+}

@@ -1,0 +1,122 @@
+//! Bus voltage and temperature.
+
+use super::Found;
+use crate::current::CurrentReport;
+use crate::hardware::Hardware;
+use crate::settings::Settings;
+use crate::thermistor::Thermistor;
+use crate::units::{clamp_i32, milli, narrow, quotient};
+use crate::{Celsius, Volts};
+use touchstone_control::Si;
+use touchstone_protocol::FaultCode;
+
+/// Limits of the power stage.
+#[derive(Debug, Clone, Copy)]
+pub struct PowerConfig {
+    bus_min: Volts,
+    bus_max: Volts,
+    thermistor: Thermistor,
+    fault_from: Celsius,
+    /// Share of the current lost per degree, in 1/65,536.
+    share_per_degree: i32,
+}
+
+impl PowerConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
+        let limits = &settings.limits;
+        let span = limits.fault_from_c.saturating_sub(limits.derate_from_c);
+        Self {
+            bus_min: narrow(limits.bus_min_v),
+            bus_max: narrow(limits.bus_max_v),
+            thermistor: hardware.thermistor,
+            fault_from: narrow(limits.fault_from_c),
+            share_per_degree: narrow(quotient(Si::ONE, span)).to_bits(),
+        }
+    }
+}
+
+/// The power stage; it remembers nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct Power;
+
+impl Power {
+    /// The temperature; `None` if its sensor makes no sense.
+    #[must_use]
+    pub fn temperature(thermistor: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
+        thermistor.celsius(report.temperature)
+    }
+
+    /// A broken limit, and the share of the current that the temperature leaves, in 1/65,536: all of it up to the first
+    /// temperature, nothing at the second, a straight line between.
+    #[must_use]
+    pub fn look(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
+        let temperature = Self::temperature(&config.thermistor, report);
+        let left = temperature.map_or(0, |celsius| {
+            let below = i64::from(config.fault_from.saturating_sub(celsius).to_bits());
+            clamp_i32((below * i64::from(config.share_per_degree)) >> 16).clamp(0, 1 << 16)
+        });
+        let fault = if report.bus > config.bus_max {
+            Some((FaultCode::OverVoltage, milli(report.bus)))
+        } else if report.bus < config.bus_min {
+            Some((FaultCode::UnderVoltage, milli(report.bus)))
+        } else {
+            match temperature {
+                Some(celsius) if celsius < config.fault_from => None,
+                Some(celsius) => Some((FaultCode::OverTemperature, milli(celsius) / 100)),
+                None => Some((FaultCode::OverTemperature, i32::MAX)),
+            }
+        };
+        (fault, left.unsigned_abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hardware::IHM08M1;
+
+    fn report(bus: f64, code: u16) -> CurrentReport {
+        CurrentReport {
+            bus: Volts::from_num(bus),
+            temperature: code,
+            ..CurrentReport::default()
+        }
+    }
+
+    #[test]
+    fn derating_falls_from_all_to_nothing_where_the_fault_is() {
+        let config = PowerConfig::new(&Settings::default(), &IHM08M1);
+        let mut last = 1 << 16;
+        let mut seen = [false; 3];
+        for code in 1_140..3_700 {
+            let (fault, left) = Power::look(&config, &report(24.0, code));
+            let celsius: f64 = IHM08M1.thermistor.celsius(code).unwrap().to_num();
+            let exact = ((90.0 - celsius) / 20.0).clamp(0.0, 1.0);
+            assert!(
+                (f64::from(left) / 65_536.0 - exact).abs() < 1e-3,
+                "{celsius}: {left}"
+            );
+            assert!(left <= last);
+            assert_eq!(fault.is_some(), celsius >= 90.0, "{celsius}");
+            seen[usize::from(left < 1 << 16) + usize::from(left == 0)] = true;
+            last = left;
+        }
+        assert_eq!(seen, [true; 3]);
+    }
+
+    #[test]
+    fn each_limit_has_its_code_and_value() {
+        let config = PowerConfig::new(&Settings::default(), &IHM08M1);
+        let code = |bus, code| Power::look(&config, &report(bus, code)).0;
+        assert_eq!(code(24.0, 1_300), None);
+        assert_eq!(code(31.5, 1_300), Some((FaultCode::OverVoltage, 31_500)));
+        assert_eq!(code(17.5, 1_300), Some((FaultCode::UnderVoltage, 17_500)));
+        assert_eq!(code(24.0, 0), Some((FaultCode::OverTemperature, i32::MAX)));
+        let (fault, value) = code(24.0, 3_393).unwrap();
+        assert_eq!((fault, value), (FaultCode::OverTemperature, 1_000));
+        // A broken sensor leaves no current either.
+        assert_eq!(Power::look(&config, &report(24.0, 4_095)).1, 0);
+    }
+}

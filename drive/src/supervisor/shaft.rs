@@ -1,0 +1,202 @@
+//! The encoder's readings: bad ones, jumps, and the speed that follows from the good ones.
+//!
+//! A bad reading is not used, and the outputs are off until the next good one: nothing is driven on a guess. So many bad ones in
+//! a row are a fault, with the code of the last. After a gap the shaft may have moved for each of the ticks left out.
+
+use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
+use crate::hardware::Hardware;
+use crate::settings::Settings;
+use crate::units::{clamp_i32, narrow, quotient};
+use fixed::types::I16F16;
+use touchstone_control::Si;
+use touchstone_protocol::FaultCode;
+
+/// Longest window of the speed, ticks.
+const WINDOW_MAX: usize = 20;
+/// Counts that an encoder may jitter.
+const JITTER: i64 = 4;
+/// A jump is a movement so many times as fast as the fastest allowed: what is slower is overspeed.
+const JUMP_FACTOR: i32 = 4;
+/// `2π`.
+const TWO_PI: Si = Si::lit("6.283185307");
+
+/// Coefficients.
+#[derive(Debug, Clone, Copy)]
+pub struct ShaftConfig {
+    kind: EncoderKind,
+    reversed: bool,
+    bad_readings: u8,
+    /// Counts in a tick that no shaft moves.
+    jump: i64,
+    /// Ticks over which the speed is taken: 2 ms, at least 2 ticks.
+    window: usize,
+    /// Counts in a window that are too fast.
+    fastest: i32,
+    /// rad/s per count in a window.
+    speed_per_count: I16F16,
+    /// 2^-48 electrical turns in a PWM period per count in a window.
+    advance_per_count: i64,
+}
+
+impl ShaftConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
+        let rate = settings.wall.rate_hz.max(1);
+        let counts = settings.encoder.counts_per_rev.max(1);
+        let window = usize::try_from(rate / 500)
+            .unwrap_or(2)
+            .clamp(2, WINDOW_MAX);
+        let window_ticks = Si::saturating_from_num(window);
+        // Counts in a tick per rad/s.
+        let per_speed = quotient(
+            quotient(Si::saturating_from_num(counts), TWO_PI),
+            Si::saturating_from_num(rate),
+        );
+        let fastest = settings
+            .limits
+            .max_speed_rad_per_s
+            .saturating_mul(per_speed);
+        let whole = |counts: Si| counts.saturating_ceil().to_num::<i64>();
+        let speed = quotient(quotient(Si::ONE, per_speed), window_ticks);
+        // 2^48 pole pairs/(counts · PWM periods in a window).
+        let periods =
+            (window as u64).saturating_mul(u64::from(settings.periods_per_tick(hardware)));
+        let divisor = u64::from(counts).saturating_mul(periods).max(1);
+        let advance = (u64::from(settings.motor.pole_pairs) << 48) / divisor;
+        Self {
+            kind: settings.encoder.kind,
+            reversed: settings.encoder.reversed,
+            bad_readings: settings.encoder.bad_readings,
+            jump: whole(fastest.saturating_mul(Si::const_from_int(i64::from(JUMP_FACTOR))))
+                .saturating_add(JITTER),
+            window,
+            fastest: clamp_i32(whole(fastest.saturating_mul(window_ticks)).saturating_add(JITTER)),
+            speed_per_count: narrow(speed),
+            advance_per_count: advance.cast_signed(),
+        }
+    }
+}
+
+/// What became of a reading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// Good.
+    Good {
+        /// The unbroken count.
+        count: i64,
+        /// Counts since the last good reading.
+        moved: i64,
+    },
+    /// Not to be used.
+    Bad,
+    /// A fault.
+    Fault(FaultCode, i32),
+}
+
+/// The shaft as the encoder tells it.
+#[derive(Debug, Clone, Copy)]
+pub struct Shaft {
+    unwrapped: Option<Unwrapped>,
+    bad: u8,
+    /// Movements of the last ticks.
+    moves: [i32; WINDOW_MAX],
+    at: usize,
+    /// Their sum over the window.
+    sum: i32,
+}
+
+impl Default for Shaft {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Shaft {
+    /// Nothing read yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            unwrapped: None,
+            bad: 0,
+            moves: [0; WINDOW_MAX],
+            at: 0,
+            sum: 0,
+        }
+    }
+
+    /// Takes a tick's reading.
+    pub fn take(&mut self, config: &ShaftConfig, reading: EncoderReading, watched: bool) -> Seen {
+        let word = match reading.decode(config.kind) {
+            Ok(word) => word,
+            Err(error) => return self.bad(config, error, watched),
+        };
+        let Some(unwrapped) = &mut self.unwrapped else {
+            *self = Self {
+                unwrapped: Some(Unwrapped::new(word, config.reversed)),
+                ..Self::new()
+            };
+            return Seen::Good { count: 0, moved: 0 };
+        };
+        let before = unwrapped.count();
+        let count = unwrapped.update(word);
+        let moved = count.saturating_sub(before);
+        let ticks = i64::from(self.bad).saturating_add(1);
+        self.bad = 0;
+        self.remember(config, clamp_i32(moved));
+        if !watched {
+            return Seen::Good { count, moved };
+        }
+        if moved.saturating_abs() > config.jump.saturating_mul(ticks) {
+            return Seen::Fault(FaultCode::EncoderJump, clamp_i32(moved));
+        }
+        if self.sum.saturating_abs() > config.fastest {
+            let speed = self.speed(config);
+            return Seen::Fault(FaultCode::OverSpeed, crate::units::milli(speed));
+        }
+        Seen::Good { count, moved }
+    }
+
+    fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
+        if !watched {
+            // Nobody counts on it: begin anew with the next good one.
+            *self = Self::new();
+            return Seen::Bad;
+        }
+        self.bad = self.bad.saturating_add(1);
+        self.remember(config, 0);
+        if self.bad < config.bad_readings {
+            return Seen::Bad;
+        }
+        match error {
+            EncoderError::Silent => Seen::Fault(FaultCode::EncoderSilent, i32::from(self.bad)),
+            EncoderError::Check(word) => Seen::Fault(FaultCode::EncoderCheck, word.cast_signed()),
+            EncoderError::Status(word) => Seen::Fault(FaultCode::EncoderStatus, word.cast_signed()),
+        }
+    }
+
+    fn remember(&mut self, config: &ShaftConfig, moved: i32) {
+        if let Some(place) = self.moves.get_mut(self.at) {
+            self.sum = self.sum.saturating_sub(*place).saturating_add(moved);
+            *place = moved;
+        }
+        self.at = self.at.saturating_add(1);
+        if self.at >= config.window {
+            self.at = 0;
+        }
+    }
+
+    /// Mean speed over the window, rad/s, saturating.
+    #[must_use]
+    pub fn speed(&self, config: &ShaftConfig) -> I16F16 {
+        I16F16::from_bits(clamp_i32(
+            i64::from(self.sum) * i64::from(config.speed_per_count.to_bits()),
+        ))
+    }
+
+    /// How far the electrical angle moves in a PWM period at this speed, 2^-32 turns, saturating.
+    #[must_use]
+    pub fn advance(&self, config: &ShaftConfig) -> i32 {
+        clamp_i32(i64::from(self.sum).saturating_mul(config.advance_per_count) >> 16)
+    }
+}
