@@ -1,4 +1,5 @@
-//! Gives the linker the map of both boards' memory, `memory.x` at the repository's top level, and the scripts that use it.
+//! Gives the linker the map of both boards' memory, `memory.x` at the repository's top level, and the scripts that use it; and the
+//! program a hash of its sources.
 
 use std::path::{Path, PathBuf};
 
@@ -16,4 +17,36 @@ fn main() {
     // Sections start on no page of a file system: the image is for a flash memory.
     println!("cargo::rustc-link-arg-bins=--nmagic");
     println!("cargo::rerun-if-changed={}", map.display());
+    let mut hash = FNV_BASIS;
+    for part in [
+        "firmware/src",
+        "drive/src",
+        "protocol/src",
+        "control/src",
+        "memory.x",
+        "firmware/Cargo.lock",
+    ] {
+        let part = Path::new(&folder).join("..").join(part);
+        println!("cargo::rerun-if-changed={}", part.display());
+        add(&part, &mut hash);
+    }
+    println!("cargo::rustc-env=TOUCHSTONE_BUILD_HASH={hash:016x}");
+}
+
+const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+const FNV_PRIME: u64 = 0x100_0000_01b3;
+
+/// Adds a file, or a folder's files in the order of their names, to an FNV-1a hash.
+fn add(path: &Path, hash: &mut u64) {
+    if let Ok(entries) = std::fs::read_dir(path) {
+        let mut entries: Vec<_> = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .collect();
+        entries.sort();
+        entries.iter().for_each(|entry| add(entry, hash));
+    } else {
+        for byte in std::fs::read(path).unwrap_or_default() {
+            *hash = (*hash ^ u64::from(byte)).wrapping_mul(FNV_PRIME);
+        }
+    }
 }

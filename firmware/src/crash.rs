@@ -1,11 +1,161 @@
-//! What happens when the program cannot go on: outputs off, then a reset.
+//! What happens when the program cannot go on: outputs off, a record that survives the reset, the reset. And what the next
+//! start finds of it.
 
 use core::panic::PanicInfo;
+use core::ptr::{addr_of_mut, read_volatile, write_volatile};
 
-use crate::pwm;
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use embassy_stm32::pac::RCC;
+use touchstone_drive::ResetFlags;
+
+use crate::{analogue, pwm};
+
+/// Sixteen words at the end of memory, outside of what start-up clears; see `memory.x`.
+type Record = [u32; 16];
+
+unsafe extern "C" {
+    #[link_name = "_crash_record"]
+    static mut RECORD: Record;
+}
+
+/// Says that this program was running: memory was kept since.
+const RUNNING: u32 = 0x7045_5001;
+/// Says that the rest of the record holds.
+const CRASHED: u32 = 0xDEAD_C0DE;
+
+/// Which word of the record is what.
+mod word {
+    pub const RUNNING: usize = 0;
+    pub const CRASHED: usize = 1;
+    pub const KIND: usize = 2;
+    pub const PLACE: usize = 3;
+    pub const FILE: usize = 4;
+    pub const FILE_LENGTH: usize = 5;
+    pub const STATUS: usize = 6;
+    pub const SUM: usize = 7;
+}
+
+/// A panic, or which of the processor's exceptions.
+const PANIC: u32 = 1;
+const FAULT: u32 = 2;
+const UNEXPECTED: u32 = 3;
+
+fn write(index: usize, value: u32) {
+    // SAFETY: the record is 16 words of memory that nothing else uses, `index` is one of `word`.
+    unsafe { write_volatile(addr_of_mut!(RECORD).cast::<u32>().add(index), value) };
+}
+
+fn read(index: usize) -> u32 {
+    // SAFETY: as for `write`; any bits are a valid `u32`.
+    unsafe { read_volatile(addr_of_mut!(RECORD).cast::<u32>().add(index)) }
+}
+
+fn sum() -> u32 {
+    (word::CRASHED..word::SUM).fold(RUNNING, |sum, index| sum.rotate_left(5) ^ read(index))
+}
+
+/// Switches off, remembers, resets. Nothing here formats, waits, or can panic.
+fn die(kind: u32, place: u32, file: &'static str, status: u32) -> ! {
+    pwm::outputs_off();
+    analogue::off();
+    write(word::CRASHED, CRASHED);
+    write(word::KIND, kind);
+    write(word::PLACE, place);
+    write(word::FILE, file.as_ptr() as u32);
+    write(word::FILE_LENGTH, file.len() as u32);
+    write(word::STATUS, status);
+    write(word::SUM, sum());
+    SCB::sys_reset()
+}
 
 #[panic_handler]
-fn panic(_info: &PanicInfo) -> ! {
+fn panic(info: &PanicInfo) -> ! {
     pwm::outputs_off();
-    cortex_m::peripheral::SCB::sys_reset()
+    match info.location() {
+        // The names of source files are in flash for as long as the program is.
+        Some(place) => die(PANIC, place.line(), file_of(place), 0),
+        None => die(PANIC, 0, "", 0),
+    }
+}
+
+/// A location's file. Its text is a constant of the program, though the type does not say so.
+fn file_of(place: &core::panic::Location<'_>) -> &'static str {
+    let file = place.file();
+    // SAFETY: `Location`s that panics carry are constants in flash, and so are their texts.
+    unsafe { core::mem::transmute::<&str, &'static str>(file) }
+}
+
+/// The address at which the processor faulted is the place; the fault status says how.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    pwm::outputs_off();
+    // SAFETY: the register is there on every Cortex-M4 and reading it has no effect.
+    let status = unsafe { (*SCB::PTR).cfsr.read() };
+    die(FAULT, frame.pc(), "", status)
+}
+
+/// An interrupt that nobody handles was enabled: a mistake of the program.
+#[exception]
+unsafe fn DefaultHandler(number: i16) {
+    die(UNEXPECTED, number as u32, "", 0)
+}
+
+/// Why the processor started, and the mark for the next time.
+pub fn take_reset_flags() -> ResetFlags {
+    let flags = RCC.csr().read();
+    RCC.csr().modify(|w| w.set_rmvf(true));
+    let memory_kept = read(word::RUNNING) == RUNNING;
+    let crashed = memory_kept && read(word::CRASHED) == CRASHED && read(word::SUM) == sum();
+    if crashed {
+        log();
+    }
+    let panic = crashed.then(|| read(word::PLACE));
+    write(word::RUNNING, RUNNING);
+    write(word::CRASHED, 0);
+    ResetFlags {
+        brown_out: flags.borrstf(),
+        pin: flags.pinrstf(),
+        software: flags.sftrstf(),
+        independent_watchdog: flags.iwdgrstf(),
+        window_watchdog: flags.wwdgrstf(),
+        option_bytes: flags.oblrstf(),
+        low_power: flags.lpwrrstf(),
+        memory_kept,
+        panic,
+    }
+}
+
+/// Tells a person with a probe what the record says.
+fn log() {
+    let place = read(word::PLACE);
+    match read(word::KIND) {
+        PANIC => {
+            let (start, length) = (read(word::FILE), read(word::FILE_LENGTH));
+            defmt::error!(
+                "before this reset: a panic in line {=u32} of {=str}",
+                place,
+                text(start, length)
+            );
+        }
+        FAULT => defmt::error!(
+            "before this reset: a fault of the processor at {=u32:#x}, status {=u32:#x}",
+            place,
+            read(word::STATUS)
+        ),
+        _ => defmt::error!("before this reset: the unexpected interrupt {=u32}", place),
+    }
+}
+
+/// A text in flash; empty if that is not where it is, as after another program was flashed.
+fn text(start: u32, length: u32) -> &'static str {
+    const FLASH: core::ops::Range<u32> = 0x0800_0000..0x0801_8000;
+    let is_inside =
+        FLASH.contains(&start) && length <= 200 && FLASH.contains(&start.saturating_add(length));
+    if !is_inside {
+        return "";
+    }
+    // SAFETY: these addresses are flash, which is never written while the program runs, apart from the settings beyond them.
+    let bytes = unsafe { core::slice::from_raw_parts(start as *const u8, length as usize) };
+    core::str::from_utf8(bytes).unwrap_or("")
 }

@@ -1,26 +1,62 @@
-//! The three interrupts that do the work, and nothing that could make them wait or panic.
+//! The interrupts that do the work, and nothing that could make them wait or panic.
+//!
+//! ```text
+//! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control tick
+//! ```
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
+use heapless::spsc::Consumer;
+use touchstone_drive::mailbox::{CommandWords, ReportWords};
+use touchstone_drive::{Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentSample};
 
-use crate::{pwm, sense};
+use crate::control::{CONTROL, Readings};
+use crate::shared::{Down, Owned, Up, raise};
+use crate::{analogue, board, cycles, pwm, sense, supply};
 
-/// PWM periods since the start; wraps.
-pub static PERIODS: AtomicU32 = AtomicU32::new(0);
-/// Control ticks since the start; wraps.
-pub static TICKS: AtomicU32 = AtomicU32::new(0);
-/// PWM periods of a control tick.
-pub static DIVIDER: AtomicU32 = AtomicU32::new(pwm::PWM_HZ / 1_000);
+/// From the control tick to the current loop.
+pub static COMMAND: Down<{ size_of::<CommandWords>() / 4 }> = Down::new();
+/// From the current loop to the control tick.
+pub static REPORT: Up<{ size_of::<ReportWords>() / 4 }> = Up::new();
+/// The timer's break has pulled, and was not cleared by command since.
+pub static BREAK: AtomicBool = AtomicBool::new(false);
+/// The supply has sagged, and that was not cleared by command since.
+pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);
+/// Cycle counter when the control tick became due.
+static DUE: AtomicU32 = AtomicU32::new(0);
+/// Most cycles that the current loop has taken.
+pub static CURRENT_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
+/// PWM periods in which new compare values came after the counter's turn, so that they count a period later.
+pub static LATE_PERIODS: AtomicU32 = AtomicU32::new(0);
+/// The current loop ran since the supervisor looked.
+pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
+/// The control tick ran since the supervisor looked.
+pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
 
-/// Priorities of the three, then they may come.
-pub fn start() {
+/// What belongs to the current loop.
+pub struct Current {
+    /// The loop.
+    pub current_loop: CurrentLoop,
+    /// Its next coefficients.
+    pub configs: Consumer<'static, CurrentConfig>,
+}
+
+static CURRENT: Owned<Current> = Owned::empty();
+
+/// Gives the current loop its state, sets the priorities, and lets them come.
+///
+/// # Safety
+/// Once, with [`CONTROL`] filled.
+pub unsafe fn start(current: Current) {
+    // SAFETY: the interrupt is enabled below, and this runs once.
+    unsafe { CURRENT.give(current) };
     interrupt::ADC1_2.set_priority(Priority::P0);
     interrupt::TIM1_BRK_TIM15.set_priority(Priority::P1);
     interrupt::LPTIM1.set_priority(Priority::P2);
-    // SAFETY: their handlers are below and share nothing but atomics with other code.
+    // SAFETY: their handlers share with other code only what `shared` describes.
     unsafe {
         interrupt::TIM1_BRK_TIM15.enable();
         interrupt::LPTIM1.enable();
@@ -31,25 +67,75 @@ pub fn start() {
 /// Priority 0, once a PWM period: the currents are there.
 #[interrupt]
 fn ADC1_2() {
-    let _raw = sense::take();
-    let period = PERIODS.load(Ordering::Relaxed).wrapping_add(1);
-    PERIODS.store(period, Ordering::Relaxed);
-    if period % DIVIDER.load(Ordering::Relaxed).max(1) == 0 {
+    let begun = cycles::now();
+    let raw = sense::take();
+    // SAFETY: this is the handler that it belongs to, and calls it once.
+    let Some(current) = (unsafe { CURRENT.mine() }) else {
+        return;
+    };
+    if let Some(config) = current.configs.dequeue() {
+        current.current_loop.reconfigure(config);
+    }
+    let readings = board::readings(&raw);
+    let is_broken = pwm::is_broken() || BREAK.load(Relaxed) || BROWN_OUT.load(Relaxed);
+    let output = current.current_loop.tick(&CurrentSample {
+        phase_a: readings.phase_a,
+        phase_b: readings.phase_b,
+        bus: readings.bus,
+        temperature: readings.temperature,
+        hardware_break: is_broken,
+        command: CurrentCommand::from_words(&COMMAND.get()),
+    });
+    match output.bridge {
+        Bridge::Off => pwm::outputs_off(),
+        Bridge::On(duty) => {
+            pwm::set_duty(duty);
+            pwm::outputs_on();
+        }
+    }
+    REPORT.put(&output.report.to_words());
+    if output.pend_control {
+        DUE.store(begun, Relaxed);
         NVIC::pend(interrupt::LPTIM1);
     }
+    CURRENT_LIVES.store(true, Relaxed);
+    if !pwm::is_before_bottom() {
+        LATE_PERIODS.store(LATE_PERIODS.load(Relaxed).saturating_add(1), Relaxed);
+    }
+    raise(&CURRENT_CYCLES_MAX, cycles::now().wrapping_sub(begun));
 }
 
-/// Priority 1: the hardware has switched the outputs off.
+/// Priority 1: the hardware has switched the outputs off. An input that stays active would raise this for ever: it is silenced
+/// until the control tick clears it.
 #[interrupt]
 fn TIM1_BRK_TIM15() {
-    pwm::take_break();
+    pwm::silence_break();
+    BREAK.store(true, Relaxed);
+}
+
+/// Priority 1: the supply sags.
+#[interrupt]
+fn PVD_PVM() {
+    BROWN_OUT.store(true, Relaxed);
+    pwm::outputs_off();
+    analogue::off();
+    supply::take();
 }
 
 /// Priority 2, one control tick. No timer raises it: the current loop pends it.
 #[interrupt]
 fn LPTIM1() {
-    TICKS.store(
-        TICKS.load(Ordering::Relaxed).wrapping_add(1),
-        Ordering::Relaxed,
-    );
+    let begun = cycles::now();
+    // SAFETY: this is the handler that it belongs to, and calls it once.
+    let Some(control) = (unsafe { CONTROL.mine() }) else {
+        return;
+    };
+    control.tick(&Readings {
+        report: REPORT.get(),
+        hardware_break: BREAK.load(Relaxed),
+        brown_out: BROWN_OUT.load(Relaxed),
+        lateness: begun.wrapping_sub(DUE.load(Relaxed)),
+    });
+    CONTROL_LIVES.store(true, Relaxed);
+    control.ended(cycles::now().wrapping_sub(begun));
 }

@@ -19,12 +19,22 @@ pub mod board;
 #[path = "board/nucleo_g474re.rs"]
 pub mod board;
 
+pub mod analogue;
 pub mod clock;
+pub mod control;
 pub mod crash;
 pub mod critical;
+pub mod cycles;
+pub mod encoder;
 pub mod interrupts;
+#[cfg(feature = "nucleo-g474re")]
+pub mod magnetic;
 pub mod pwm;
+pub mod requests;
 pub mod run;
 pub mod sense;
 pub mod serial;
+pub mod shared;
+pub mod storage;
+pub mod supply;
 pub mod watchdog;

@@ -195,14 +195,24 @@ pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Takes the flag of the hardware's break.
+/// Whether the break has pulled since it was last cleared.
 #[inline(always)]
-pub fn take_break() -> bool {
-    let was = TIM1.sr().read();
+pub fn is_broken() -> bool {
+    TIM1.sr().read().bif(0)
+}
+
+/// No more interrupts of the break, whose flag stays. No other interrupt of this timer is ever on.
+#[inline(always)]
+pub fn silence_break() {
+    TIM1.dier().write(|_| ());
+}
+
+/// Clears the break's flag, which comes back at once if the input is still active, and lets it interrupt again.
+pub fn clear_break() {
     // Written, not modified: a zero clears, a one leaves alone.
     TIM1.sr().write(|w| {
         w.0 = !0;
         w.set_bif(0, false);
     });
-    was.bif(0)
+    TIM1.dier().write(|w| w.set_bie(true));
 }

@@ -5,8 +5,20 @@ use embassy_stm32::pac::{ADC1, ADC2};
 use embassy_stm32::peripherals;
 use embassy_stm32::triggers::TIM1_TRGO2;
 
-/// Conversions of each converter in a PWM period.
-pub const RANKS: usize = 3;
+use crate::board::RANKS;
+
+/// What the current loop and the supervisor need of a set, codes of 12 bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Readings {
+    /// Current of phase A.
+    pub phase_a: u16,
+    /// Of phase B.
+    pub phase_b: u16,
+    /// Bus voltage.
+    pub bus: u16,
+    /// Temperature of the power stage.
+    pub temperature: u16,
+}
 
 /// One set of conversions, in the order of the board's channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +31,8 @@ pub struct Raw {
 
 /// At 42.5 MHz 0.15 us of sampling, then 0.29 us of conversion: a current. Slower things come later in the sequence.
 pub const FAST: SampleTime = SampleTime::CYCLES6_5;
+/// A current behind one of the chip's own amplifiers: 0.29 us of sampling.
+pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;
 /// Bus voltage and temperature: dividers of some 10 kohm.
 pub const SLOW: SampleTime = SampleTime::CYCLES47_5;
 
@@ -42,8 +56,8 @@ pub fn start(
 #[inline(always)]
 pub fn take() -> Raw {
     let raw = Raw {
-        first: [0, 1, 2].map(|rank| ADC1.jdr(rank).read().jdata()),
-        second: [0, 1, 2].map(|rank| ADC2.jdr(rank).read().jdata()),
+        first: core::array::from_fn(|rank| ADC1.jdr(rank).read().jdata()),
+        second: core::array::from_fn(|rank| ADC2.jdr(rank).read().jdata()),
     };
     // Written with ones to clear, JEOC with it.
     ADC1.isr().write(|w| {
@@ -55,10 +69,4 @@ pub fn take() -> Raw {
         w.set_jeoc(true);
     });
     raw
-}
-
-/// Whether ADC2 has finished its set as well.
-#[inline(always)]
-pub fn is_complete() -> bool {
-    ADC2.isr().read().jeos()
 }

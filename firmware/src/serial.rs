@@ -1,19 +1,83 @@
-//! The serial port to the desktop: the ST-LINK's virtual port, 921,600 baud, 8N1.
+//! The serial port to the desktop: the ST-LINK's virtual port, 921,600 baud, 8N1. Requests in, answers and telemetry out.
 
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use embassy_futures::select::select;
 use embassy_stm32::usart;
+use embassy_stm32::usart::BufferedUart;
+use embassy_time::{Duration, Ticker};
+use embedded_io_async::{Read, Write};
+use heapless::spsc::Consumer;
 use static_cell::ConstStaticCell;
+use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
+use touchstone_protocol::session::Session;
+use touchstone_protocol::{FromDevice, Telemetry};
+
+use crate::requests::Thread;
 
 /// 115,200 would not carry the telemetry.
 pub const BAUD: u32 = 921_600;
 
 /// What waits to be sent: 11 ms of the port.
 pub static SEND: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-/// What was received and not yet read.
+/// What was received and not yet read: 5 ms of the port.
 pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
+/// Where frames are made.
+static FRAME: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
+/// Where frames are taken apart.
+static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());
+
+/// The link's task ran since the supervisor looked.
+pub static LINK_LIVES: AtomicBool = AtomicBool::new(false);
 
 /// The port's settings.
 pub fn config() -> usart::Config {
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
     config
+}
+
+/// Everything that goes over the port.
+#[embassy_executor::task]
+pub async fn link(
+    mut port: BufferedUart<'static>,
+    mut session: Session,
+    mut device: Thread,
+    mut telemetry: Consumer<'static, Telemetry>,
+) {
+    let (frame, decoder) = (FRAME.take(), DECODER.take());
+    let mut ticker = Ticker::every(Duration::from_millis(1));
+    let mut received = [0; 64];
+    loop {
+        LINK_LIVES.store(true, Relaxed);
+        // An error of the line ends the read; what it spoiled fails its check and is counted there.
+        let count = match select(port.read(&mut received), ticker.next()).await {
+            embassy_futures::select::Either::First(Ok(count)) => count,
+            _ => 0,
+        };
+        for byte in received.iter().take(count) {
+            let errors = decoder.errors();
+            let answer = match decoder.push(*byte) {
+                Some(Ok(payload)) => match session.answer_payload(payload, errors, &mut device) {
+                    Some(answer) => answer,
+                    None => {
+                        decoder.count_error();
+                        continue;
+                    }
+                },
+                _ => continue,
+            };
+            send(&mut port, &answer, frame).await;
+        }
+        while let Some(record) = telemetry.dequeue() {
+            send(&mut port, &FromDevice::Telemetry(record), frame).await;
+        }
+    }
+}
+
+async fn send(port: &mut BufferedUart<'static>, message: &FromDevice, buffer: &mut [u8]) {
+    if let Ok(frame) = frame::encode(message, buffer) {
+        // Writing to this port cannot fail.
+        let _ = port.write_all(frame).await;
+    }
 }

@@ -1,34 +1,67 @@
 //! B-G431B-ESC1: pins and peripherals.
+//!
+//! Sources: UM2516 and the board's schematic as open projects for it quote them (NuttX's and SimpleFOC's board files); not
+//! checked on a board by us. The comparators' threshold is calculated from the schematic's values.
 
 use embassy_stm32::adc::{Adc, AdcChannel};
-use embassy_stm32::gpio::OutputType;
-use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
+use embassy_stm32::pac::comp::vals::{Hysteresis, Inm};
+use embassy_stm32::pac::dac::vals::Mode;
+use embassy_stm32::pac::{COMP1, COMP2, COMP4, DAC3, TIM4};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, BufferedUart};
-use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
+use embassy_stm32::{Peripherals, bind_interrupts, peripherals, rcc};
+use static_cell::StaticCell;
+use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
 
 use crate::pwm::{BreakInput, Bridge};
 use crate::run::Board;
-use crate::{pwm, sense, serial};
+use crate::sense::{Raw, Readings};
+use crate::storage::Storage;
+use crate::{analogue, encoder, pwm, sense, serial};
 
-/// As the host knows it.
-pub const NAME: &str = "b-g431b-esc1";
+/// As the desktop knows it.
+pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::BG431bEsc1;
+
+/// The power stage.
+pub const HARDWARE: Hardware = hardware::B_G431B_ESC1;
+
+/// Conversions of each converter in a PWM period.
+pub const RANKS: usize = 3;
 
 bind_interrupts!(struct Irqs {
     USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
 });
 
-/// Gate drivers L6387 have no dead time of their own. The chip's comparators watch the shunts.
+/// The gate drivers L6387 keep no dead time themselves. COMP1, COMP2 and COMP4 watch the three shunts.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 800,
     break_input: BreakInput::Comparators(0b1011),
 };
 
+/// A current of 30 A out of the motor and through a low side. The shunt's divider adds an offset of 0.129 V and leaves 4/7 of
+/// 3 mV/A, the comparators see it before the amplifiers: 160 + 2.13 codes/A of 3.3 V / 4096.
+const BREAK_CODE: u16 = 160 + 64;
+
 /// Sets up every pin and peripheral of the board; outputs stay off.
 pub fn set_up(p: Peripherals) -> Board {
     interrupt::TIM3.set_priority(Priority::P6);
     interrupt::USART2.set_priority(Priority::P6);
+    // The amplifiers are configured until the next reset.
+    static AMPLIFIER_1: StaticCell<OpAmp<'static, peripherals::OPAMP1>> = StaticCell::new();
+    static AMPLIFIER_2: StaticCell<OpAmp<'static, peripherals::OPAMP2>> = StaticCell::new();
+    static AMPLIFIER_3: StaticCell<OpAmp<'static, peripherals::OPAMP3>> = StaticCell::new();
+    let amplifier_1 = AMPLIFIER_1.init(OpAmp::new(p.OPAMP1, OpAmpSpeed::HighSpeed));
+    let amplifier_2 = AMPLIFIER_2.init(OpAmp::new(p.OPAMP2, OpAmpSpeed::HighSpeed));
+    let amplifier_3 = AMPLIFIER_3.init(OpAmp::new(p.OPAMP3, OpAmpSpeed::HighSpeed));
+    let phase_a = amplifier_1.pga_biased_int(p.PA1, p.PA3, OpAmpGain::Mul16);
+    let phase_b = amplifier_2.pga_biased_int(p.PA7, p.PA5, OpAmpGain::Mul16);
+    let phase_c = amplifier_3.pga_biased_int(p.PB0, p.PB2, OpAmpGain::Mul16);
+    watch_shunts(p.DAC3);
     pwm::start(p.TIM1, BRIDGE);
     pwm::keep(
         (
@@ -42,6 +75,27 @@ pub fn set_up(p: Peripherals) -> Board {
             ComplementaryPwmPin::new(p.PB15, OutputType::PushPull),
         ),
     );
+    analogue::start(p.DAC1);
+    let mut tracks = (Flex::new(p.PB6), Flex::new(p.PB7));
+    tracks.0.set_as_af_unchecked(2, AfType::input(Pull::Up));
+    tracks.1.set_as_af_unchecked(2, AfType::input(Pull::Up));
+    encoder::count_edges!(TIM4);
+    core::mem::forget(tracks);
+    sense::start(
+        Adc::new(p.ADC1, Default::default()),
+        [
+            (phase_a.degrade_adc(), sense::AMPLIFIED),
+            (p.PA0.degrade_adc(), sense::SLOW),
+            (p.PB14.degrade_adc(), sense::SLOW),
+        ],
+        Adc::new(p.ADC2, Default::default()),
+        // The third current, and the divider of a phase's voltage, are not used yet: both converters take as long.
+        [
+            (phase_b.degrade_adc(), sense::AMPLIFIED),
+            (phase_c.degrade_adc(), sense::SLOW),
+            (p.PC4.degrade_adc(), sense::SLOW),
+        ],
+    );
     let serial = BufferedUart::new(
         p.USART2,
         p.PB4,
@@ -51,21 +105,68 @@ pub fn set_up(p: Peripherals) -> Board {
         Irqs,
         serial::config(),
     );
-    sense::start(
-        Adc::new(p.ADC1, Default::default()),
-        [
-            (p.PA0.degrade_adc(), sense::FAST),
-            (p.PA1.degrade_adc(), sense::SLOW),
-            (p.PB14.degrade_adc(), sense::SLOW),
-        ],
-        Adc::new(p.ADC2, Default::default()),
-        [
-            (p.PA6.degrade_adc(), sense::FAST),
-            (p.PA4.degrade_adc(), sense::SLOW),
-            (p.PC4.degrade_adc(), sense::SLOW),
-        ],
-    );
     Board {
         serial: defmt::unwrap!(serial),
+        storage: Storage::new(p.FLASH),
     }
 }
+
+/// The comparators against DAC3: the hardware's over-current, which needs no processor.
+fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
+    rcc::enable_and_reset::<peripherals::DAC3>();
+    DAC3.mcr().write(|w| {
+        w.set_hfsel(2);
+        for channel in 0..2 {
+            w.set_mode(channel, Mode::NORMAL_INT_BUFDIS);
+        }
+    });
+    for channel in 0..2 {
+        DAC3.dhr12r(channel).write(|w| w.set_dhr(BREAK_CODE));
+    }
+    DAC3.cr().write(|w| {
+        w.set_en(0, true);
+        w.set_en(1, true);
+    });
+    for comparator in [COMP1, COMP2, COMP4] {
+        comparator.csr().write(|w| {
+            // PA1, PA7, PB0 against DAC3.
+            w.set_inpsel(false);
+            w.set_inmsel(Inm::DACA);
+            w.set_hyst(Hysteresis::HYST20M);
+            w.set_en(true);
+        });
+    }
+}
+
+/// Which conversion is what. The third current is the negative sum of the two.
+#[inline(always)]
+pub fn readings(raw: &Raw) -> Readings {
+    let [phase_a, bus, temperature] = raw.first;
+    let [phase_b, _, _] = raw.second;
+    Readings {
+        phase_a,
+        phase_b,
+        bus,
+        temperature,
+    }
+}
+
+/// The edge counter: TIM4 has 16 bits.
+#[inline(always)]
+pub fn encoder_count() -> EncoderReading {
+    EncoderReading::Counter16(TIM4.cnt().read().cnt())
+}
+
+/// This board has no port for a magnetic encoder.
+#[inline(always)]
+pub fn prepare_magnetic(_kind: EncoderKind) {}
+
+/// This board has no port for a magnetic encoder.
+#[inline(always)]
+pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
+    EncoderReading::Silent
+}
+
+/// This board has no pin for an external amplifier's enable: the amplifier must take the middle of the range as rest.
+#[inline(always)]
+pub fn enable_amplifier(_on: bool) {}

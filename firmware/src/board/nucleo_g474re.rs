@@ -1,34 +1,55 @@
 //! NUCLEO-G474RE with the three-phase shield X-NUCLEO-IHM08M1: pins and peripherals.
+//!
+//! Sources: UM2505 (the board), UM1996 (the shield), the chip's data sheet DS12288 for which function a pin has.
 
 use embassy_stm32::adc::{Adc, AdcChannel};
-use embassy_stm32::gpio::OutputType;
-use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::{GPIOC, TIM2};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
+use touchstone_drive::{EncoderReading, Hardware, hardware};
 
 use crate::pwm::{BreakInput, Bridge};
 use crate::run::Board;
-use crate::{pwm, sense, serial};
+use crate::sense::{Raw, Readings};
+use crate::storage::Storage;
+use crate::{analogue, encoder, magnetic, pwm, sense, serial};
 
-/// As the host knows it.
-pub const NAME: &str = "nucleo-g474re";
+/// As the desktop knows it.
+pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474re;
+
+/// The power stage.
+pub const HARDWARE: Hardware = hardware::IHM08M1;
+
+/// Conversions of each converter in a PWM period.
+pub const RANKS: usize = 2;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Gate drivers L6398: their own dead time is 320 ns at most, and the pin BKIN is their comparators' output.
+/// The gate drivers L6398 keep 320 ns themselves; their comparators' outputs are wired to the pin BKIN.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 500,
     break_input: BreakInput::Pin,
 };
 
+/// TIM1_BKIN's number among the functions of PA6.
+const BREAK_FUNCTION: u8 = 6;
+
+/// Enables an external servo amplifier while it is high: PC8, on the morpho connector.
+const AMPLIFIER: usize = 8;
+
 /// Sets up every pin and peripheral of the board; outputs stay off.
 pub fn set_up(p: Peripherals) -> Board {
     interrupt::TIM5.set_priority(Priority::P6);
     interrupt::LPUART1.set_priority(Priority::P6);
+    let mut break_pin = Flex::new(p.PA6);
+    break_pin.set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
     pwm::start(p.TIM1, BRIDGE);
     pwm::keep(
         (
@@ -42,6 +63,38 @@ pub fn set_up(p: Peripherals) -> Board {
             ComplementaryPwmPin::new(p.PB1, OutputType::PushPull),
         ),
     );
+    let amplifier = Output::new(p.PC8, Level::Low, Speed::Low);
+    analogue::start(p.DAC1);
+    // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
+    let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
+    tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
+    tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
+    encoder::count_edges!(TIM2);
+    // Encoder over SPI. The line from the encoder is pulled up: one that is not there reads as all ones, which no parity bears.
+    let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
+    lines
+        .0
+        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
+    lines.1.set_as_af_unchecked(6, AfType::input(Pull::Up));
+    lines
+        .2
+        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
+    let select = Output::new(p.PD2, Level::High, Speed::High);
+    magnetic::start(p.SPI3);
+    // The pins stay as they are until the next reset.
+    core::mem::forget((break_pin, amplifier, tracks, lines, select));
+    sense::start(
+        Adc::new(p.ADC1, Default::default()),
+        [
+            (p.PA0.degrade_adc(), sense::FAST),
+            (p.PA1.degrade_adc(), sense::SLOW),
+        ],
+        Adc::new(p.ADC2, Default::default()),
+        [
+            (p.PC1.degrade_adc(), sense::FAST),
+            (p.PC2.degrade_adc(), sense::SLOW),
+        ],
+    );
     let serial = BufferedUart::new(
         p.LPUART1,
         p.PA3,
@@ -51,21 +104,41 @@ pub fn set_up(p: Peripherals) -> Board {
         Irqs,
         serial::config(),
     );
-    sense::start(
-        Adc::new(p.ADC1, Default::default()),
-        [
-            (p.PA0.degrade_adc(), sense::FAST),
-            (p.PA1.degrade_adc(), sense::SLOW),
-            (p.PB14.degrade_adc(), sense::SLOW),
-        ],
-        Adc::new(p.ADC2, Default::default()),
-        [
-            (p.PC1.degrade_adc(), sense::FAST),
-            (p.PC2.degrade_adc(), sense::SLOW),
-            (p.PC3.degrade_adc(), sense::SLOW),
-        ],
-    );
     Board {
         serial: defmt::unwrap!(serial),
+        storage: Storage::new(p.FLASH),
     }
+}
+
+/// Which conversion is what. The third current is the negative sum of the two.
+#[inline(always)]
+pub fn readings(raw: &Raw) -> Readings {
+    let [phase_a, bus] = raw.first;
+    let [phase_b, temperature] = raw.second;
+    Readings {
+        phase_a,
+        phase_b,
+        bus,
+        temperature,
+    }
+}
+
+/// The edge counter: TIM2 has 32 bits.
+#[inline(always)]
+pub fn encoder_count() -> EncoderReading {
+    EncoderReading::Counter32(TIM2.cnt().read())
+}
+
+pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
+
+/// Switches an external servo amplifier.
+#[inline(always)]
+pub fn enable_amplifier(on: bool) {
+    GPIOC.bsrr().write(|w| {
+        if on {
+            w.set_bs(AMPLIFIER, true)
+        } else {
+            w.set_br(AMPLIFIER, true)
+        }
+    });
 }

@@ -14,7 +14,7 @@ impl DeviceSettings {
         Self {
             control: ControlSettings { rate_hz: 1000 },
             // The surface a sixth of a turn away, so that a knob that was just calibrated is outside.
-            wall: WallSettings::of(&law::Settings::default(), Decimal::lit("1")),
+            wall: WallSettings::of(&law::Settings::default(), const { Decimal::lit("1") }),
             encoder: EncoderSettings {
                 // The smaller board has no SPI on its connectors.
                 kind: match board {
@@ -27,28 +27,28 @@ impl DeviceSettings {
             },
             drive: DriveSettings {
                 kind: DriveKind::ThreePhase,
-                analogue_full_scale_n_m: Decimal::lit("1"),
+                analogue_full_scale_n_m: const { Decimal::lit("1") },
             },
             motor: MotorSettings {
                 pole_pairs: 7,
-                resistance_ohm: Decimal::lit("6"),
-                inductance_h: Decimal::lit("0.003"),
-                torque_constant_n_m_per_a: Decimal::lit("0.25"),
-                current_limit_a: Decimal::lit("2"),
-                current_bandwidth_hz: Decimal::lit("600"),
+                resistance_ohm: const { Decimal::lit("6") },
+                inductance_h: const { Decimal::lit("0.003") },
+                torque_constant_n_m_per_a: const { Decimal::lit("0.25") },
+                current_limit_a: const { Decimal::lit("2") },
+                current_bandwidth_hz: const { Decimal::lit("600") },
             },
             limits: LimitSettings {
-                trip_current_a: Decimal::lit("4"),
-                bus_min_v: Decimal::lit("18"),
-                bus_max_v: Decimal::lit("30"),
-                derate_from_celsius: Decimal::lit("70"),
-                fault_from_celsius: Decimal::lit("90"),
-                max_speed_rad_per_s: Decimal::lit("60"),
-                fade_in_s: Decimal::lit("0.2"),
+                trip_current_a: const { Decimal::lit("4") },
+                bus_min_v: const { Decimal::lit("18") },
+                bus_max_v: const { Decimal::lit("30") },
+                derate_from_celsius: const { Decimal::lit("70") },
+                fault_from_celsius: const { Decimal::lit("90") },
+                max_speed_rad_per_s: const { Decimal::lit("60") },
+                fade_in_s: const { Decimal::lit("0.2") },
             },
             calibration: CalibrationSettings {
-                current_a: Decimal::lit("1"),
-                electrical_turns_per_s: Decimal::lit("4"),
+                current_a: const { Decimal::lit("1") },
+                electrical_turns_per_s: const { Decimal::lit("4") },
             },
             telemetry: TelemetrySettings { decimation: 1 },
         }

@@ -44,8 +44,9 @@ pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     let (mut cargo, options) = microcontroller::build()?;
     let folder = shell::target("firmware").join("build");
     cargo
-        .args(["--release", "--manifest-path", "firmware/Cargo.toml"])
-        .arg("--target-dir")
+        // Where its own `.cargo/config.toml` is.
+        .current_dir(shell::root().join("firmware"))
+        .args(["--release", "--target-dir"])
         .arg(&folder)
         .args(&options)
         .args(["--no-default-features", "--features", board])

@@ -1,0 +1,39 @@
+//! The analogue command to an external servo amplifier: DAC1 channel 1, and a pin that enables the amplifier.
+
+use embassy_stm32::pac::DAC1;
+use embassy_stm32::pac::dac::vals::Mode;
+use embassy_stm32::{Peri, peripherals, rcc};
+use touchstone_drive::DacCode;
+
+use crate::board;
+
+/// Starts it at the middle, which is no torque. The pin is analogue after a reset already.
+pub fn start(_dac: Peri<'static, peripherals::DAC1>) {
+    rcc::enable_and_reset::<peripherals::DAC1>();
+    // RM0440: above 160 MHz of bus clock.
+    DAC1.mcr().write(|w| {
+        w.set_hfsel(2);
+        w.set_mode(0, Mode::NORMAL_EXT_BUFEN);
+    });
+    set(DacCode::ZERO);
+    DAC1.cr().write(|w| w.set_en(0, true));
+}
+
+/// The amplifier off, its command in the middle.
+#[inline]
+pub fn off() {
+    board::enable_amplifier(false);
+    set(DacCode::ZERO);
+}
+
+/// The amplifier on, with this command.
+#[inline]
+pub fn on(code: DacCode) {
+    set(code);
+    board::enable_amplifier(true);
+}
+
+#[inline(always)]
+fn set(code: DacCode) {
+    DAC1.dhr12r(0).write(|w| w.set_dhr(code.0 & 0xfff));
+}

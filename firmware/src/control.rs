@@ -1,0 +1,206 @@
+//! The control tick's wiring: registers into [`ControlInput`], [`ControlOutput`] into registers.
+
+use core::sync::atomic::Ordering::Relaxed;
+
+use heapless::spsc::Producer;
+use touchstone_drive::mailbox::ReportWords;
+use touchstone_drive::{
+    ControlInput, CurrentCommand, CurrentConfig, CurrentMode, CurrentReport, Device, DriveCommand,
+    EncoderKind, Ring, Settings, TickTiming,
+};
+use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
+
+use crate::interrupts::{BREAK, BROWN_OUT, COMMAND};
+use crate::shared::Guarded;
+use crate::{analogue, board, encoder, pwm};
+
+/// One more than the telemetry records that may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
+pub const QUEUED: usize = 16;
+
+/// What an interrupt reads for a tick, beside the encoder.
+pub struct Readings {
+    /// The current loop's mailbox.
+    pub report: ReportWords,
+    /// The timer's break has pulled.
+    pub hardware_break: bool,
+    /// The supply has sagged.
+    pub brown_out: bool,
+    /// Cycles from when the tick was due to its first instruction.
+    pub lateness: u32,
+}
+
+/// Everything that a control tick remembers. The thread gives orders and looks through [`CONTROL`].
+pub struct Control {
+    /// What decides.
+    pub device: Device,
+    /// The device's clock: ticks since the start.
+    pub tick: u32,
+    /// The state at the end of the last tick.
+    pub state: State,
+    /// A command that waits for the next tick.
+    pub command: Option<Command>,
+    /// What became of the last command.
+    pub accepted: Option<bool>,
+    /// Settings that wait for the next tick.
+    pub settings: Option<Settings>,
+    /// One telemetry record every so many ticks; 0 for none.
+    pub decimation: u16,
+    /// Telemetry records that the queue had no room for.
+    pub dropped: u32,
+    /// Most cycles of a tick.
+    pub cycles_max: u32,
+    /// Most cycles of lateness.
+    pub lateness_max: u32,
+    since_sent: u16,
+    duration: u32,
+    encoder: EncoderKind,
+    next_encoder: EncoderKind,
+    rate_hz: u32,
+    brown_out_told: bool,
+    configs: Producer<'static, CurrentConfig>,
+    telemetry: Producer<'static, Telemetry>,
+}
+
+/// The control tick's state; nothing before the start.
+pub static CONTROL: Guarded<Option<Control>> = Guarded::new(None);
+/// The last second. Too large for a stack, so it never moves.
+pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
+
+impl Control {
+    /// Before the first tick.
+    pub fn new(
+        device: Device,
+        settings: &Settings,
+        decimation: u16,
+        configs: Producer<'static, CurrentConfig>,
+        telemetry: Producer<'static, Telemetry>,
+    ) -> Self {
+        Self {
+            device,
+            tick: 0,
+            state: State::Boot,
+            command: None,
+            accepted: None,
+            settings: None,
+            decimation,
+            dropped: 0,
+            cycles_max: 0,
+            lateness_max: 0,
+            since_sent: 0,
+            duration: 0,
+            encoder: settings.encoder.kind,
+            next_encoder: settings.encoder.kind,
+            rate_hz: settings.wall.rate_hz,
+            brown_out_told: false,
+            configs,
+            telemetry,
+        }
+    }
+
+    /// One tick.
+    #[inline]
+    pub fn tick(&mut self, readings: &Readings) {
+        if let Some(settings) = self.settings.take() {
+            self.use_settings(&settings);
+        }
+        if readings.brown_out && !self.brown_out_told {
+            self.brown_out_told = true;
+            self.device.report_fault(FaultCode::BrownOut, 0);
+        }
+        let command = self.command.take();
+        let output = self.device.tick(&ControlInput {
+            encoder: encoder::read(self.encoder),
+            current: CurrentReport::from_words(&readings.report),
+            command,
+            hardware_break: readings.hardware_break,
+            gate_driver_error: false,
+            timing: TickTiming {
+                lateness: readings.lateness,
+                duration: self.duration,
+            },
+        });
+        self.tick = output.record.tick;
+        self.state = output.record.state;
+        if command.is_some() {
+            self.accepted = Some(output.accepted.unwrap_or(false));
+        }
+        self.drive(output.outputs, output.drive);
+        // SAFETY: once in a tick, and the control interrupt runs it.
+        let ring = unsafe { RING.mine() };
+        if output.reconfigure {
+            self.reconfigure();
+            ring.restart(self.rate_hz);
+        }
+        if output.clear_latches {
+            ring.thaw();
+            self.clear_latches();
+        }
+        ring.take(&output.record);
+        self.send(&output.record);
+        self.lateness_max = self.lateness_max.max(readings.lateness);
+    }
+
+    /// The tick took so many cycles.
+    #[inline]
+    pub fn ended(&mut self, cycles: u32) {
+        self.duration = cycles;
+        self.cycles_max = self.cycles_max.max(cycles);
+    }
+
+    /// The mailbox first and the switch second: the current loop, which may come in between, must not find an old command and
+    /// switch on again.
+    fn drive(&mut self, outputs: Outputs, drive: DriveCommand) {
+        let command = match (outputs, drive) {
+            (Outputs::On, DriveCommand::Current(command)) => command,
+            _ => CurrentCommand {
+                tick: self.tick,
+                mode: CurrentMode::Off,
+                ..CurrentCommand::default()
+            },
+        };
+        COMMAND.put(&command.to_words());
+        if command.mode != CurrentMode::Drive {
+            pwm::outputs_off();
+        }
+        match (outputs, drive) {
+            (Outputs::On, DriveCommand::Analogue(code)) => analogue::on(code),
+            _ => analogue::off(),
+        }
+    }
+
+    /// Other settings: they count from the next calibration. They were checked before they came here.
+    fn use_settings(&mut self, settings: &Settings) {
+        match self.device.configure(settings, &board::HARDWARE) {
+            Ok(()) => {
+                self.next_encoder = settings.encoder.kind;
+                self.rate_hz = settings.wall.rate_hz;
+            }
+            Err(_) => self.device.report_fault(FaultCode::SettingsInvalid, 0),
+        }
+    }
+
+    fn reconfigure(&mut self) {
+        // Never full: the current loop takes it a PWM period later, and calibrations are further apart.
+        let _ = self.configs.enqueue(self.device.current_config());
+        self.encoder = self.next_encoder;
+        board::prepare_magnetic(self.encoder);
+    }
+
+    fn clear_latches(&mut self) {
+        BROWN_OUT.store(false, Relaxed);
+        self.brown_out_told = false;
+        BREAK.store(false, Relaxed);
+        pwm::clear_break();
+    }
+
+    fn send(&mut self, record: &touchstone_drive::Record) {
+        self.since_sent = self.since_sent.saturating_add(1);
+        if self.decimation == 0 || self.since_sent < self.decimation {
+            return;
+        }
+        self.since_sent = 0;
+        if self.telemetry.enqueue(Telemetry::from(record)).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! The processor's cycle counter.
+
+use cortex_m::peripheral::DWT;
+
+/// Starts it.
+pub fn start(core: &mut cortex_m::Peripherals) {
+    core.DCB.enable_trace();
+    core.DWT.enable_cycle_counter();
+}
+
+/// Cycles since some moment; wraps after 25 s.
+#[inline(always)]
+pub fn now() -> u32 {
+    DWT::cycle_count()
+}

@@ -1,0 +1,160 @@
+//! What a session asks of the device, in the thread.
+
+use core::sync::atomic::Ordering::Relaxed;
+
+use embassy_futures::block_on;
+use touchstone_drive::{CompactRecord, wire};
+use touchstone_protocol::session::{Device, FlashError};
+use touchstone_protocol::settings::{DeviceSettings, Invalid};
+use touchstone_protocol::{
+    Command, Counters, DeviceCommand, Fault, Identity, PROTOCOL_VERSION, Phase, ResetReason,
+    RingChunk, State, flash, stored,
+};
+
+use crate::control::{CONTROL, Control, RING};
+use crate::interrupts::CURRENT_CYCLES_MAX;
+use crate::storage::{PAGES, Storage};
+use crate::{analogue, board, cycles, pwm};
+
+/// A command is taken by the next control tick, 10 ms later at the slowest rate; cycles.
+const PATIENCE: u32 = 20 * (crate::clock::CORE_HZ / 1_000);
+
+/// The device as the thread sees it.
+pub struct Thread {
+    /// The settings' flash.
+    pub storage: Storage,
+    /// Why the processor started.
+    pub reset_reason: ResetReason,
+}
+
+/// Looks at the control tick's state. It is there from before the first request on.
+fn control<R>(look: impl FnOnce(&mut Control) -> R) -> Option<R> {
+    CONTROL.in_thread(|control| control.as_mut().map(look))
+}
+
+impl Thread {
+    /// Gives a command to the next control tick and waits for its answer. The thread does nothing else meanwhile; the
+    /// interrupts do.
+    fn give(&mut self, command: Command) -> bool {
+        control(|control| {
+            control.accepted = None;
+            control.command = Some(command);
+        });
+        let begun = cycles::now();
+        while cycles::now().wrapping_sub(begun) < PATIENCE {
+            if let Some(accepted) = control(|control| control.accepted.take()).flatten() {
+                return accepted;
+            }
+        }
+        // Nobody answered: then nobody shall act on it later.
+        control(|control| control.command = None);
+        false
+    }
+}
+
+impl Device for Thread {
+    fn identity(&self) -> Identity {
+        Identity {
+            protocol_version: PROTOCOL_VERSION,
+            settings_version: stored::LAYOUT_VERSION,
+            firmware_version: env!("CARGO_PKG_VERSION").try_into().unwrap_or_default(),
+            board: board::BOARD,
+            unique_id: embassy_stm32::uid::uid(),
+            reset_reason: self.reset_reason,
+            build_hash: BUILD_HASH,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        control(|control| Phase::from(control.state)).unwrap_or(Phase::Boot)
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        control(|control| match control.state {
+            State::Fault(context) => Some(Fault::from(context)),
+            _ => None,
+        })
+        .flatten()
+    }
+
+    fn tick(&self) -> u32 {
+        control(|control| control.tick).unwrap_or(0)
+    }
+
+    fn counters(&self) -> Counters {
+        let counters = control(|control| Counters {
+            decode_errors: 0,
+            telemetry_dropped: control.dropped,
+            ticks: control.tick,
+            tick_cycles_max: control.cycles_max,
+            lateness_cycles_max: control.lateness_max,
+            current_loop_cycles_max: CURRENT_CYCLES_MAX.load(Relaxed),
+        });
+        counters.unwrap_or_default()
+    }
+
+    fn ring(&self, first: u16) -> Option<RingChunk> {
+        RING.in_thread(|ring| {
+            ring.is_frozen().then(|| {
+                let mut chunk = RingChunk {
+                    first,
+                    total: ring.len() as u16,
+                    records: heapless::Vec::new(),
+                };
+                for index in usize::from(first).. {
+                    let Some(bytes) = ring.get(index) else { break };
+                    if chunk
+                        .records
+                        .push(CompactRecord::from_bytes(bytes).into())
+                        .is_err()
+                    {
+                        break;
+                    }
+                }
+                chunk
+            })
+        })
+    }
+
+    fn check(&self, settings: &DeviceSettings) -> Result<(), Invalid> {
+        wire::checked(settings, board::BOARD).map(|_| ())
+    }
+
+    fn use_settings(&mut self, settings: &DeviceSettings) {
+        let drive = touchstone_drive::Settings::from(settings);
+        control(|control| {
+            control.settings = Some(drive);
+            control.decimation = settings.telemetry.decimation;
+        });
+    }
+
+    fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {
+        // The flash answers at once, so this waits for nothing.
+        block_on(flash::save(&mut self.storage, PAGES, image))
+    }
+
+    fn command(&mut self, command: DeviceCommand) -> bool {
+        match command {
+            DeviceCommand::Calibrate => self.give(Command::Calibrate),
+            DeviceCommand::Arm => self.give(Command::Arm),
+            DeviceCommand::Disarm => self.give(Command::Disarm),
+            DeviceCommand::Stop => self.give(Command::Stop),
+            DeviceCommand::Zero => false,
+            DeviceCommand::Reboot => {
+                pwm::outputs_off();
+                analogue::off();
+                cortex_m::peripheral::SCB::sys_reset()
+            }
+        }
+    }
+
+    fn telemetry(&mut self, decimation: u16) {
+        control(|control| control.decimation = decimation);
+    }
+}
+
+/// Of the sources, by `build.rs`.
+const BUILD_HASH: u64 = match u64::from_str_radix(env!("TOUCHSTONE_BUILD_HASH"), 16) {
+    Ok(hash) => hash,
+    Err(_) => 0,
+};

@@ -1,0 +1,98 @@
+//! The settings' 16 KiB of flash, a page at a time.
+//!
+//! Reading and writing stall the processor, an erase for some 22 ms: the session saves only while the outputs are off
+//! (`touchstone_protocol::session`), and the control tick takes no command to switch them on meanwhile, as it does not run.
+
+use core::ops::Range;
+
+use embassy_stm32::flash::{Blocking, Error, Flash};
+use embassy_stm32::{Peri, peripherals};
+use embedded_storage::nor_flash::NorFlash as _;
+use embedded_storage_async::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+
+use crate::watchdog;
+
+/// A page, bytes; both chips have the same.
+pub const PAGE: usize = 2_048;
+
+/// Where the settings are, from the start of the flash; as in `memory.x`.
+pub const PAGES: Range<u32> = 0x1_C000..0x2_0000;
+
+/// The pages of the settings.
+pub struct Storage(Option<Flash<'static, Blocking>>);
+
+/// What the flash may answer.
+#[derive(Debug, Clone, Copy)]
+pub enum StorageError {
+    /// The option bytes say that pages have another size than this program knows.
+    OtherPages,
+    /// The flash refused.
+    Refused(Error),
+}
+
+impl NorFlashError for StorageError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::OtherPages => NorFlashErrorKind::Other,
+            Self::Refused(error) => embedded_storage::nor_flash::NorFlashError::kind(error),
+        }
+    }
+}
+
+impl Storage {
+    /// Takes the flash. The chip with two banks must be set to two banks, as it is delivered: with one, pages are twice as large.
+    pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
+        #[cfg(feature = "nucleo-g474re")]
+        if !embassy_stm32::pac::FLASH.optr().read().dbank() {
+            defmt::error!("option byte DBANK is 0: settings cannot be kept");
+            return Self(None);
+        }
+        Self(Some(Flash::new_blocking(flash)))
+    }
+
+    fn flash(&mut self) -> Result<&mut Flash<'static, Blocking>, StorageError> {
+        self.0.as_mut().ok_or(StorageError::OtherPages)
+    }
+}
+
+impl ErrorType for Storage {
+    type Error = StorageError;
+}
+
+impl ReadNorFlash for Storage {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), StorageError> {
+        self.flash()?
+            .blocking_read(offset, bytes)
+            .map_err(StorageError::Refused)
+    }
+
+    fn capacity(&self) -> usize {
+        PAGES.end as usize
+    }
+}
+
+impl NorFlash for Storage {
+    const WRITE_SIZE: usize = 8;
+    const ERASE_SIZE: usize = PAGE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), StorageError> {
+        for page in (from..to).step_by(PAGE) {
+            self.flash()?
+                .erase(page, page + PAGE as u32)
+                .map_err(StorageError::Refused)?;
+            // The supervisor cannot run in between; this loop has an end.
+            watchdog::feed();
+        }
+        Ok(())
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        self.flash()?
+            .write(offset, bytes)
+            .map_err(StorageError::Refused)
+    }
+}
