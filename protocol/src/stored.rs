@@ -4,10 +4,9 @@
 //! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
 //! ```
 //!
-//! The firmware keeps this image as the value of one key of a sequential-storage map, whose key is the layout version: firmware
-//! that knows another layout does not find it, keeps it, and a step back to the older firmware finds it again. Whatever is
-//! found and is not whole, of this layout, and valid is refused: the device then uses the defaults and latches
-//! `SettingsInvalid`. There is no guessing at half of an image.
+//! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
+//! the device then uses the defaults and latches `SettingsInvalid`. There is no guessing at half of an image. An image of
+//! another layout is left alone until its place is needed, so that a step back to the firmware before finds its settings.
 
 use crate::frame::{PAYLOAD_MAX, crc_of};
 use crate::settings::{DeviceSettings, Invalid};
@@ -64,24 +63,29 @@ pub fn encode<'b>(
     buffer.get(..content + CRC_BYTES).ok_or(FULL)
 }
 
+/// The layout version of an image, if it is whole.
+#[must_use]
+pub fn layout_version(image: &[u8]) -> Option<u16> {
+    let (signed, sum) = image.split_last_chunk::<CRC_BYTES>()?;
+    if crc_of(signed).to_le_bytes() != *sum {
+        return None;
+    }
+    let (version, _) = signed.split_first_chunk::<VERSION_BYTES>()?;
+    Some(u16::from_le_bytes(*version))
+}
+
 /// The settings of an image, validated by `check`.
 ///
 /// # Errors
 /// Whatever is not whole, of this layout, and valid.
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
-    let (signed, sum) = image
-        .split_last_chunk::<CRC_BYTES>()
-        .ok_or(Refused::Damaged)?;
-    if crc_of(signed).to_le_bytes() != *sum {
-        return Err(Refused::Damaged);
-    }
-    let (version, content) = signed
-        .split_first_chunk::<VERSION_BYTES>()
-        .ok_or(Refused::Damaged)?;
-    let version = u16::from_le_bytes(*version);
+    let version = layout_version(image).ok_or(Refused::Damaged)?;
     if version != LAYOUT_VERSION {
         return Err(Refused::OtherLayout(version));
     }
+    let content = image
+        .get(VERSION_BYTES..image.len().saturating_sub(CRC_BYTES))
+        .ok_or(Refused::Damaged)?;
     let settings: DeviceSettings = crate::frame::message(content).ok_or(Refused::Damaged)?;
     match check(&settings) {
         Ok(()) => Ok(settings),

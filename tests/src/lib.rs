@@ -1,5 +1,6 @@
-//! What the tests across the crates share: motions, random numbers, every variant of every law.
+//! What the tests across the crates share: motions, a flash memory, random numbers, every variant of every law.
 
+pub mod flash;
 pub mod grain;
 pub mod motion;
 pub mod random;

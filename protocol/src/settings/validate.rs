@@ -19,7 +19,7 @@ pub type PathText = heapless::String<PATH_MAX>;
 pub struct Invalid {
     /// The path of the leaf.
     pub path: PathText,
-    /// Its value; a whole number for those that are.
+    /// Its value, or the coefficient for [`Reason::OutOfFormat`].
     pub value: Decimal,
     /// Why it is refused.
     pub reason: Reason,
@@ -74,7 +74,7 @@ impl fmt::Display for Invalid {
             }
             Reason::OutOfFormat => write!(
                 f,
-                "{path} = {value}{space}{unit} makes a coefficient that does not fit the law's number format"
+                "{path}: the coefficient {value} that is made of it does not fit its number format"
             ),
             Reason::NoFractionOf(rate) => {
                 write!(

@@ -1,0 +1,159 @@
+//! A flash memory as the microcontroller has it: words of 8 bytes that are programmed once between two erases, pages of 2 KiB, and
+//! power that can go at any moment.
+
+use crate::random::Random;
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+
+const WORD: usize = 8;
+const PAGE: usize = 2048;
+
+/// The memory.
+#[derive(Debug, Clone)]
+pub struct Flash {
+    bytes: Vec<u8>,
+    random: Random,
+    /// Words to program and pages to erase until the power goes in the middle of one; `None` for steady power.
+    left: Option<usize>,
+    /// Words programmed and pages erased so far.
+    pub operations: usize,
+}
+
+/// Why the flash refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FlashFault {
+    /// The power is gone.
+    PowerGone,
+    /// A word was not erased before it was programmed, or an address is no word's or page's.
+    Wrong,
+}
+
+impl NorFlashError for FlashFault {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl Flash {
+    /// So many erased pages.
+    #[must_use]
+    pub fn erased(pages: usize) -> Self {
+        Self {
+            bytes: vec![0xff; pages * PAGE],
+            random: Random::new(7),
+            left: None,
+            operations: 0,
+        }
+    }
+
+    /// Address range of all pages.
+    #[must_use]
+    pub fn range(&self) -> core::ops::Range<u32> {
+        0..self.bytes.len() as u32
+    }
+
+    /// The power will go in the middle of the operation after so many whole ones; what becomes of its bits depends on the seed.
+    pub fn cut_after(&mut self, operations: usize, seed: u64) {
+        self.left = Some(operations);
+        self.random = Random::new(seed);
+    }
+
+    /// The power is back.
+    pub fn power_on(&mut self) {
+        self.left = None;
+    }
+
+    /// What was there is lost: every byte becomes this.
+    pub fn fill(&mut self, byte: u8) {
+        self.bytes.fill(byte);
+    }
+
+    /// One operation begins: whether it is the one in which the power goes.
+    fn begin(&mut self) -> Result<bool, FlashFault> {
+        self.operations += 1;
+        match &mut self.left {
+            None => Ok(false),
+            Some(0) => {
+                // Nothing after this one either.
+                self.left = Some(usize::MAX);
+                Ok(true)
+            }
+            Some(usize::MAX) => Err(FlashFault::PowerGone),
+            Some(left) => {
+                *left -= 1;
+                Ok(false)
+            }
+        }
+    }
+}
+
+impl ErrorType for Flash {
+    type Error = FlashFault;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashFault> {
+        let from = offset as usize;
+        let there = self
+            .bytes
+            .get(from..from + bytes.len())
+            .ok_or(FlashFault::Wrong)?;
+        bytes.copy_from_slice(there);
+        Ok(())
+    }
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = PAGE;
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashFault> {
+        if !(offset as usize).is_multiple_of(WORD) || !bytes.len().is_multiple_of(WORD) {
+            return Err(FlashFault::Wrong);
+        }
+        for (index, word) in bytes.chunks(WORD).enumerate() {
+            let cut = self.begin()?;
+            let place = offset as usize + index * WORD;
+            // In the middle of a word some of its bits are programmed and some are not.
+            let not_yet = if cut { self.random.bits() } else { 0 };
+            let there = self
+                .bytes
+                .get_mut(place..place + WORD)
+                .ok_or(FlashFault::Wrong)?;
+            // The check code beside each word allows no second programming but to all zeros.
+            if there.iter().any(|&byte| byte != 0xff) && word.iter().any(|&byte| byte != 0) {
+                return Err(FlashFault::Wrong);
+            }
+            for ((there, byte), not_yet) in there.iter_mut().zip(word).zip(not_yet.to_le_bytes()) {
+                *there &= byte | not_yet;
+            }
+            if cut {
+                return Err(FlashFault::PowerGone);
+            }
+        }
+        Ok(())
+    }
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashFault> {
+        let (from, to) = (from as usize, to as usize);
+        if !from.is_multiple_of(PAGE) || !to.is_multiple_of(PAGE) || to > self.bytes.len() {
+            return Err(FlashFault::Wrong);
+        }
+        for page in (from..to).step_by(PAGE) {
+            let cut = self.begin()?;
+            for byte in &mut self.bytes[page..page + PAGE] {
+                // In the middle of an erase some bits are back at one and some are not.
+                *byte |= if cut { self.random.bits() as u8 } else { 0xff };
+            }
+            if cut {
+                return Err(FlashFault::PowerGone);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,198 @@
+//! A device's settings: both sides of every bound, the bounds between settings, and what a refusal says.
+
+use touchstone_control::Si;
+use touchstone_drive::wire::checked;
+use touchstone_protocol::settings::fields::{FIELDS, Field, Kind};
+use touchstone_protocol::settings::{
+    DriveKind, EncoderKind, Invalid, Law, Reason, Regulate, VALUE_MAX,
+};
+use touchstone_protocol::{Board, Decimal, DeviceSettings};
+
+/// Settings that leave every other as much room as there is.
+fn roomy(board: Board) -> DeviceSettings {
+    let mut settings = DeviceSettings::defaults(board);
+    let largest = if board == Board::NucleoG474re {
+        "15"
+    } else {
+        "25"
+    };
+    settings.encoder.kind = EncoderKind::Incremental;
+    settings.control.rate_hz = 500;
+    settings.wall.force_limit_n_m = Decimal::lit("0.000001");
+    settings.motor.torque_constant_n_m_per_a = Decimal::lit("10");
+    settings.motor.current_limit_a = Decimal::lit(largest);
+    settings.limits.trip_current_a = Decimal::lit(largest);
+    settings.limits.bus_min_v = Decimal::lit("8");
+    settings.limits.bus_max_v = Decimal::lit("30");
+    settings.limits.derate_from_celsius = Decimal::lit("20");
+    settings.limits.fault_from_celsius = Decimal::lit("110");
+    settings.calibration.current_a = Decimal::lit("0.05");
+    settings
+}
+
+/// Sets a number, whatever its type.
+fn set(settings: &mut DeviceSettings, field: &Field, value: Decimal) -> bool {
+    let mut buffer = [0; VALUE_MAX];
+    let bytes = match field.kind {
+        Kind::Number { .. } => postcard::to_slice(&value, &mut buffer),
+        _ if value.0 < Si::ZERO => return false,
+        _ => postcard::to_slice(&value.0.to_num::<u32>(), &mut buffer),
+    };
+    settings.set(field.path, bytes.expect("room")).is_ok()
+}
+
+/// Other settings with which the ends of a range can be had.
+fn companions(settings: &mut DeviceSettings, path: &str) {
+    let small = Decimal::lit("0.05");
+    match path {
+        "limits.trip_current_a" => {
+            settings.motor.current_limit_a = small;
+            settings.calibration.current_a = small;
+        }
+        "limits.bus_min_v" if settings.limits.bus_max_v < Decimal::lit("48") => {
+            settings.limits.bus_max_v = Decimal::lit("48");
+        }
+        "drive.analogue_full_scale_n_m" => settings.drive.kind = DriveKind::Analogue,
+        "limits.fault_from_celsius" => settings.limits.derate_from_celsius = Decimal::lit("20"),
+        _ => {}
+    }
+}
+
+#[test]
+fn both_ends_of_every_range_are_accepted_on_some_board() {
+    for field in FIELDS {
+        let Some((least, most)) = field.kind.range() else {
+            continue;
+        };
+        for value in [least, most] {
+            let results = Board::ALL.map(|board| {
+                let mut settings = roomy(board);
+                companions(&mut settings, field.path);
+                assert!(set(&mut settings, field, value), "{}", field.path);
+                checked(&settings, board)
+                    .err()
+                    .map(|invalid| invalid.to_string())
+            });
+            assert!(
+                results.contains(&None),
+                "{} = {value}: {results:?}",
+                field.path
+            );
+        }
+    }
+}
+
+#[test]
+fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
+    for field in FIELDS {
+        let Some((least, most)) = field.kind.range() else {
+            continue;
+        };
+        let step = match field.kind {
+            Kind::Whole { .. } => Si::ONE,
+            _ => Si::DELTA,
+        };
+        for value in [least.0 - step, most.0 + step].map(Decimal) {
+            let mut settings = roomy(Board::NucleoG474re);
+            if !set(&mut settings, field, value) {
+                // Nothing below zero, or beyond the type: refused before.
+                continue;
+            }
+            let invalid = checked(&settings, Board::NucleoG474re).expect_err(field.path);
+            assert_eq!(
+                invalid,
+                Invalid::new(field.path, value, Reason::Outside { least, most })
+            );
+            let text = invalid.to_string();
+            for part in [
+                field.path,
+                &value.to_string(),
+                &least.to_string(),
+                field.unit,
+            ] {
+                assert!(text.contains(part), "{text}");
+            }
+        }
+    }
+}
+
+/// What a change of the defaults is refused for.
+fn refusal(board: Board, change: impl Fn(&mut DeviceSettings)) -> String {
+    let mut settings = DeviceSettings::defaults(board);
+    change(&mut settings);
+    let invalid = checked(&settings, board).expect_err("accepted");
+    // Every path fits its buffer and is a leaf's.
+    assert!(FIELDS.iter().any(|field| field.path == invalid.path));
+    invalid.to_string()
+}
+
+#[test]
+fn settings_are_checked_against_each_other_and_the_board() {
+    let (big, small) = (Board::NucleoG474re, Board::BG431bEsc1);
+    assert_eq!(
+        refusal(big, |s| s.wall.force_limit_n_m = Decimal::lit("0.6")),
+        "wall.force_limit_n_m = 0.6 is outside 0.000001 to 0.5 N·m"
+    );
+    assert_eq!(
+        refusal(big, |s| s.control.rate_hz = 3000),
+        "control.rate_hz = 3000 Hz is no whole fraction of 20000 Hz"
+    );
+    assert_eq!(
+        refusal(big, |s| s.encoder.counts_per_rev = 4000),
+        "encoder.counts_per_rev = 4000 is outside 16384 to 16384 counts/rev"
+    );
+    assert_eq!(
+        refusal(big, |s| s.motor.current_limit_a = Decimal::lit("4.5")),
+        "motor.current_limit_a = 4.5 is outside 0.05 to 4 A"
+    );
+    assert_eq!(
+        refusal(big, |s| s.limits.bus_min_v = Decimal::lit("31")),
+        "limits.bus_min_v = 31 is outside 8 to 30 V"
+    );
+    assert_eq!(
+        refusal(small, |s| s.limits.bus_max_v = Decimal::lit("31")),
+        "limits.bus_max_v = 31 is outside 8 to 30 V"
+    );
+    assert_eq!(
+        refusal(small, |s| s.encoder.kind = EncoderKind::As5047p),
+        "encoder.kind: this board has no connector for it"
+    );
+    assert_eq!(
+        refusal(small, |s| s.drive.kind = DriveKind::Analogue),
+        "drive.kind: this board has no connector for it"
+    );
+    let compensated = refusal(big, |s| {
+        s.wall.law = Law::EnhancedSfa;
+        s.wall.regulate = Regulate::MassCompensated;
+    });
+    assert!(
+        compensated.starts_with("wall.k_desired_n_m_per_rad = 5 is outside 0 to 0.99999"),
+        "{compensated}"
+    );
+    let format = refusal(big, |s| s.wall.filter.mass_kg_m2 = Decimal::lit("0.9"));
+    assert!(
+        format.starts_with("wall.filter.mass_kg_m2: the coefficient 18000"),
+        "{format}"
+    );
+}
+
+#[test]
+fn the_law_is_the_one_of_the_settings() {
+    // All fields of the law, changed: what the tree makes of them is what the law's own settings are.
+    let law = touchstone_control::Settings::default();
+    let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+    assert_eq!(settings.law(), law);
+    settings.control.rate_hz = 2000;
+    settings.wall.k_desired_n_m_per_rad = Decimal::lit("1.5");
+    settings.wall.filter.ground_damping_n_m_s_per_rad = Decimal::lit("0.02");
+    let changed = touchstone_control::Settings {
+        rate_hz: 2000,
+        k_desired: Si::lit("1.5"),
+        filter: touchstone_control::FilterSettings {
+            ground_damping: Si::lit("0.02"),
+            ..law.filter
+        },
+        ..law
+    };
+    assert_eq!(settings.law(), changed);
+}

@@ -1,0 +1,169 @@
+//! The settings in flash: a cut of power at any write or erase loses nothing but that write, and what is damaged is refused.
+
+use touchstone_drive::wire::checked;
+use touchstone_protocol::settings::Invalid;
+use touchstone_protocol::stored::{self, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
+use touchstone_protocol::{Board, Decimal, DeviceSettings, flash};
+use touchstone_tests::flash::Flash;
+use touchstone_tests::random::Random;
+
+/// As many as the boards have.
+const PAGES: usize = 8;
+/// Enough to go through all pages, and again.
+const SAVES: u16 = 200;
+const BOARD: Board = Board::NucleoG474re;
+
+fn check(settings: &DeviceSettings) -> Result<(), Invalid> {
+    checked(settings, BOARD).map(|_| ())
+}
+
+/// Settings that differ from all others.
+fn settings(number: u16) -> DeviceSettings {
+    let mut settings = DeviceSettings::defaults(BOARD);
+    settings.wall.k_desired_n_m_per_rad = Decimal::from_num(number);
+    settings
+}
+
+fn save(flash: &mut Flash, number: u16) -> bool {
+    let mut buffer = [0; IMAGE_MAX];
+    let image = stored::encode(&settings(number), &mut buffer).expect("room");
+    let pages = flash.range();
+    flash::save(flash, pages, image).is_ok()
+}
+
+fn load(flash: &mut Flash) -> Start {
+    let pages = flash.range();
+    flash::load(flash, pages, DeviceSettings::defaults(BOARD), &check)
+}
+
+/// The number of the settings in flash, 0 for none; nothing else is ever found. Refused are only the remains of a first write.
+fn number_in(flash: &mut Flash) -> u16 {
+    let start = load(flash);
+    if start.settings == DeviceSettings::defaults(BOARD) {
+        assert!(matches!(start.refused, None | Some(Refused::Damaged)));
+        return 0;
+    }
+    assert_eq!(start.refused, None);
+    let number = start.settings.wall.k_desired_n_m_per_rad.0.to_num();
+    assert_eq!(start.settings, settings(number));
+    number
+}
+
+#[test]
+fn a_cut_at_any_operation_loses_nothing_but_its_write() {
+    let mut flash = Flash::erased(PAGES);
+    let (mut cuts, mut kept, mut random) = (0, 0, Random::new(11));
+    // From 10 on: 5 is in the defaults.
+    for number in 10..10 + SAVES {
+        let before = if number == 10 { 0 } else { number - 1 };
+        assert_eq!(number_in(&mut flash), before);
+        let mut whole = flash.clone();
+        assert!(save(&mut whole, number));
+        for operation in 0..whole.operations - flash.operations {
+            // An erase that is cut, the first operation, can leave anything.
+            for _ in 0..if operation == 0 { 100 } else { 2 } {
+                let mut cut = flash.clone();
+                cut.cut_after(operation, random.bits());
+                assert!(!save(&mut cut, number), "the write was not cut");
+                cuts += 1;
+                // Up to three more cuts, in what comes next.
+                let mut again = cut.clone();
+                let mut found = before;
+                for _ in 0..random.bits() % 4 {
+                    again.cut_after((random.bits() % 40) as usize, random.bits());
+                    let saved = save(&mut again, number + 1);
+                    again.power_on();
+                    found = number_in(&mut again);
+                    assert!(!saved || found == number + 1);
+                }
+                assert!([before, number, number + 1].contains(&found), "{found}");
+                // And with steady power.
+                cut.power_on();
+                let found = number_in(&mut cut);
+                assert!(found == before || found == number, "{found}, not {before}");
+                kept += u32::from(found == before);
+                assert!(save(&mut cut, number + 1), "no write after {operation}");
+                assert_eq!(number_in(&mut cut), number + 1);
+            }
+        }
+        flash = whole;
+    }
+    // All but those that came after the last bit that mattered.
+    assert!(kept > cuts / 10 * 9, "{kept} of {cuts}");
+    println!("{cuts} cuts, {kept} of them lost their own write, none another");
+}
+
+#[test]
+fn what_is_damaged_is_refused_and_can_be_written_over() {
+    let mut random = Random::new(12);
+    for byte in [0x00, 0x5a, 0xa5] {
+        let mut flash = Flash::erased(PAGES);
+        flash.fill(byte);
+        let start = load(&mut flash);
+        assert_eq!(start.settings, DeviceSettings::defaults(BOARD));
+        assert!(save(&mut flash, 12), "filled with {byte}");
+        assert_eq!(number_in(&mut flash), 12);
+    }
+    let mut buffer = [0; IMAGE_MAX];
+    let image = stored::encode(&settings(3), &mut buffer)
+        .expect("room")
+        .to_vec();
+    assert_eq!(stored::decode(&image, &check), Ok(settings(3)));
+    for _ in 0..20_000 {
+        let mut damaged = image.clone();
+        let bit = (random.bits() % (8 * image.len() as u64)) as usize;
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(stored::decode(&damaged, &check), Err(Refused::Damaged));
+        let short = (random.bits() % image.len() as u64) as usize;
+        assert_eq!(
+            stored::decode(&image[..short], &check),
+            Err(Refused::Damaged)
+        );
+    }
+}
+
+/// An image with a right CRC around any content.
+fn sealed(content: &[u8]) -> Vec<u8> {
+    let sum = touchstone_protocol::frame::crc_of(content);
+    [content, &sum.to_le_bytes()].concat()
+}
+
+#[test]
+fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
+    let mut buffer = [0; IMAGE_MAX];
+    let image = stored::encode(&settings(3), &mut buffer)
+        .expect("room")
+        .to_vec();
+    let content = &image[..image.len() - 4];
+    assert_eq!(sealed(content), image);
+
+    let mut other = content.to_vec();
+    other[..2].copy_from_slice(&(LAYOUT_VERSION + 1).to_le_bytes());
+    let start = stored::start(Some(&sealed(&other)), settings(0), &check);
+    assert_eq!(start.settings, settings(0));
+    assert_eq!(
+        start.refused,
+        Some(Refused::OtherLayout(LAYOUT_VERSION + 1))
+    );
+
+    let long = [content, &[0]].concat();
+    let start = stored::start(Some(&sealed(&long)), settings(0), &check);
+    assert_eq!(start.refused, Some(Refused::Damaged));
+
+    let mut wrong = settings(3);
+    wrong.limits.bus_max_v = Decimal::lit("49");
+    let image = stored::encode(&wrong, &mut buffer).expect("room").to_vec();
+    match stored::start(Some(&image), settings(0), &check).refused {
+        Some(Refused::Invalid(invalid)) => {
+            assert_eq!(
+                invalid.to_string(),
+                "limits.bus_max_v = 49 is outside 8 to 48 V"
+            );
+        }
+        other => panic!("{other:?}"),
+    }
+
+    // A map written by firmware of another layout: its image stays, this one starts with the defaults and says nothing.
+    let start = stored::start(None, settings(0), &check);
+    assert_eq!((start.settings, start.refused), (settings(0), None));
+}
