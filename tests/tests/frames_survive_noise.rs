@@ -99,9 +99,13 @@ fn garbage_is_nothing_but_counted_errors() {
     while ended < FRAMES {
         let mut word = random.bits();
         // One frame in 64 is longer than any buffer.
-        let zero_in = if random.bits() % 64 == 0 { 4096 } else { 48 };
+        let zero_in = if random.bits().is_multiple_of(64) {
+            4096
+        } else {
+            48
+        };
         for _ in 0..8 {
-            let byte = if (random.bits() % zero_in) == 0 {
+            let byte = if random.bits().is_multiple_of(zero_in) {
                 0
             } else {
                 word as u8
