@@ -61,8 +61,8 @@ pub struct Control {
     telemetry: Producer<'static, Telemetry>,
 }
 
-/// The control tick's state; nothing before the start.
-pub static CONTROL: Guarded<Option<Control>> = Guarded::new(None);
+/// The control tick's state, which lies in a static of its own; nothing before the start.
+pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
 /// The last second. Too large for a stack, so it never moves.
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 

@@ -44,13 +44,13 @@ pub struct Current {
     pub configs: Consumer<'static, CurrentConfig>,
 }
 
-static CURRENT: Owned<Current> = Owned::empty();
+static CURRENT: Owned<&'static mut Current> = Owned::empty();
 
 /// Gives the current loop its state, sets the priorities, and lets them come.
 ///
 /// # Safety
 /// Once, with [`CONTROL`] filled.
-pub unsafe fn start(current: Current) {
+pub unsafe fn start(current: &'static mut Current) {
     // SAFETY: the interrupt is enabled below, and this runs once.
     unsafe { CURRENT.give(current) };
     interrupt::ADC1_2.set_priority(Priority::P0);

@@ -29,7 +29,7 @@ pub struct Thread {
 
 /// Looks at the control tick's state. It is there from before the first request on.
 fn control<R>(look: impl FnOnce(&mut Control) -> R) -> Option<R> {
-    CONTROL.in_thread(|control| control.as_mut().map(look))
+    CONTROL.in_thread(|control| control.as_mut().map(|control| look(control)))
 }
 
 impl Thread {

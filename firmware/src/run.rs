@@ -7,7 +7,7 @@ use embassy_futures::block_on;
 use embassy_stm32::usart::BufferedUart;
 use embassy_time::{Duration, Ticker};
 use heapless::spsc::Queue;
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 use touchstone_drive::{CurrentConfig, CurrentLoop, Device, ResetReason, Settings, wire};
 use touchstone_protocol::session::Session;
 use touchstone_protocol::settings::DeviceSettings;
@@ -29,6 +29,8 @@ pub struct Board {
 }
 
 static CONFIGS: ConstStaticCell<Queue<CurrentConfig, 2>> = ConstStaticCell::new(Queue::new());
+static STATE: StaticCell<Control> = StaticCell::new();
+static CURRENT: StaticCell<Current> = StaticCell::new();
 static TELEMETRY: ConstStaticCell<Queue<Telemetry, QUEUED>> = ConstStaticCell::new(Queue::new());
 
 /// The supervisor looks this often.
@@ -66,17 +68,16 @@ fn start(spawner: Spawner, mut board: Board) {
     }
     let (configs, next_configs) = CONFIGS.take().split();
     let (telemetry, to_send) = TELEMETRY.take().split();
-    let current = Current {
+    let current = CURRENT.init(Current {
         current_loop: CurrentLoop::new(device.current_config()),
         configs: next_configs,
-    };
+    });
     board::prepare_magnetic(settings.encoder.kind);
     let decimation = start.settings.telemetry.decimation;
-    CONTROL.in_thread(|control| {
-        *control = Some(Control::new(
-            device, &settings, decimation, configs, telemetry,
-        ))
-    });
+    let control = STATE.init(Control::new(
+        device, &settings, decimation, configs, telemetry,
+    ));
+    CONTROL.in_thread(|place| *place = Some(control));
     // SAFETY: once, and the control tick has its state.
     unsafe { interrupts::start(current) };
     let session = Session::new(start.settings, start.refused.is_none());

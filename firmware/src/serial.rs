@@ -18,8 +18,8 @@ use crate::requests::Thread;
 /// 115,200 would not carry the telemetry.
 pub const BAUD: u32 = 921_600;
 
-/// What waits to be sent: 11 ms of the port.
-pub static SEND: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+/// What waits to be sent: 8 ms of the port.
+pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
 /// What was received and not yet read: 5 ms of the port.
 pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
 /// Where frames are made.
