@@ -9,9 +9,11 @@ use touchstone_protocol::{
 property! {
     /// P9: a 16-bit counter follows the true count exactly, wherever it wraps, as long as a tick moves by less than half
     /// its range.
+    equation "count' = count + moved"
+    over "count of 64 bits, displacement of 16 bits"
     fn p9_unwrap16(s) {
         let (before, moved) = (s.i64(), s.i16());
-        assume!(s, before.checked_add(i64::from(moved)).is_some());
+        assume!(s, before.checked_add(i64::from(moved)).is_some(), "case; the other is p9_ends32");
         let now = before + i64::from(moved);
         // The timer counts modulo 2^16.
         let mut count = Unwrap16::new(before as u16, before);
@@ -24,9 +26,11 @@ property! {
 }
 property! {
     /// P9: the same for 32 bits.
+    equation "count' = count + moved"
+    over "count of 64 bits, displacement of 32 bits"
     fn p9_unwrap32(s) {
         let (before, moved) = (s.i64(), s.i32());
-        assume!(s, before.checked_add(i64::from(moved)).is_some());
+        assume!(s, before.checked_add(i64::from(moved)).is_some(), "case; the other is p9_ends32");
         let now = before + i64::from(moved);
         let mut count = Unwrap32::new(before as u32, before);
         assert!(count.update(now as u32) == now && count.count() == now);
@@ -37,7 +41,9 @@ property! {
 }
 property! {
     /// P9: beyond the range of the count it holds, without panic.
-    fn p9_ends(s) {
+    equation "count' = min(max(count + moved, lowest), highest)"
+    over "count, last and new reading"
+    fn p9_ends32(s) {
         let (last, reading) = (s.u32(), s.u32());
         // Anywhere, or near the end.
         let count = if s.shortcut() { i64::MAX - i64::from(s.u16()) } else { s.i64() };
@@ -50,7 +56,7 @@ property! {
 }
 
 fn any_code<S: Source>(s: &mut S) -> FaultCode {
-    FaultCode::from_wire(s.u8() % 20 + 1).unwrap_or(FaultCode::Watchdog)
+    FaultCode::ALL[usize::from(s.u8()) % FaultCode::ALL.len()]
 }
 fn any_context<S: Source>(s: &mut S) -> Context {
     Context {
@@ -88,6 +94,8 @@ fn any_event<S: Source>(s: &mut S) -> Event {
 
 property! {
     /// P10: outputs are on in `Armed` and `Calibrating` only, and never in the tick of a fault.
+    equation "outputs = on  =>  state in {Armed, Calibrating} and no fault"
+    over "state, fault, command, end of calibration"
     fn p10_outputs(s) {
         let mut machine = Machine::at(any_state(s));
         let fault = if s.bool() { Some(any_context(s)) } else { None };
@@ -105,6 +113,8 @@ property! {
 }
 property! {
     /// P10: a fault is latched with its first context in every state, and left only by a stop, only to `Stopped`.
+    equation "state = Fault(c)  =>  state' in {Fault(c), Stopped}"
+    over "state and event, with any context"
     fn p10_fault_is_latched(s) {
         let before = any_state(s);
         let event = any_event(s);
@@ -124,6 +134,8 @@ property! {
     /// P10: into `Armed` only from `Ready` by command; into `Ready` only from `Calibrating` or `Armed`; into `Calibrating` only
     /// from `Boot` or `Stopped` by command. So every way from `Fault` to `Armed` leads through `Stopped`, `Calibrating` and
     /// `Ready`, three commands apart.
+    equation "state' = Armed /= state  =>  state = Ready and event = Arm, ..."
+    over "state and event, with any context"
     fn p10_ways(s) {
         let before = any_state(s);
         let event = any_event(s);
@@ -154,6 +166,8 @@ property! {
 }
 property! {
     /// P10: however three ticks go after a fault, the device is not armed at the end of them.
+    equation "Fault  =>  after 1, 2, 3 ticks: not Armed"
+    over "context, and fault, command, end of calibration in each tick"
     fn p10_no_short_way(s) {
         let mut machine = Machine::at(State::Fault(any_context(s)));
         let mut ticks = 0_u8;

@@ -4,42 +4,45 @@
 use crate::format::Format;
 use crate::{assume, cover, property};
 use touchstone_control::magnitude::{self, Word};
-use touchstone_control::{Energy, Fixed8, Fixed32, Number, Position, Tension};
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, Position, Tension};
 
 macro_rules! edges {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, by $solver:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, products $products:ident, bits $bits:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
             type N = $number;
 
             property! {
-                /// P1: the signed step is the heart's step of the magnitudes.
-                by $sums fn p1_edge_step(s) {
+                /// P1: the signed step is the heart's step of the magnitudes; negative energies and forces count as zero.
+                equation "(E', f') = heart(max(E, 0), max(f, 0), |d|, d >= 0)"
+                over "energy, force, displacement"
+                by $products fn p1_edge_step(s) {
                     let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
-                    assume!(s, energy >= Energy::zero() && force.0 >= 0);
                     let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
+                    // The operands in the words of the code: a solver that knows terms then sees the same products.
                     let heart = magnitude::passivity_step::<$word>(
-                        energy.0.to_bits().unsigned_abs(),
-                        force.0.to_bits().unsigned_abs(),
+                        energy.0.to_bits().max(0).unsigned_abs(),
+                        force.0.max(Force::<N>::zero().0).to_bits().unsigned_abs(),
                         moved.0.to_bits().unsigned_abs(),
-                        moved.0 >= 0,
+                        !moved.0.is_negative(),
                     );
                     assert!(after >= 0 && shown >= 0);
-                    assert!(after.to_bits().unsigned_abs() == heart.energy);
                     assert!(shown.to_bits().unsigned_abs() == heart.force);
+                    assert!(after.to_bits().unsigned_abs() == heart.energy);
                     cover!(s, moved.0 < 0 && shown > 0 && shown < force.0, "force reduced");
                     cover!(s, moved.0 == N::LOWEST, "largest displacement outward");
                 }
             }
             property! {
-                /// P1: the signed retreat is the heart's.
-                by $sums fn p1_edge_affordable(s) {
+                /// P1: the signed retreat is the heart's; negative energies count as zero.
+                equation "(m, r) = heart(max(E, 0), |f|)"
+                over "stored energy and force"
+                by $products fn p1_edge_affordable(s) {
                     let (energy, force) = (N::any_energy(s), N::any_force(s));
-                    assume!(s, energy >= Energy::zero() && force.0 >= 0);
                     let (moved, rest) = energy.affordable(force);
                     let heart = magnitude::affordable::<$word>(
-                        energy.0.to_bits().unsigned_abs(),
+                        energy.0.to_bits().max(0).unsigned_abs(),
                         force.0.to_bits().unsigned_abs(),
                     );
                     assert!(moved >= Position::zero() && rest >= Energy::zero());
@@ -50,7 +53,9 @@ macro_rules! edges {
             }
             property! {
                 /// P1: force times displacement is the exact energy: its magnitude is the product of the magnitudes.
-                by $sums fn p1_edge_work(s) {
+                equation "W = f d"
+                over "force and displacement"
+                by $bits fn p1_edge_work(s) {
                     let (force, moved) = (N::any_force(s), N::any_position(s));
                     let work = (force * moved).0.to_bits();
                     let product = $wide::from(force.0.to_bits()) * $wide::from(moved.0.to_bits());
@@ -60,10 +65,29 @@ macro_rules! edges {
                 }
             }
             property! {
+                /// P1: the force that works a deficit off is the heart's quotient, and the largest over no displacement.
+                equation "|E / d| = heart(|E|, |d|)"
+                over "energy and displacement"
+                by $products fn p1_edge_per(s) {
+                    let (energy, moved) = (N::any_energy(s), N::any_position(s));
+                    let force = energy.per_displacement(moved).0;
+                    let heart = magnitude::quotient::<$word>(
+                        energy.0.to_bits().unsigned_abs(),
+                        moved.0.to_bits().unsigned_abs(),
+                    );
+                    assert!(force >= 0);
+                    assert!(force.to_bits().unsigned_abs() == if moved.0 == 0 { <$word>::MAX_SIGNED } else { heart });
+                    cover!(s, energy.0 < 0 && moved.0 < 0 && force > 0, "deficit, outward");
+                    cover!(s, moved.0 == 0, "at rest");
+                }
+            }
+            property! {
                 /// P2: a scaled signal keeps its sign and is the heart's `scale` of the magnitudes.
-                by $sums fn p2_edge_scale(s) {
+                equation "|r x| = heart(|r|, |x|), sign of x"
+                over "ratio >= 0 and signal"
+                by $bits fn p2_edge_scale(s) {
                     let (ratio, x) = (N::any_ratio(s), N::any_position(s));
-                    assume!(s, ratio.0 >= 0);
+                    assume!(s, ratio.0 >= 0, "validate");
                     let scaled = (ratio * x).0.to_bits();
                     let heart = magnitude::scale::<$word>(
                         ratio.0.to_bits().unsigned_abs(),
@@ -78,9 +102,11 @@ macro_rules! edges {
             }
             property! {
                 /// P6: the quotient keeps the sign of the tension and is the heart's quotient.
-                by $sums fn p6_edge_divide(s) {
+                equation "|p / k| = heart(|p|, |k|), sign of p"
+                over "tension and stiffness >= 0"
+                by $products fn p6_edge_divide(s) {
                     let (tension, k) = (N::any_tension(s), N::any_stiffness(s));
-                    assume!(s, k.0 >= 0);
+                    assume!(s, k.0 >= 0, "validate");
                     let x = tension.over(k).0.to_bits();
                     let heart = magnitude::quotient::<$word>(tension.0.unsigned_abs(), k.0.to_bits().unsigned_abs());
                     assert!(x.unsigned_abs() == heart);
@@ -91,6 +117,8 @@ macro_rules! edges {
             }
             property! {
                 /// P2/P4: rounding a tension to a force towards zero takes less than a quantum and never adds to it.
+                equation "0 <= |p| - |f 2^b| < 2^b"
+                over "tension"
                 fn p2_edge_round_to_zero(s) {
                     let tension = N::any_tension(s);
                     let force = tension.towards_zero();
@@ -104,6 +132,8 @@ macro_rules! edges {
             }
             property! {
                 /// P6: rounding upwards never gives less than the tension, unless it saturates, and less than a quantum more.
+                equation "0 <= f 2^b - p < 2^b"
+                over "tension"
                 fn p6_edge_round_up(s) {
                     let tension = N::any_tension(s);
                     let force = tension.rounded_up();
@@ -117,7 +147,9 @@ macro_rules! edges {
             }
             property! {
                 /// P3: everything else is total: no panic, no overflow, for all inputs whatever.
-                by $sums fn p3_total(s) {
+                equation "no panic, no overflow"
+                over "argument of every operation, all bits"
+                by $bits fn p3_total(s) {
                     let (a, b) = (N::any_position(s), N::any_position(s));
                     let (k, r) = (N::any_stiffness(s), N::any_ratio(s));
                     let (p, q) = (N::any_tension(s), N::any_tension(s));
@@ -126,12 +158,14 @@ macro_rules! edges {
                     let _ = (p + q, p - q, p.towards_zero(), p.rounded_up(), p.over(k));
                     let _ = (d + e, d - e, d.per_displacement(a), N::half_energy_up(d.0));
                     let _ = N::passivity_step(d.0, a.0, b.0);
-                    let _ = d.affordable(touchstone_control::Force(a.0));
+                    let _ = d.affordable(Force(a.0));
                     cover!(s, a.0 == N::LOWEST && d.0.to_bits() == $wide::MIN, "lowest values");
                 }
             }
             property! {
                 /// P3: the narrowing of the width loses nothing: sums are exact or at the end of the range.
+                equation "a + b = min(max(a + b, lowest), highest)"
+                over "pair of signals"
                 fn p3_sums_saturate(s) {
                     let (a, b) = (N::any_position(s), N::any_position(s));
                     let exact = N::of_signal(a.0) + N::of_signal(b.0);
@@ -149,9 +183,9 @@ macro_rules! edges {
 
 edges!(
     /// At the width that the firmware runs.
-    w32, Fixed32, u32, i64, by kissat, sums sampled
+    w32, Fixed32, u32, i64, products cvc5, bits kissat
 );
 edges!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, u8, i16, by cadical, sums cadical
+    w8, Fixed8, u8, i16, products cvc5, bits cadical
 );

@@ -2,6 +2,7 @@
 
 use crate::facts::Facts32;
 use crate::format::Format;
+use crate::functions::Functions32;
 use crate::valid::{Valid, any_mass, mass_ok};
 use crate::{assume, cover, property, such};
 use touchstone_control::filter::MassState;
@@ -9,21 +10,24 @@ use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law};
 use touchstone_control::{Energy, FirstContact, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! enhanced {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident, books $books:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
             type N = $number;
+            type F = $functions;
 
             property! {
                 /// P1 at the mass: whatever drives it and wherever it stands, the energy stays between 0 and its cap, the force
                 /// between 0 and the one wanted.
+                equation "0 <= E' <= cap, 0 <= f <= f_wanted"
+                over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p1_energy_stays(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
                     let (from, drive) = (N::any_position(s), N::any_tension(s));
                     let (wanted, before) = (N::any_force(s), N::any_energy(s));
-                    assume!(s, wanted > Force::zero());
-                    assume!(s, before >= Energy::zero() && before <= law.energy_cap);
+                    assume!(s, wanted > Force::zero(), "what tick passes: the contact ends otherwise");
+                    assume!(s, before >= Energy::zero() && before <= law.energy_cap, "invariant, kept by p4_augmenting");
                     let mut energy = before;
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut energy);
                     assert!(energy >= Energy::zero());
@@ -39,27 +43,31 @@ macro_rules! enhanced {
             property! {
                 /// P1 at the mass, the books: the mass moves by exactly the displacement that is booked, and what is booked is
                 /// `E + f·d`, at most the cap; where the retreat is limited it is the heart's rest plus the saving.
-                by sampled fn p1_books_are_right(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
-                    let (from, drive) = (N::any_position(s), N::any_tension(s));
-                    let (wanted, before) = (N::any_force(s), N::any_energy(s));
-                    assume!(s, wanted > Force::zero());
-                    assume!(s, before >= Energy::zero() && before <= law.energy_cap);
+                equation "E' = E + f d', at most the cap, or E' = rest + (f_wanted - f) m with d' = -m"
+                over "valid configuration, position, drive, wanted force, stored energy"
+                by $books fn p1_books_are_right(s) {
+                    let law = such!(s, EnhancedSfa::<F>::any(s), |law| law.valid(), "validate");
+                    let (from, drive) = (F::any_position(s), F::any_tension(s));
+                    let (wanted, before) = (F::any_force(s), F::any_energy(s));
+                    assume!(s, wanted > Force::zero(), "what tick passes: the contact ends otherwise");
+                    assume!(s, before >= Energy::zero() && before <= law.energy_cap, "invariant, kept by p4_augmenting");
                     let mut energy = before;
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut energy);
                     let (retreat, rest) = before.affordable(wanted);
                     let full = (before + force * step).min(law.energy_cap);
-                    let limited = rest + (wanted - force) * retreat;
+                    let limited = (rest + (wanted - force) * retreat).min(law.energy_cap);
                     assert!(energy == full || (energy == limited && step == -retreat));
                     cover!(s, energy == limited && force > Force::zero() && force < wanted && retreat > Position::zero(), "retreat limited");
                 }
             }
             property! {
                 /// P1 at the mass: it moves by exactly what was booked; the end of the range takes nothing away.
+                equation "x + d' = x + d' without saturation"
+                over "valid mass, position, drive, force"
                 by $solver fn p1_displacement_is_real(s) {
-                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass), "validate");
                     let (from, drive, force) = (N::any_position(s), N::any_tension(s), N::any_force(s));
-                                        let step = mass.displacement(from, drive, force);
+                    let step = mass.displacement(from, drive, force);
                     assert!(N::of_signal((from + step).0) == N::of_signal(from.0) + N::of_signal(step.0));
                     cover!(s, (from + step).0 == N::HIGHEST && step > Position::zero(), "end of the range");
                 }
@@ -67,13 +75,15 @@ macro_rules! enhanced {
             property! {
                 /// P6: rounding only dissipates: the displacement has the sign of the net force and never exceeds its
                 /// quotient. With `heart::p6_quotient`: `|D d'| <= |N0 - f|`.
+                equation "|d'| <= |(N0 - f) / D|, sign of N0 - f"
+                over "valid mass, position, drive, force"
                 by $sums fn p6_rounding_dissipates(s) {
-                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
-                    let (from, drive, force) = (N::any_position(s), N::any_tension(s), N::any_force(s));
-                                        let step = mass.displacement(from, drive, force);
+                    let mass = such!(s, any_mass::<F, _>(s), |mass| mass_ok(&mass), "validate");
+                    let (from, drive, force) = (F::any_position(s), F::any_tension(s), F::any_force(s));
+                    let step = mass.displacement(from, drive, force);
                     let net = drive - force.lift();
                     let quotient = net.over(mass.total);
-                    assert!(N::of_signal(step.0).unsigned_abs() <= N::of_signal(quotient.0).unsigned_abs());
+                    assert!(F::of_signal(step.0).unsigned_abs() <= F::of_signal(quotient.0).unsigned_abs());
                     assert!(step == Position::zero() || (step > Position::zero()) == (net.0 > 0));
                     cover!(s, step < Position::zero() && step > quotient, "stopped by the end of the range");
                     cover!(s, step == quotient && step < Position::zero(), "free");
@@ -81,11 +91,13 @@ macro_rules! enhanced {
             }
             property! {
                 /// P6: the sum of products that drives the mass cannot saturate: it is the exact sum.
+                equation "|M d + k_f s + C Δe| <= D 2^31 (2^7 at 8 bits)"
+                over "valid mass, its state, position, displacement"
                 by $solver fn p6_drive_is_exact(s) {
-                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
+                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass), "validate");
                     let state = MassState { position: N::any_position(s), moved: N::any_position(s) };
                     let (e, moved) = (N::any_position(s), N::any_position(s));
-                                        let drive = mass.drive(&state, e, moved);
+                    let drive = mass.drive(&state, e, moved);
                     let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
                     assert!(N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs());
                     cover!(s, drive.0 < 0, "outward");
@@ -93,30 +105,34 @@ macro_rules! enhanced {
             }
             property! {
                 /// P6: under the force for a retreat the mass retreats no further than its forces say.
+                equation "f 2^b >= N0 + D m, or f is the largest"
+                over "valid mass, drive, retreat >= 0"
                 by $sums fn p6_retreat_dissipates(s) {
-                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
-                    let (drive, out) = (N::any_tension(s), N::any_position(s));
-                    assume!(s, out >= Position::zero());
+                    let mass = such!(s, any_mass::<F, _>(s), |mass| mass_ok(&mass), "validate");
+                    let (drive, out) = (F::any_tension(s), F::any_position(s));
+                    assume!(s, out >= Position::zero(), "what affordable_move passes: fact Moved");
                     let force = mass.force_for_retreat(drive, out);
-                    assert!(force.0 == N::HIGHEST || force.lift() >= drive + mass.total * out);
-                    cover!(s, force > Force::zero() && out > Position::zero() && force.0 < N::HIGHEST, "holds back");
+                    assert!(force.0 == F::HIGHEST || force.lift() >= drive + mass.total * out);
+                    cover!(s, force > Force::zero() && out > Position::zero() && force.0 < F::HIGHEST, "holds back");
                 }
             }
             property! {
                 /// P6: the stored energy of the coupling is never understated: the force behind it is at least `k_f s`.
+                equation "2 E_s >= (k_f s rounded up) s"
+                over "valid mass, stretch"
                 by $sums fn p6_stored_is_enough(s) {
-                    let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass));
-                    let stretch = N::any_position(s);
-                                        let size = stretch.modulus();
+                    let mass = such!(s, any_mass::<F, _>(s), |mass| mass_ok(&mass), "validate");
+                    let stretch = F::any_position(s);
+                    let size = stretch.modulus();
                     let tension = mass.stiffness * size;
                     match mass.stored(stretch) {
                         Some(stored) => {
                             let force = tension.rounded_up();
                             assert!(force.lift() >= tension);
                             assert!(stored >= Energy::zero());
-                            assert!(stored == Energy(N::half_energy_up((force * size).0)));
+                            assert!(stored == Energy(F::half_energy_up((force * size).0)));
                         }
-                        None => assert!(tension > Force::<N>(N::HIGHEST).lift()),
+                        None => assert!(tension > Force::<F>(F::HIGHEST).lift()),
                     }
                     cover!(s, mass.stored(stretch).is_none(), "beyond the format");
                     cover!(s, mass.stored(stretch).is_some_and(|e| e > Energy::zero()), "stored");
@@ -124,11 +140,17 @@ macro_rules! enhanced {
             }
             property! {
                 /// P2: the offset is never negative, and changes by at most the step, towards the stiffness wanted.
+                equation "O' >= 0"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p2_offset(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
-                    let state = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
+                    let state = such!(
+                        s, <EnhancedSfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                    assume!(s, state.contact == Contact::Augmenting);
+                    assume!(s, state.contact == Contact::Augmenting, "case; the offset is changed in no other");
                     let before = state.augmented.offset;
                     let after = law.offset(&state, e);
                     assert!(after >= Position::zero());
@@ -139,12 +161,18 @@ macro_rules! enhanced {
             property! {
                 /// P1, hand-over: the mass starts with no more energy than the contact has: the coupling's share is taken off, a
                 /// stretch that is not covered is not granted, and the energy is not negative.
+                equation "0 <= E' <= max(E, 0)"
+                over "valid configuration, memory at the end of a first contact, any energy up to the cap"
                 by $solver fn p1_hand_over(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
-                    let mut state = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state) && state.contact == Contact::First);
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
+                    let mut state = such!(
+                        s, <EnhancedSfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state) && state.contact == Contact::First,
+                        "invariant, kept by p4_first_contact"
+                    );
                                         // The last outward displacement is a fact; it may have cost more than was stored.
                     state.energy = N::any_energy(s);
-                    assume!(s, state.energy <= law.energy_cap);
+                    assume!(s, state.energy <= law.energy_cap, "what tick passes: capped in the line before");
                     let before = state.energy;
                     law.hand_over(&mut state);
                     assert!(law.holds(&state) && state.contact == Contact::Augmenting);
@@ -155,11 +183,21 @@ macro_rules! enhanced {
             }
             property! {
                 /// P3, P4 and the invariant, before the first reversal: no panic, at most the limit, invariant kept.
+                equation "|f| <= limit, 0 <= E <= cap"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_first_contact(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <EnhancedSfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        assume!(s, before.contact == Contact::Free || (before.contact == Contact::First && (e >= before.last || e <= Position::zero())));
+                    assume!(
+                        s,
+                        before.contact == Contact::Free || (before.contact == Contact::First && (e >= before.last || e <= Position::zero())),
+                        "case; the end of the first contact is p1_hand_over"
+                    );
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state) && state.contact != Contact::Augmenting);
@@ -170,11 +208,17 @@ macro_rules! enhanced {
             }
             property! {
                 /// P3, P4 and the invariant, while augmenting: no panic, at most the limit, and `E >= 0` kept.
+                equation "|f| <= limit, 0 <= E <= cap, O >= 0"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_augmenting(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <EnhancedSfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                    assume!(s, before.contact == Contact::Augmenting);
+                    assume!(s, before.contact == Contact::Augmenting, "case; the others are p4_first_contact");
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
@@ -187,11 +231,17 @@ macro_rules! enhanced {
             }
             property! {
                 /// P7: whenever the contact ends, the force is 0 and only the position is remembered.
+                equation "contact' = none  =>  f = 0, memory cleared"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p7_leaves(s) {
-                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <EnhancedSfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        let mut state = before;
+                    let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(state.last == e);
                     if state.contact == Contact::Free {
@@ -209,9 +259,9 @@ macro_rules! enhanced {
 
 enhanced!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, by cadical, sums sampled
+    w32, Facts32, functions Functions32, by cadical, sums cadical, books cadical
 );
 enhanced!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, by cadical, sums cadical
+    w8, Fixed8, functions Fixed8, by cadical, sums cadical, books sampled
 );

@@ -219,7 +219,9 @@ pub mod fixed32 {
     use crate::{assume, cover, property};
 
     property! {
-        /// Fact `Scale`.
+        /// P3, fact `Scale`.
+        equation "sign(|r| x) = sign(x) or 0"
+        over "pair of words"
         by kissat fn p3_fact_scale(s) {
             let (r, x) = (Signal::from_bits(s.i32()), Signal::from_bits(s.i32()));
             let y = Fixed32::scale(r, x);
@@ -228,7 +230,9 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Fact `Product`: its sign. `validate` keeps gains non-negative; it holds for all.
+        /// P3, fact `Product`: its sign. `validate` keeps gains non-negative; it holds for all.
+        equation "sign(k x) = sign(k) sign(x)"
+        over "pair of words"
         by kissat fn p3_fact_product_sign(s) {
             let (k, x) = (s.i32(), s.i32());
             let y = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
@@ -237,7 +241,9 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Fact `Product`: its size.
+        /// P3, fact `Product`: its size.
+        equation "|k x| <= k 2^31"
+        over "pair of words"
         by kissat fn p3_fact_product_size(s) {
             let (k, x) = (s.i32(), s.i32());
             let y = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
@@ -246,7 +252,9 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Facts `Product` and `Work`: the size. Both are the same product of two words.
+        /// P3, facts `Product` and `Work`: the size. Both are the same product of two words.
+        equation "|f d| <= 2^62"
+        over "pair of words"
         by kissat fn p3_fact_work_size(s) {
             let (f, d) = (s.i32(), s.i32());
             let y = Fixed32::work(Signal::from_bits(f), Signal::from_bits(d)).to_bits();
@@ -255,7 +263,9 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Fact `Work`: its sign.
+        /// P3, fact `Work`: its sign.
+        equation "sign(f d) = sign(f) sign(d)"
+        over "pair of words"
         by kissat fn p3_fact_work_sign(s) {
             let (f, d) = (s.i32(), s.i32());
             let y = Fixed32::work(Signal::from_bits(f), Signal::from_bits(d)).to_bits();
@@ -264,7 +274,9 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Fact `Divide`.
+        /// P3, fact `Divide`.
+        equation "sign(p / k) = sign(p) or 0"
+        over "double word and word"
         by kissat fn p3_fact_divide(s) {
             let (p, k) = (s.i64(), s.i32());
             let y = Fixed32::divide(p, Gain::from_bits(k));
@@ -273,7 +285,9 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Fact `Per`.
+        /// P3, fact `Per`.
+        equation "|E / d| >= 0"
+        over "double word and word"
         by kissat fn p3_fact_per(s) {
             let y = Fixed32::energy_per(Energy::from_bits(s.i64()), Signal::from_bits(s.i32()));
             assert!(y >= 0);
@@ -281,40 +295,48 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// Fact `Root`: 0 of nothing; a word by its type.
+        /// P3, fact `Root`: 0 of nothing; a word by its type.
+        equation "E <= 0  =>  root(E) = 0"
+        over "double word"
         by kissat fn p3_fact_root(s) {
             let e = Energy::from_bits(s.i64());
-            assume!(s, e <= 0);
+            assume!(s, e <= 0, "the fact's own condition");
             let y = Fixed32::root(e);
             assert!(y == 0);
             cover!(s, e < 0, "deficit");
         }
     }
     property! {
-        /// Facts `Moved` and `Rest`.
+        /// P3, facts `Moved` and `Rest`.
+        equation "m >= 0, 0 <= r <= E"
+        over "stored energy, force above 0"
         by kissat fn p3_fact_affordable(s) {
             let (e, f) = (s.i64(), s.i32());
-            assume!(s, e >= 0 && f > 0);
+            assume!(s, e >= 0 && f > 0, "the fact's own condition");
             let (moved, rest) = Fixed32::affordable(Energy::from_bits(e), Signal::from_bits(f));
             assert!(fact::affordable(bits(moved), rest.to_bits(), e));
             cover!(s, moved > 5 && rest > 0, "some");
         }
     }
     property! {
-        /// Facts `StepEnergy` and `StepForce`, outward.
+        /// P3, facts `StepEnergy` and `StepForce`, outward.
+        equation "0 <= E' <= E, 0 <= f' <= f"
+        over "stored energy, force, displacement below 0"
         by kissat fn p3_fact_step_outward(s) {
             let (e, f, d) = (s.i64(), s.i32(), s.i32());
-            assume!(s, e >= 0 && f >= 0 && d < 0);
+            assume!(s, e >= 0 && f >= 0 && d < 0, "the fact's own condition");
             let (after, shown) = Fixed32::passivity_step(Energy::from_bits(e), Signal::from_bits(f), Signal::from_bits(d));
             assert!(fact::step(after.to_bits(), bits(shown), e, i64::from(f), i64::from(d)));
             cover!(s, bits(shown) < i64::from(f) && shown > 0, "force reduced");
         }
     }
     property! {
-        /// Facts `StepEnergy` and `StepForce`, inward.
+        /// P3, facts `StepEnergy` and `StepForce`, inward.
+        equation "E' >= E, f' = f"
+        over "stored energy, force, displacement from 0"
         by kissat fn p3_fact_step_inward(s) {
             let (e, f, d) = (s.i64(), s.i32(), s.i32());
-            assume!(s, e >= 0 && f >= 0 && d >= 0);
+            assume!(s, e >= 0 && f >= 0 && d >= 0, "the fact's own condition");
             let (after, shown) = Fixed32::passivity_step(Energy::from_bits(e), Signal::from_bits(f), Signal::from_bits(d));
             assert!(fact::step(after.to_bits(), bits(shown), e, i64::from(f), i64::from(d)));
             cover!(s, after.to_bits() > e, "stored");

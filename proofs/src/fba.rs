@@ -11,6 +11,7 @@
 
 use crate::facts::Facts32;
 use crate::format::Format;
+use crate::functions::Functions32;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::law::{Fba, FbaState, Law};
@@ -18,19 +19,22 @@ use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, Position};
 
 macro_rules! fba {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
             type N = $number;
+            type F = $functions;
 
             property! {
                 /// P5: the bound times the root, rounded towards zero, is the largest force; with a deficit it is 0.
+                equation "f 2^b <= bound root(E); E <= 0  =>  f = 0"
+                over "valid configuration, energy"
                 by $sums fn p5_force_below_bound(s) {
-                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
-                    let energy = N::any_energy(s);
-                                        let force = law.largest_force(energy);
-                    let root = Position::<N>(N::root(energy.0));
+                    let law = such!(s, Fba::<F>::any(s), |law| law.valid(), "validate");
+                    let energy = F::any_energy(s);
+                    let force = law.largest_force(energy);
+                    let root = Position::<F>(F::root(energy.0));
                     assert!(force >= Force::zero());
                     assert!(force.lift() <= law.bound * root);
                     assert!(energy > Energy::zero() || force == Force::zero());
@@ -41,11 +45,17 @@ macro_rules! fba {
             property! {
                 /// P1, P3, P4 and the invariant: one tick does not panic, shows at most the limit, never pulls, keeps the
                 /// invariant; its energy is the port's with the counted damping, capped from above only.
+                equation "0 <= f <= limit, E <= cap, (E >= 0 or f = 0)"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
-                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Fba<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        let mut state = before;
+                    let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit && force == state.force);
@@ -56,11 +66,17 @@ macro_rules! fba {
             }
             property! {
                 /// P5: the force of a tick is at most the largest that its energy allows.
+                equation "f <= largest(E')"
+                over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p5_tick_is_bounded(s) {
-                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
-                    let e = N::any_position(s);
-                    assume!(s, e > Position::zero());
+                    let law = such!(s, Fba::<F>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Fba<F> as Valid<F>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
+                    let e = F::any_position(s);
+                    assume!(s, e > Position::zero(), "case; outside is p7_leaves");
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     let allowed = law.largest_force(state.energy);
@@ -71,21 +87,27 @@ macro_rules! fba {
             }
             property! {
                 /// P1: the energy of a tick is the sum of what was, the work of the force that acted, and the damper's part.
+                equation "E' = min(E + f Δe + c Δe², cap)"
+                over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_energy_is_the_sum(s) {
-                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
-                    let e = N::any_position(s);
-                    assume!(s, e > Position::zero());
-                    // A deficit of a quarter of the format is outside the claim, and p5 keeps it far smaller.
-                    assume!(s, before.energy + law.energy_cap >= Energy::zero());
+                    let law = such!(s, Fba::<F>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Fba<F> as Valid<F>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
+                    let e = F::any_position(s);
+                    assume!(s, e > Position::zero(), "case; outside is p7_leaves");
                     let mut state = before;
                     let _ = law.tick(&mut state, e);
                     let moved = e - before.last;
-                    // Beyond the width the sum is beyond the cap as well.
-                    let sum = N::of_energy(before.energy.0)
-                        .saturating_add(N::of_energy((before.force * moved).0))
-                        .saturating_add(N::of_energy(damping_loss(law.device_damping, moved).0));
-                    assert!(N::of_energy(state.energy.0) == sum.min(N::of_energy(law.energy_cap.0)));
+                    let work = i128::from(F::of_energy((before.force * moved).0));
+                    let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
+                    let cap = i128::from(F::of_energy(law.energy_cap.0));
+                    let worked = i128::from(F::of_energy(before.energy.0)) + work;
+                    // Only a deficit of the whole format, 32 kJ, would be cut off.
+                    let lowest = -2 * cap;
+                    assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, state.energy < before.energy, "gives");
                     cover!(s, state.energy > before.energy && moved < Position::zero(), "damped outward");
                 }
@@ -93,10 +115,12 @@ macro_rules! fba {
             property! {
                 /// P5: what the counted damping leaves out by rounding is less than a quantum of force over the displacement,
                 /// so that a deficit can never be larger than that.
+                equation "|f_c 2^b| <= |c Δe|, loss >= 0"
+                over "valid configuration, displacement"
                 by $sums fn p5_damping_rounds_down(s) {
-                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
-                    let moved = N::any_position(s);
-                                        let exact = law.device_damping * moved;
+                    let law = such!(s, Fba::<F>::any(s), |law| law.valid(), "validate");
+                    let moved = F::any_position(s);
+                    let exact = law.device_damping * moved;
                     let force = exact.towards_zero();
                     let size = force.lift().0.unsigned_abs();
                     assert!(size <= exact.0.unsigned_abs());
@@ -106,11 +130,13 @@ macro_rules! fba {
             }
             property! {
                 /// P7: outside the wall the force is 0 and nothing is remembered.
+                equation "e <= 0  =>  f = 0, memory cleared"
+                over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
-                    let law = such!(s, Fba::<N>::any(s), |law| law.valid());
+                    let law = such!(s, Fba::<N>::any(s), |law| law.valid(), "validate");
                     let mut state = <Fba<N> as Valid<N>>::any_state(s);
                     let e = N::any_position(s);
-                    assume!(s, e <= Position::zero());
+                    assume!(s, e <= Position::zero(), "case; inside is p4_tick_keeps_invariant");
                     cover!(s, state.inside && e == Position::zero(), "from inside");
                     assert!(law.tick(&mut state, e) == Force::zero());
                     assert!(state == FbaState::default());
@@ -122,9 +148,9 @@ macro_rules! fba {
 
 fba!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, by cadical, sums sampled
+    w32, Facts32, functions Functions32, by cadical, sums cadical
 );
 fba!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, by cadical, sums cadical
+    w8, Fixed8, functions Fixed8, by cadical, sums cadical
 );

@@ -1,6 +1,7 @@
 //! Any value of a number format, and its bits as an `i64`.
 
 use crate::facts::Facts32;
+use crate::functions::Functions32;
 use crate::source::Source;
 use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed16, Fixed32, Force, Number, Position, Ratio, Stiffness,
@@ -103,5 +104,6 @@ macro_rules! format {
 
 format!(Fixed32, i32, i64);
 format!(Facts32, i32, i64);
+format!(Functions32, i32, i64);
 format!(Fixed16, i16, i32);
 format!(Fixed8, i8, i16);

@@ -18,9 +18,11 @@ macro_rules! heart {
 
             property! {
                 /// P1, inward: the wall stores exactly the work, at most the signed limit; the force stays.
+                equation "E' = min(E + f d, highest), f' = f"
+                over "energy, force, displacement"
                 by $bits fn p1_step_inward(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
                     let step = passivity_step::<$word>(energy, force, moved, true);
                     let sum = energy + $wide::from(force) * $wide::from(moved);
                     assert!(step.force == force);
@@ -32,12 +34,14 @@ macro_rules! heart {
             }
             property! {
                 /// P1, outward, with enough energy: exactly the work is given, the force stays.
+                equation "f d <= E  =>  E' = E - f d, f' = f"
+                over "energy, force, displacement"
                 by $products
                 fn p1_step_paid(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
                     let work = $wide::from(force) * $wide::from(moved);
-                    assume!(s, work <= energy);
+                    assume!(s, work <= energy, "case; the other is p1_step_clamped_*");
                     let step = passivity_step::<$word>(energy, force, moved, false);
                     assert!(step.force == force);
                     assert!(step.energy == energy - work);
@@ -49,10 +53,12 @@ macro_rules! heart {
             property! {
                 /// P1, outward, without enough: the energy that is left is the rest of the division, so that exactly the
                 /// work of the quotient is given.
+                equation "f d > E  =>  E' = E - floor(E / d) d"
+                over "energy, force, displacement"
                 by $products fn p1_step_clamped_energy(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
-                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy, "case; the other is p1_step_paid");
                     let step = passivity_step::<$word>(energy, force, moved, false);
                     let work = energy / $wide::from(moved) * $wide::from(moved);
                     assert!(work <= energy);
@@ -64,10 +70,12 @@ macro_rules! heart {
             }
             property! {
                 /// P1, outward, without enough: the force is that quotient; the two limits beside it never bind.
+                equation "f d > E  =>  f' = floor(E / d)"
+                over "energy, force, displacement"
                 by $products fn p1_step_clamped_force(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
-                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy, "case; the other is p1_step_paid");
                     let step = passivity_step::<$word>(energy, force, moved, false);
                     assert!($wide::from(step.force) == energy / $wide::from(moved));
                     cover!(s, step.force > 0 && step.force < force, "force reduced");
@@ -76,11 +84,13 @@ macro_rules! heart {
             }
             property! {
                 /// P1/P4, outward, without enough: the force shrinks, and no more than needed: less than `moved` is left.
+                equation "f d > E  =>  f' <= f, E' < d"
+                over "energy, force, displacement"
                 by $products
                 fn p1_step_force_shrinks(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
-                    assume!(s, $wide::from(force) * $wide::from(moved) > energy);
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
+                    assume!(s, $wide::from(force) * $wide::from(moved) > energy, "case; the other is p1_step_paid");
                     let step = passivity_step::<$word>(energy, force, moved, false);
                     assert!(step.force <= force);
                     assert!(step.energy < $wide::from(moved));
@@ -90,10 +100,16 @@ macro_rules! heart {
             }
             property! {
                 /// P1 for the enhanced law: what a retreat costs at full force and what is left make up the energy.
+                equation "r = E - f m >= 0"
+                over "energy and force"
                 by $products
                 fn p1_affordable(s) {
                     let (energy, force) = (s.$wide(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && force > 0);
+                    assume!(
+                        s,
+                        energy <= FULL && force <= LARGEST && force > 0,
+                        "types of the callers; the law retreats under a force only"
+                    );
                     let retreat = affordable::<$word>(energy, force);
                     let cost = $wide::from(force) * $wide::from(retreat.moved);
                     assert!(cost <= energy);
@@ -106,9 +122,11 @@ macro_rules! heart {
             property! {
                 /// P1, the lemma behind the clamp, and its second witness by another solver: the division accounts for at most
                 /// the energy, and less than `moved` is left.
+                equation "q d <= E < q d + d"
+                over "energy and displacement"
                 by $bits fn p1_divide(s) {
                     let (energy, moved) = (s.$wide(), s.$word());
-                    assume!(s, moved > 0);
+                    assume!(s, moved > 0, "the code asks for the quotient only if it moved");
                     let (quotient, accounted) = moved.divides(energy);
                     assert!(accounted <= energy);
                     assert!(energy - accounted < moved.widen());
@@ -119,9 +137,11 @@ macro_rules! heart {
             }
             property! {
                 /// P1 by the SAT solver: outward, the energy never grows and never passes zero.
+                equation "0 <= E' <= E"
+                over "energy, force, displacement"
                 by $bits fn p1_step_remainder(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
-                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST);
+                    assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
                     let step = passivity_step::<$word>(energy, force, moved, false);
                     assert!(step.energy <= energy);
                     cover!(s, step.force > 0 && step.force < force, "force reduced");
@@ -131,6 +151,8 @@ macro_rules! heart {
             property! {
                 /// P5: a digit is kept, with its square, if that square does not exceed the radicand, and else nothing changes:
                 /// by induction `square = root² <= radicand` for the whole root.
+                equation "s' = r'² <= E, or nothing changed"
+                over "radicand, candidate, root so far"
                 by $products fn p5_root_digit(s) {
                     let (radicand, candidate) = (s.$wide(), s.$word());
                     let so_far = Root::<$word> { root: s.$word(), square: s.$wide() };
@@ -147,10 +169,12 @@ macro_rules! heart {
             }
             property! {
                 /// P2: a gain rounds towards zero: `scale(g, x) · 2^bits <= g·x`.
+                equation "(g x >> b) 2^b <= g x"
+                over "gain and signal"
                 by $bits
                 fn p2_scale(s) {
                     let (gain, x) = (s.$word(), s.$word());
-                    assume!(s, gain <= LARGEST && x <= LARGEST);
+                    assume!(s, gain <= LARGEST && x <= LARGEST, "types of the callers");
                     const BITS: u32 = $word::BITS * 3 / 4;
                     let product = gain.times(x);
                     let scaled = scale::<$word>(gain, x, BITS).widen();
@@ -162,10 +186,12 @@ macro_rules! heart {
             }
             property! {
                 /// P6: a quotient rounds towards zero: `quotient·divisor <= dividend`.
+                equation "q d <= n"
+                over "dividend and divisor"
                 by $products
                 fn p6_quotient(s) {
                     let (wide, divisor) = (s.$wide(), s.$word());
-                    assume!(s, divisor <= LARGEST);
+                    assume!(s, divisor <= LARGEST, "types of the callers");
                     let q = quotient::<$word>(wide, divisor);
                     assert!(q.times(divisor) <= wide);
                     assert!(q <= <$word>::MAX_SIGNED);
@@ -192,6 +218,8 @@ pub mod root8 {
     use super::*;
     property! {
         /// P5/P3: the square found never exceeds the radicand, and the next one would; no overflow.
+        equation "r² <= E < (r + 1)²"
+        over "radicand"
         fn p5_root(s) {
             let radicand = s.u16();
             let found = root::<u8>(radicand);
@@ -206,18 +234,20 @@ pub mod root8 {
 }
 
 /// Algebra without code: why the energy after a retreat is a sum of what is not negative.
-pub mod algebra {
+pub mod algebra32 {
     use super::*;
     property! {
         /// P1 for the enhanced law: work and saving of a smaller force add up to the work of the full one, so that with
-        /// `p1_affordable` rest plus saving is exactly the energy minus the work. (Distributivity of integers: no solver
-        /// bit-blasts it; `obligations/` has it over the integers.)
-        by sampled fn p1_smaller_force(s) {
+        /// `p1_affordable` rest plus saving is exactly the energy minus the work.
+        equation "(f_w - f) m + f m = f_w m"
+        over "pair of forces, retreat"
+        by cvc5 fn p1_smaller_force(s) {
             let (saved_force, smaller, moved) = (s.u64(), s.u64(), s.u64());
-            assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31);
-            let work = smaller * moved;
-            let saved = saved_force * moved;
-            assert!(saved + work == (saved_force + smaller) * moved);
+            assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31, "types of the callers");
+            // At most 2^32 · 2^31: nothing wraps. (With the checks of that beside the identity no solver finishes.)
+            let work = smaller.wrapping_mul(moved);
+            let saved = saved_force.wrapping_mul(moved);
+            assert!(saved.wrapping_add(work) == saved_force.wrapping_add(smaller).wrapping_mul(moved));
             cover!(s, smaller > 0 && saved > 0 && work > 0, "both parts");
             cover!(s, saved_force == 0, "full force");
             cover!(s, smaller == 0, "no force");

@@ -16,6 +16,7 @@ pub mod enhanced;
 pub mod facts;
 pub mod fba;
 pub mod format;
+pub mod functions;
 pub mod heart;
 pub mod offset;
 pub mod settings;

@@ -1,21 +1,25 @@
 //! The three bounds of the offset's step (P2), thesis (3.7) to (3.11), on the shipped arithmetic itself.
 
 use crate::format::Format;
+use crate::functions::Functions32;
 use crate::valid::{any_augmentation, augmentation_ok};
 use crate::{cover, property, such};
 use touchstone_control::law::Augmentation;
 use touchstone_control::{Fixed8, Fixed32, Force, Position};
 
 macro_rules! offset {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
             type N = $number;
+            type F = $functions;
 
             property! {
                 /// P2: the step is at most each of the three bounds, whatever they are, and not negative if they are not. (That
                 /// the bounds are what thesis (3.7) to (3.11) say is `heart::w32::p2_scale`.)
+                equation "ΔO <= each bound"
+                over "three bounds, all bits"
                 fn p2_least(s) {
                     let bounds = [N::any_position(s), N::any_position(s), N::any_position(s)];
                     let [ideal, weber, near] = bounds;
@@ -31,10 +35,12 @@ macro_rules! offset {
             }
             property! {
                 /// P2, first bound: `ΔO <= of_ideal · |wanted - shown|`, with `c/k_v` or `c/k_de` for `of_ideal`.
+                equation "0 <= ΔO <= c |f_wanted - |f||"
+                over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_ideal(s) {
-                    let a = such!(s, any_augmentation::<N, _>(s), |a| augmentation_ok(&a));
-                    let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
-                                        let step = a.step(wanted, shown, e);
+                    let a = such!(s, any_augmentation::<F, _>(s), |a| augmentation_ok(&a), "validate");
+                    let (wanted, shown, e) = (F::any_force(s), F::any_force(s), F::any_position(s));
+                    let step = a.step(wanted, shown, e);
                     assert!(step >= Position::zero());
                     assert!(step <= a.of_ideal * (wanted - shown.modulus()).modulus());
                     cover!(s, step > Position::zero() && step == a.of_ideal * (wanted - shown.modulus()).modulus(), "binding");
@@ -43,10 +49,12 @@ macro_rules! offset {
             }
             property! {
                 /// P2, second bound: `ΔO <= b/k_v · |f|`, but at least one quantum is allowed, or no force were a trap.
+                equation "ΔO <= b |f|, at least a quantum"
+                over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_force(s) {
-                    let a = such!(s, any_augmentation::<N, _>(s), |a| augmentation_ok(&a));
-                    let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
-                                        let step = a.step(wanted, shown, e);
+                    let a = such!(s, any_augmentation::<F, _>(s), |a| augmentation_ok(&a), "validate");
+                    let (wanted, shown, e) = (F::any_force(s), F::any_force(s), F::any_position(s));
+                    let step = a.step(wanted, shown, e);
                     let weber = a.of_force * shown.modulus().max(Force::quantum());
                     assert!(step <= weber.max(Position::quantum()));
                     cover!(s, step == weber && step > Position::quantum(), "binding");
@@ -55,10 +63,12 @@ macro_rules! offset {
             }
             property! {
                 /// P2, third bound: `ΔO <= a · |e|`.
+                equation "ΔO <= a |e|"
+                over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_penetration(s) {
-                    let a = such!(s, any_augmentation::<N, _>(s), |a| augmentation_ok(&a));
-                    let (wanted, shown, e) = (N::any_force(s), N::any_force(s), N::any_position(s));
-                                        let step = a.step(wanted, shown, e);
+                    let a = such!(s, any_augmentation::<F, _>(s), |a| augmentation_ok(&a), "validate");
+                    let (wanted, shown, e) = (F::any_force(s), F::any_force(s), F::any_position(s));
+                    let step = a.step(wanted, shown, e);
                     assert!(step <= a.of_penetration * e.modulus());
                     cover!(s, step > Position::zero() && step == a.of_penetration * e.modulus(), "binding");
                     cover!(s, step == Position::zero() && e == Position::zero(), "at the surface");
@@ -70,9 +80,9 @@ macro_rules! offset {
 
 offset!(
     /// At the width that the firmware runs.
-    w32, Fixed32, sums sampled
+    w32, Fixed32, functions Functions32, sums cadical
 );
 offset!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, sums cadical
+    w8, Fixed8, functions Fixed8, sums cadical
 );

@@ -1,7 +1,7 @@
 //! P8: what validation accepts satisfies everything that the other properties assume; what it starts with, their invariants.
 //!
 //! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits: no solver follows that.
-//! So this one is split: conversions to the format are proved for every value (`p8_conversions`), and whole controllers are
+//! So this one is split: conversions to the format are proved for every value (`p8_conversions32`), and whole controllers are
 //! built from sampled settings on both sides of every bound, and each is checked against the assumptions, in every test run.
 
 use crate::facts::Facts32;
@@ -14,7 +14,9 @@ use touchstone_control::{Controller, Fixed32, Number, Si};
 property! {
     /// P8: a setting that is converted has the value set, towards zero, and not negative where it must not be; what does
     /// not fit is refused.
-    by kissat fn p8_conversions(s) {
+    equation "bits' = bits >> shift, or refused"
+    over "setting of 64 bits"
+    by kissat fn p8_conversions32(s) {
         let bits = s.i64();
         let si = Si::from_bits(bits);
         if let Some(gain) = Fixed32::gain(si) {
@@ -39,7 +41,9 @@ property! {
 
 property! {
     /// P8: what every law starts with satisfies its invariant.
-    fn p8_initial(s) {
+    equation "invariant(initial memory)"
+    over "configuration; SFA: valid"
+    fn p8_initial32(s) {
         type N = Facts32;
         use touchstone_control::law::{EnhancedSfa, Fba, Sfa, Spring, Tdpa};
         let spring = Spring::<N>::any(s);

@@ -197,10 +197,11 @@ pub fn sample(name: &str, property: fn(&mut Sampler)) {
     panic!("{name}: {accepted} samples accepted, covers never reached: {missing:?}");
 }
 
-/// Goes on only if the condition holds. Each use names, in a comment or its text, who enforces it at run time.
+/// Goes on only if the condition holds. Each use names who enforces it at run time, or that it is a case and where the other
+/// is; the table of the proofs quotes both.
 #[macro_export]
 macro_rules! assume {
-    ($s:expr, $holds:expr) => {
+    ($s:expr, $holds:expr, $who:literal) => {
         if !$s.assume($holds) {
             return;
         }
@@ -210,14 +211,14 @@ macro_rules! assume {
 /// A value of which a condition is assumed. The sampler tries again until it has one; the checker assumes.
 #[macro_export]
 macro_rules! such {
-    ($s:expr, $value:expr, |$x:ident| $holds:expr) => {{
+    ($s:expr, $value:expr, |$x:ident| $holds:expr, $who:literal) => {{
         let mut tries = 0_u32;
         loop {
             let $x = $value;
             let holds = $holds;
             tries += 1;
             if cfg!(kani) || holds || tries > 20_000 {
-                $crate::assume!($s, holds);
+                $crate::assume!($s, holds, $who);
                 break $x;
             }
         }
@@ -236,10 +237,12 @@ macro_rules! cover {
 }
 
 /// A property: a body, its proof under Kani, its randomised test without.
+///
+/// `equation` and `over` (which configurations, memories and inputs: all that are of that kind) are for the table.
 #[macro_export]
 macro_rules! property {
-    // No solver finishes: sampled only, and proved at 8 bits by the same body.
-    ($(#[doc = $doc:literal])* by sampled fn $name:ident($s:ident) $body:block) => {
+    // No solver finishes at this width: sampled only, and proved at another by the same body.
+    ($(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {
             #[allow(unused_imports)]
@@ -254,7 +257,7 @@ macro_rules! property {
             }
         }
     };
-    ($(#[doc = $doc:literal])* $(by $solver:ident)? fn $name:ident($s:ident) $body:block) => {
+    ($(#[doc = $doc:literal])* equation $equation:literal over $over:literal $(by $solver:ident)? fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {
             #[allow(unused_imports)]

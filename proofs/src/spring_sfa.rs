@@ -2,25 +2,33 @@
 
 use crate::facts::Facts32;
 use crate::format::Format;
+use crate::functions::Functions32;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::law::{Contact, Law, Sfa, SfaState, Spring, SpringState};
 use touchstone_control::{Fixed8, Force, Position};
 
 macro_rules! spring_sfa {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
             type N = $number;
+            type F = $functions;
 
             property! {
                 /// P3, P4, P7, spring: no panic, never pulls, at most the limit; outside force 0 and memory cleared.
+                equation "0 <= f <= limit; e <= 0  =>  f = 0, memory cleared"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_spring(s) {
-                    let law = such!(s, Spring::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Spring<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        let mut state = before;
+                    let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit);
@@ -34,12 +42,18 @@ macro_rules! spring_sfa {
             }
             property! {
                 /// P1: the plain spring's force is `k e` towards zero, or the limit; nothing depends on the past.
+                equation "f = min(floor(k e), limit)"
+                over "valid configuration without damping, memory in the invariant, position inside"
                 by $sums fn p1_spring_is_a_spring(s) {
-                    let mut law = such!(s, Spring::<N>::any(s), |law| law.valid());
+                    let mut law = such!(s, Spring::<F>::any(s), |law| law.valid(), "validate");
                     law.damping = touchstone_control::Stiffness::zero();
-                    let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
-                    let e = N::any_position(s);
-                    assume!(s, e > Position::zero());
+                    let before = such!(
+                        s, <Spring<F> as Valid<F>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
+                    let e = F::any_position(s);
+                    assume!(s, e > Position::zero(), "case; outside is p7_leaves");
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(force == (law.desired * e).towards_zero().min(law.limit));
@@ -48,11 +62,17 @@ macro_rules! spring_sfa {
             }
             property! {
                 /// P3, P4 and the invariant, SFA in all its forms: no panic, never pulls, at most the limit.
+                equation "0 <= f <= limit, invariant"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_sfa(s) {
-                    let law = such!(s, Sfa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, Sfa::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Sfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        let mut state = before;
+                    let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit && force == state.force);
@@ -63,11 +83,17 @@ macro_rules! spring_sfa {
             }
             property! {
                 /// P7, SFA: without force the contact is over, and only the positions are remembered.
+                equation "f = 0  =>  memory cleared but for positions"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p7_sfa_leaves(s) {
-                    let law = such!(s, Sfa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, Sfa::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Sfa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        let mut state = before;
+                    let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(state.last == e && state.before_last == before.last);
                     if force == Force::zero() && law.limit > Force::zero() {
@@ -86,9 +112,9 @@ macro_rules! spring_sfa {
 
 spring_sfa!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, by cadical, sums sampled
+    w32, Facts32, functions Functions32, by cadical, sums cadical
 );
 spring_sfa!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, by cadical, sums cadical
+    w8, Fixed8, functions Fixed8, by cadical, sums cadical
 );

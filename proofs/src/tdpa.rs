@@ -2,6 +2,7 @@
 
 use crate::facts::Facts32;
 use crate::format::Format;
+use crate::functions::Functions32;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::law::{Law, Tdpa, TdpaState};
@@ -10,21 +11,28 @@ use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! tdpa {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, by $solver:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident, step $step:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
             type N = $number;
+            type F = $functions;
 
             property! {
                 /// P1, P3, P4 and the invariant, either observer: from any memory that satisfies it, for any configuration and
                 /// position, one tick does not panic, shows at most the limit, and keeps the invariant, of which the
                 /// thesis' form contains `E >= 0`.
+                equation "|f| <= limit, E <= cap; thesis: E >= 0, f >= 0"
+                over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
-                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Tdpa<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
                     let e = N::any_position(s);
-                                        let mut state = before;
+                    let mut state = before;
                     let force = law.tick(&mut state, e);
                     assert!(law.holds(&state));
                     assert!(force.modulus() <= law.limit);
@@ -39,53 +47,75 @@ macro_rules! tdpa {
             property! {
                 /// P1, thesis' observer: a tick inside is the passivity step of the stored energy plus what the counted
                 /// damper took, capped. With the heart: `0 <= E' <= E + loss + f'·Δe`.
-                by sampled fn p1_thesis_is_the_step(s) {
-                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
-                    let e = N::any_position(s);
-                                        assume!(s, law.observer == ObserverForm::Thesis && e > Position::zero());
+                equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
+                over "valid configuration, memory in the invariant, position inside"
+                by $step fn p1_thesis_is_the_step(s) {
+                    let law = such!(s, Tdpa::<F>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Tdpa<F> as Valid<F>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
+                    let e = F::any_position(s);
+                    assume!(
+                        s,
+                        law.observer == ObserverForm::Thesis && e > Position::zero(),
+                        "case; the exact observer is p1_exact_*, outside p7_leaves"
+                    );
                     let mut state = before;
                     let force = law.tick(&mut state, e);
                     let moved = e - before.last;
                     let wanted = (law.desired * e).towards_zero().min(law.limit);
                     let store = (before.energy + damping_loss(law.device_damping, moved)).min(law.energy_cap);
-                    let (after, shown) = N::passivity_step(store.0, wanted.0, moved.0);
+                    let (after, shown) = F::passivity_step(store.0, wanted.0, moved.0);
                     assert!(force.0 == shown && state.force == force);
                     assert!(state.energy == Energy(after).min(law.energy_cap));
                     assert!(state.last == e);
                     // Inside, both positions are in the wall: the displacement is exact.
-                    assert!(N::of_signal(moved.0) == N::of_signal(e.0) - N::of_signal(before.last.0));
+                    assert!(F::of_signal(moved.0) == F::of_signal(e.0) - F::of_signal(before.last.0));
                     cover!(s, force > Force::zero() && force < wanted, "force reduced");
                     cover!(s, force == wanted && moved < Position::zero() && force > Force::zero(), "paid in full");
                 }
             }
             property! {
-                /// The counted damper never gives energy: `loss >= 0`.
+                /// P1: the counted damper never gives energy: `loss >= 0`.
+                equation "c Δe² >= 0"
+                over "valid configuration, displacement"
                 fn p1_loss_is_not_negative(s) {
-                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid(), "validate");
                     let moved = N::any_position(s);
-                                        let loss = damping_loss(law.device_damping, moved);
+                    let loss = damping_loss(law.device_damping, moved);
                     assert!(loss >= Energy::zero());
                     cover!(s, loss > Energy::zero() && moved < Position::zero(), "outward");
                 }
             }
             property! {
                 /// P1, exact observer: the sum is the port's energy (plus the counted damping), capped from above only.
+                equation "E' = min(E + f Δe + loss, cap)"
+                over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_exact_is_the_sum(s) {
-                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
-                    let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state));
-                    let e = N::any_position(s);
-                                        assume!(s, law.observer == ObserverForm::Exact && e > Position::zero());
-                    // A deficit of a quarter of the format (16 kJ) is outside the claim: the sum would saturate.
-                    assume!(s, before.energy + law.energy_cap >= Energy::zero());
+                    let law = such!(s, Tdpa::<F>::any(s), |law| law.valid(), "validate");
+                    let before = such!(
+                        s, <Tdpa<F> as Valid<F>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p4_*"
+                    );
+                    let e = F::any_position(s);
+                    assume!(
+                        s,
+                        law.observer == ObserverForm::Exact && e > Position::zero(),
+                        "case; the thesis' observer is p1_thesis_*, outside p7_leaves"
+                    );
                     let mut state = before;
                     let _ = law.tick(&mut state, e);
                     let moved = e - before.last;
-                    let work = N::of_energy((before.force * moved).0);
-                    let loss = N::of_energy(damping_loss(law.device_damping, moved).0);
-                    // Beyond the width the sum is beyond the cap as well.
-                    let sum = N::of_energy(before.energy.0).saturating_add(work).saturating_add(loss);
-                    assert!(N::of_energy(state.energy.0) == sum.min(N::of_energy(law.energy_cap.0)));
+                    let work = i128::from(F::of_energy((before.force * moved).0));
+                    let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
+                    let cap = i128::from(F::of_energy(law.energy_cap.0));
+                    let worked = i128::from(F::of_energy(before.energy.0)) + work;
+                    // Only a deficit of the whole format, 32 kJ, would be cut off.
+                    let lowest = -2 * cap;
+                    assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, before.energy >= Energy::zero() && state.energy < Energy::zero(), "the dip of one tick");
                     cover!(s, loss > 0 && work < 0, "damped");
                 }
@@ -93,23 +123,22 @@ macro_rules! tdpa {
             property! {
                 /// P1, exact observer: the corrected force is the heart's quotient `|E|/|Δe|` with the sign that pays back
                 /// over a displacement like the last one; without need, the wall's own force.
+                equation "f = ± |E| / |Δe|, or f_wanted without need"
+                over "valid configuration, energy, wanted force, displacement"
                 by $sums fn p1_exact_correction(s) {
-                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
-                    let (energy, wanted, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
-                    assume!(s, wanted >= Force::zero() && energy <= law.energy_cap);
+                    let law = such!(s, Tdpa::<F>::any(s), |law| law.valid(), "validate");
+                    let (energy, wanted, moved) = (F::any_energy(s), F::any_force(s), F::any_position(s));
+                    assume!(s, wanted >= Force::zero() && energy <= law.energy_cap, "what tick passes: p4_tick_keeps_invariant");
                     let force = law.exact_force(energy, wanted, moved);
                     let repeat = energy + wanted * moved;
                     if moved == Position::zero() || repeat >= Energy::zero() {
                         assert!(force == wanted);
                     } else {
-                        let quotient = touchstone_control::magnitude::quotient::<$word>(
-                            energy.0.to_bits().unsigned_abs(),
-                            moved.0.to_bits().unsigned_abs(),
-                        );
-                        assert!(force.0.to_bits().unsigned_abs() == quotient);
+                        let enough = energy.per_displacement(moved);
+                        assert!(enough >= Force::zero() && (force == enough || force == -enough));
                         // A surplus is spent outward; a deficit is worked off against the motion.
                         let absorbs = (force.0 > 0) == (moved.0 > 0);
-                        assert!(quotient == 0 || absorbs == (energy < Energy::zero()));
+                        assert!(enough == Force::zero() || absorbs == (energy < Energy::zero()));
                         assert!(energy < Energy::zero() || moved < Position::zero());
                     }
                     cover!(s, force < Force::zero(), "pulls");
@@ -120,11 +149,13 @@ macro_rules! tdpa {
             }
             property! {
                 /// P7: outside the wall the force is 0 and nothing is remembered.
+                equation "e <= 0  =>  f = 0, memory cleared"
+                over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
-                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid());
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid(), "validate");
                     let mut state = <Tdpa<N> as Valid<N>>::any_state(s);
                     let e = N::any_position(s);
-                    assume!(s, e <= Position::zero());
+                    assume!(s, e <= Position::zero(), "case; inside is p4_tick_keeps_invariant");
                     cover!(s, state.inside && state.energy < Energy::zero() && e == Position::zero(), "with a deficit");
                     assert!(law.tick(&mut state, e) == Force::zero());
                     assert!(state == TdpaState::default());
@@ -136,9 +167,9 @@ macro_rules! tdpa {
 
 tdpa!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, u32, by cadical, sums sampled
+    w32, Facts32, functions Functions32, by cadical, sums cadical, step cadical
 );
 tdpa!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, u8, by cadical, sums cadical
+    w8, Fixed8, functions Fixed8, by cadical, sums cadical, step sampled
 );

@@ -2,7 +2,7 @@
 //! start from any configuration and any memory that satisfy these, and show that a tick keeps the latter.
 //!
 //! `settings.rs` proves and tests that whatever `Controller::new` accepts is valid; the memory that it starts with satisfies
-//! the invariant (`p8_initial`).
+//! the invariant (`p8_initial32`).
 
 use crate::format::Format;
 use crate::source::Source;

@@ -1,4 +1,5 @@
-//! The commands behind `cargo xtask`: set-up, test, measure. Standard library only, so that the first one starts in seconds.
+//! The commands behind `cargo xtask`: set-up, test, measure. Little beyond the standard library, so that the first one starts
+//! in seconds.
 
 mod bench;
 mod doc;
@@ -94,9 +95,9 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "prove",
-        about: "the proofs: `prove [--harness NAME] [--mutants] [--bless]`",
+        about: "the proofs: `prove [--harness NAME] [--bless]`, or wrong changes that they must find: `prove --mutants [--tests]`",
         in_test: true,
-        run: |args| prove::run(args).into(),
+        run: prove::run,
     },
 ];
 

@@ -1,22 +1,35 @@
-//! `cargo xtask prove --mutants`: small wrong changes to the law, each of which a named proof must refute.
+//! `cargo xtask prove --mutants`: small wrong changes to the law, each of which a named proof must refute, and, with `--tests`,
+//! a named test as well.
+//!
+//! A mutant is caught when the harness that it names ran alone and an assertion in it failed. A change that does not compile,
+//! a time-out, a cover that is no longer reached: none of these is a catch.
 
-use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::outcome::Outcome;
+use crate::{prove, shell};
 
 const LIST: &str = "proofs/mutants.toml";
-const SCRATCH: &str = "target/mutants";
+/// What the proofs are made of; nothing else has to build.
+const PARTS: [&str; 3] = ["control", "protocol", "proofs"];
+/// Of all mutants, in per cent.
+const CAUGHT: usize = 95;
+const LEAST: usize = 30;
 
-/// One `[[mutant]]`: plain `key = "value"` lines.
+/// One `[[mutant]]`: plain `key = 'value'` lines.
 #[derive(Debug, Default, Clone)]
 struct Mutant {
     file: String,
     find: String,
     replace: String,
+    /// The harness that refutes it.
     harness: String,
+    /// The test that fails of it, `package name`; may be empty.
+    test: String,
 }
 
-fn list() -> Vec<Mutant> {
-    let text = std::fs::read_to_string(LIST).unwrap_or_default();
+fn list(text: &str) -> Vec<Mutant> {
     let mut mutants: Vec<Mutant> = Vec::new();
     for line in text.lines() {
         if line.trim() == "[[mutant]]" {
@@ -33,74 +46,194 @@ fn list() -> Vec<Mutant> {
             "find" => mutant.find = value.into(),
             "replace" => mutant.replace = value.into(),
             "harness" => mutant.harness = value.into(),
+            "test" => mutant.test = value.into(),
             _ => {}
         }
     }
     mutants
 }
 
-/// Copies what the proofs are made of, changes one thing at a time, and expects the named harness to refute it.
-pub fn run() -> ExitCode {
-    let scratch = Path::new(SCRATCH);
-    let _ = std::fs::remove_dir_all(scratch.join("work"));
-    let work = scratch.join("work");
-    if std::fs::create_dir_all(&work).is_err() {
-        eprintln!("mutants: cannot write to {SCRATCH}");
-        return ExitCode::FAILURE;
+/// A copy of the proved crates, as a workspace of its own.
+fn copy(folder: &Path) -> Result<PathBuf, String> {
+    let work = folder.join("work");
+    let _ = std::fs::remove_dir_all(&work);
+    std::fs::create_dir_all(&work).map_err(|why| format!("{}: {why}", work.display()))?;
+    let mut copy = shell::program("cp");
+    copy.arg("-r").args(PARTS).arg("Cargo.lock").arg(&work);
+    if !copy.status().is_ok_and(|status| status.success()) {
+        return Err(format!(
+            "cannot copy the proved crates to {}",
+            work.display()
+        ));
     }
-    for part in ["control", "protocol", "proofs", "Cargo.lock"] {
-        let _ = Command::new("cp").args(["-r", part]).arg(&work).status();
+    let manifest =
+        std::fs::read_to_string("Cargo.toml").map_err(|why| format!("Cargo.toml: {why}"))?;
+    let mut kept = String::new();
+    // Lists of members may go over several lines.
+    let mut within = false;
+    for line in manifest.lines() {
+        let list = ["members = [", "default-members = [", "exclude = ["]
+            .iter()
+            .any(|key| line.starts_with(key));
+        if list || within {
+            within = !line.contains(']');
+        } else {
+            kept += line;
+            kept += "\n";
+        }
+        if line.starts_with("members = [") {
+            kept += &format!("members = {PARTS:?}\n");
+        }
     }
-    // Only the proved crates: nothing else has to build.
-    let manifest = std::fs::read_to_string("Cargo.toml").unwrap_or_default();
-    let manifest: String = manifest
-        .lines()
-        .filter(|line| !line.starts_with("default-members"))
-        .map(|line| {
-            if line.starts_with("members") {
-                "members = [\"control\", \"protocol\", \"proofs\"]"
-            } else {
-                line
-            }
-        })
-        .filter(|line| !line.starts_with("touchstone = "))
-        .fold(String::new(), |text, line| text + line + "\n");
-    let _ = std::fs::write(work.join("Cargo.toml"), manifest);
-    let target = std::env::current_dir()
-        .unwrap_or_default()
-        .join(scratch)
-        .join("target");
+    std::fs::write(work.join("Cargo.toml"), kept)
+        .map_err(|why| format!("the copy's Cargo.toml: {why}"))?;
+    Ok(work)
+}
 
-    let mutants = list();
+/// Makes one change, asks, and takes it back. `Err`: not applied, or no answer.
+fn with(
+    work: &Path,
+    mutant: &Mutant,
+    ask: impl FnOnce() -> Result<bool, String>,
+) -> Result<bool, String> {
+    let path = work.join(&mutant.file);
+    let source = std::fs::read_to_string(&path).map_err(|why| format!("{}: {why}", mutant.file))?;
+    if source.matches(&mutant.find).count() != 1 {
+        return Err(format!("`{}` is not there exactly once", mutant.find));
+    }
+    let write =
+        |text: &str| std::fs::write(&path, text).map_err(|why| format!("{}: {why}", mutant.file));
+    write(&source.replace(&mutant.find, &mutant.replace))?;
+    let answer = ask();
+    write(&source)?;
+    answer
+}
+
+/// Goes through the list; prints a line for each.
+fn each(
+    folder: &Path,
+    of: &str,
+    named: impl Fn(&Mutant) -> &str,
+    ask: impl Fn(&Path, &Mutant) -> Result<bool, String>,
+) -> Outcome {
+    let text = std::fs::read_to_string(LIST).unwrap_or_default();
+    let mutants: Vec<_> = list(&text)
+        .into_iter()
+        .filter(|mutant| !named(mutant).is_empty())
+        .collect();
+    if mutants.len() < LEAST {
+        return Outcome::Failed(format!(
+            "{LIST} has {} mutants with a {of}, fewer than {LEAST}",
+            mutants.len()
+        ));
+    }
+    let work = match copy(folder) {
+        Ok(work) => work,
+        Err(why) => return Outcome::Failed(why),
+    };
     let mut caught = 0;
     for (number, mutant) in mutants.iter().enumerate() {
-        let path = work.join(&mutant.file);
-        let source = std::fs::read_to_string(&path).unwrap_or_default();
-        let verdict = if source.matches(&mutant.find).count() != 1 {
-            "does not apply exactly once"
-        } else {
-            let _ = std::fs::write(&path, source.replace(&mutant.find, &mutant.replace));
-            let verdict = match crate::prove::refutes(&work, &target, &mutant.harness) {
-                Some(true) => "caught",
-                Some(false) => "MISSED",
-                None => "no answer",
-            };
-            let _ = std::fs::write(&path, source);
-            verdict
+        let begun = Instant::now();
+        let answer = with(&work, mutant, || ask(&work, mutant));
+        let word = match &answer {
+            Ok(true) => "caught".into(),
+            Ok(false) => "MISSED".into(),
+            Err(why) => format!("NO ANSWER: {why}"),
         };
-        caught += usize::from(verdict == "caught");
+        caught += usize::from(answer == Ok(true));
         println!(
-            "{:>3} {verdict:<10} {}  `{}` -> `{}`",
+            "{:>3} {:>5.0} s  {word}  {}  `{}` -> `{}`",
             number + 1,
-            mutant.harness,
+            begun.elapsed().as_secs_f64(),
+            named(mutant),
             mutant.find,
             mutant.replace
         );
     }
-    println!("{caught} of {} mutants caught by a proof", mutants.len());
-    if !mutants.is_empty() && caught * 100 >= mutants.len() * 95 {
-        ExitCode::SUCCESS
+    let text = format!("{caught} of {} mutants caught by a {of}", mutants.len());
+    if caught * 100 >= mutants.len() * CAUGHT {
+        Outcome::Ok(text)
     } else {
-        ExitCode::FAILURE
+        Outcome::Failed(format!("{text}, at least {CAUGHT} % wanted"))
+    }
+}
+
+/// Each mutant against the proof that it names.
+pub fn by_proofs() -> Outcome {
+    let folder = shell::target("mutants");
+    let target = folder.join("kani");
+    each(
+        &folder,
+        "proof",
+        |mutant| &mutant.harness,
+        |work, mutant| prove::refutes(work, &target, &mutant.harness),
+    )
+}
+
+/// Each mutant against the test that it names, without the checker.
+pub fn by_tests() -> Outcome {
+    let folder = shell::target("mutants");
+    let target = folder.join("tests");
+    each(
+        &folder,
+        "test",
+        |mutant| &mutant.test,
+        |work, mutant| {
+            let (package, name) = mutant
+                .test
+                .split_once(' ')
+                .ok_or("a test is `package name`")?;
+            // Built apart from run, so that what does not compile is not taken for a catch.
+            let cargo = |more: &[&str]| {
+                let mut cargo = shell::cargo("test");
+                cargo
+                    .current_dir(work)
+                    .env("CARGO_TARGET_DIR", &target)
+                    .args(["-q", "-p", package]);
+                cargo.args(more).output().map_err(|why| why.to_string())
+            };
+            if !cargo(&["--no-run"])?.status.success() {
+                return Err("does not compile".into());
+            }
+            let done = cargo(&["--", "--exact", name])?;
+            let output = String::from_utf8_lossy(&done.stdout).into_owned();
+            let ran = |what: &str| {
+                output
+                    .lines()
+                    .any(|line| line.contains(&format!(" 1 {what}")))
+            };
+            match (done.status.success(), ran("failed"), ran("passed")) {
+                (false, true, false) => Ok(true),
+                (true, false, true) => Ok(false),
+                _ => Err(format!("`{name}` did not run alone")),
+            }
+        },
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each change of the list applies, changes something, and names a harness that exists.
+    #[test]
+    fn the_list_fits_the_sources() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let read = |path: &str| std::fs::read_to_string(root.join(path)).expect("readable");
+        let (mutants, locked) = (list(&read(LIST)), read("proofs/harnesses.lock"));
+        assert!(mutants.len() >= LEAST);
+        for mutant in &mutants {
+            assert_eq!(
+                read(&mutant.file).matches(&mutant.find).count(),
+                1,
+                "{mutant:?}"
+            );
+            assert_ne!(mutant.find, mutant.replace);
+            assert!(
+                locked.lines().any(|name| name == mutant.harness),
+                "{mutant:?}"
+            );
+        }
+        assert_eq!(mutants.len(), read(LIST).matches("[[mutant]]").count());
     }
 }

@@ -1,0 +1,204 @@
+//! Numbers of which it is known besides that their operations are functions: what lets sums and equalities be proved at full
+//! width.
+//!
+//! That a tick's energy is what was, plus the work, plus the damper's part, does not depend on what a product *is*, only on
+//! both sides having the same one. [`Functions32`] is [`Facts32`] with that added: equal arguments give equal results.
+//! An equality that holds for whatever functions have the facts holds for those of `Fixed32`; that these are the exact
+//! products and the heart's quotients is `edges::w32`. Nothing is stubbed, the law's source is the shipped one.
+//!
+//! Without the checker every operation is that of `Fixed32`, which needs no memory to be a function.
+
+use crate::facts::Facts32;
+use touchstone_control::{Number, Si};
+
+type Signal = <Facts32 as Number>::Signal;
+type Gain = <Facts32 as Number>::Gain;
+type Energy = <Facts32 as Number>::Energy;
+
+/// `Fixed32` reduced to proved facts and to being functions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Functions32;
+
+/// What an operation has answered so far.
+#[cfg(kani)]
+mod memo {
+    use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
+
+    /// More questions than one tick and its property ask of one operation; further ones are answered without memory, which
+    /// proves less, never more.
+    const ROWS: usize = 6;
+    type Row = [AtomicI64; 5];
+
+    /// Three arguments and two results a row; not all operations have as many.
+    pub struct Memo {
+        used: AtomicUsize,
+        rows: [Row; ROWS],
+    }
+
+    impl Memo {
+        pub const fn new() -> Self {
+            const ZERO: AtomicI64 = AtomicI64::new(0);
+            const ROW: Row = [ZERO; 5];
+            Self {
+                used: AtomicUsize::new(0),
+                rows: [ROW; ROWS],
+            }
+        }
+
+        /// Assumes that the result is the one given before, if there was one.
+        pub fn same(&self, arguments: [i64; 3], results: [i64; 2]) {
+            let used = self.used.load(Relaxed);
+            let mut known = false;
+            let mut at = 0;
+            while at < ROWS {
+                let row = &self.rows[at];
+                let asked = at < used
+                    && row[0].load(Relaxed) == arguments[0]
+                    && row[1].load(Relaxed) == arguments[1]
+                    && row[2].load(Relaxed) == arguments[2];
+                if asked {
+                    kani::assume(
+                        row[3].load(Relaxed) == results[0] && row[4].load(Relaxed) == results[1],
+                    );
+                    known = true;
+                }
+                at += 1;
+            }
+            if !known && used < ROWS {
+                let row = &self.rows[used];
+                row[0].store(arguments[0], Relaxed);
+                row[1].store(arguments[1], Relaxed);
+                row[2].store(arguments[2], Relaxed);
+                row[3].store(results[0], Relaxed);
+                row[4].store(results[1], Relaxed);
+                self.used.store(used + 1, Relaxed);
+            }
+        }
+    }
+}
+
+/// The result of an operation; under the checker the one that its arguments had before.
+macro_rules! function {
+    ([$($argument:expr),*], $result:expr, |$r:ident| [$($bits:expr),*]) => {{
+        let $r = $result;
+        #[cfg(kani)]
+        {
+            static MEMO: memo::Memo = memo::Memo::new();
+            MEMO.same(three([$($argument),*]), two([$($bits),*]));
+        }
+        $r
+    }};
+}
+
+#[cfg(kani)]
+fn three<const N: usize>(arguments: [i64; N]) -> [i64; 3] {
+    let get = |at| if at < N { arguments[at] } else { 0 };
+    [get(0), get(1), get(2)]
+}
+#[cfg(kani)]
+fn two<const N: usize>(results: [i64; N]) -> [i64; 2] {
+    [results[0], if N > 1 { results[N - 1] } else { 0 }]
+}
+#[cfg(kani)]
+fn bits(x: Signal) -> i64 {
+    i64::from(x.to_bits())
+}
+#[cfg(kani)]
+fn gain(x: Gain) -> i64 {
+    i64::from(x.to_bits())
+}
+
+impl Number for Functions32 {
+    type Signal = Signal;
+    type Gain = Gain;
+    type Ratio = Signal;
+    type Energy = Energy;
+    type Product = i64;
+    const NAME: &'static str = "functions32";
+    const QUANTUM: Signal = Facts32::QUANTUM;
+
+    fn signal(si: Si) -> Option<Signal> {
+        Facts32::signal(si)
+    }
+    fn saturating_signal(si: Si) -> Signal {
+        Facts32::saturating_signal(si)
+    }
+    fn gain(si: Si) -> Option<Gain> {
+        Facts32::gain(si)
+    }
+    fn ratio(si: Si) -> Option<Signal> {
+        Facts32::ratio(si)
+    }
+    fn energy(si: Si) -> Option<Energy> {
+        Facts32::energy(si)
+    }
+    fn add(a: Signal, b: Signal) -> Signal {
+        Facts32::add(a, b)
+    }
+    fn sub(a: Signal, b: Signal) -> Signal {
+        Facts32::sub(a, b)
+    }
+    fn neg(a: Signal) -> Signal {
+        Facts32::neg(a)
+    }
+    fn scale(r: Signal, x: Signal) -> Signal {
+        function!([bits(r), bits(x)], Facts32::scale(r, x), |y| [bits(y)])
+    }
+    fn product(k: Gain, x: Signal) -> i64 {
+        function!([gain(k), bits(x)], Facts32::product(k, x), |y| [y])
+    }
+    fn lift(x: Signal) -> i64 {
+        Facts32::lift(x)
+    }
+    fn add_product(a: i64, b: i64) -> i64 {
+        Facts32::add_product(a, b)
+    }
+    fn sub_product(a: i64, b: i64) -> i64 {
+        Facts32::sub_product(a, b)
+    }
+    fn round_to_zero(p: i64) -> Signal {
+        Facts32::round_to_zero(p)
+    }
+    fn round_up(p: i64) -> Signal {
+        Facts32::round_up(p)
+    }
+    fn divide(p: i64, k: Gain) -> Signal {
+        function!([p, gain(k)], Facts32::divide(p, k), |y| [bits(y)])
+    }
+    fn work(f: Signal, d: Signal) -> Energy {
+        function!([bits(f), bits(d)], Facts32::work(f, d), |y| [y.to_bits()])
+    }
+    fn add_energy(a: Energy, b: Energy) -> Energy {
+        Facts32::add_energy(a, b)
+    }
+    fn sub_energy(a: Energy, b: Energy) -> Energy {
+        Facts32::sub_energy(a, b)
+    }
+    fn half_energy_up(e: Energy) -> Energy {
+        Facts32::half_energy_up(e)
+    }
+    fn energy_per(e: Energy, x: Signal) -> Signal {
+        function!([e.to_bits(), bits(x)], Facts32::energy_per(e, x), |y| [
+            bits(y)
+        ])
+    }
+    fn root(e: Energy) -> Signal {
+        function!([e.to_bits()], Facts32::root(e), |y| [bits(y)])
+    }
+    fn root_of_four(k: Gain) -> Gain {
+        Facts32::root_of_four(k)
+    }
+    fn affordable(e: Energy, f: Signal) -> (Signal, Energy) {
+        function!([e.to_bits(), bits(f)], Facts32::affordable(e, f), |y| [
+            bits(y.0),
+            y.1.to_bits()
+        ])
+    }
+    fn passivity_step(e: Energy, f: Signal, d: Signal) -> (Energy, Signal) {
+        function!(
+            [e.to_bits(), bits(f), bits(d)],
+            Facts32::passivity_step(e, f, d),
+            |y| [y.0.to_bits(), bits(y.1)]
+        )
+    }
+}

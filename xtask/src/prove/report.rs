@@ -1,0 +1,184 @@
+//! What the checker's report says about each harness, and why a harness counts as proved.
+//!
+//! The checker calls a harness successful also when an assumption was impossible, when a cover was never reached and when an
+//! assertion could not be reached. So its own verdict is only one of the conditions here.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::usage::Usage;
+
+/// How the checker's run of one harness ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answer {
+    /// Every check holds, every cover was reached, every assertion of the property can be reached.
+    Proved,
+    /// An assertion does not hold; the first one, with its place.
+    Refuted(String),
+    /// Every check holds, but that may mean nothing; what could not be reached.
+    Empty(String),
+    /// No answer within the time of a harness.
+    TimedOut,
+    /// No answer for another reason: memory, a solver's crash, a check without a verdict.
+    Unknown(String),
+}
+
+/// One harness of a run.
+#[derive(Debug, Clone)]
+pub struct Verdict {
+    pub answer: Answer,
+    pub covers: (usize, usize),
+    /// By the clock.
+    pub seconds: f64,
+    /// The solver that ran.
+    pub solver: String,
+    /// What the file that the checker's tools were given is called; processes are told apart by it.
+    pub program: String,
+    /// What its tools took, where it could be measured.
+    pub usage: Option<Usage>,
+}
+
+impl Verdict {
+    pub fn proved(&self) -> bool {
+        self.answer == Answer::Proved
+    }
+    /// In a few words.
+    pub fn words(&self) -> String {
+        match &self.answer {
+            Answer::Proved => "proved".into(),
+            Answer::Refuted(what) => format!("refuted: {what}"),
+            Answer::Empty(what) => format!("holds, but may say nothing: {what}"),
+            Answer::TimedOut => "no answer in time".into(),
+            Answer::Unknown(why) => format!("no answer: {why}"),
+        }
+    }
+}
+
+/// All harnesses of a report, by name.
+pub fn read(text: &str) -> Result<BTreeMap<String, Verdict>, String> {
+    let report: Value =
+        serde_json::from_str(text).map_err(|why| format!("the checker's report: {why}"))?;
+    let results = report["verification_results"]["results"]
+        .as_array()
+        .ok_or("the checker's report has no results")?;
+    let of = |list: &Value, name: &str| -> Value {
+        let key = if list
+            .as_array()
+            .is_some_and(|all| all.iter().any(|row| row["pretty_name"].is_string()))
+        {
+            "pretty_name"
+        } else {
+            "harness_id"
+        };
+        let rows = list.as_array().map_or(&[][..], Vec::as_slice);
+        rows.iter()
+            .find(|row| row[key] == name)
+            .cloned()
+            .unwrap_or_default()
+    };
+    let mut found = BTreeMap::new();
+    for result in results {
+        let name = result["harness_id"]
+            .as_str()
+            .ok_or("a result without a harness")?;
+        let errors = of(&report["error_details"], name);
+        let checks = result["checks"].as_array().map_or(&[][..], Vec::as_slice);
+        let covers: Vec<_> = checks
+            .iter()
+            .filter(|check| check["category"] == "cover")
+            .collect();
+        let reached = covers
+            .iter()
+            .filter(|cover| cover["status"] == "Satisfied")
+            .count();
+        let metadata = of(&report["harness_metadata"], name);
+        let file = metadata["goto_file"].as_str().unwrap_or_default();
+        let file = file.rsplit('/').next().unwrap_or_default();
+        let verdict = Verdict {
+            answer: answer(result, &errors, checks),
+            covers: (reached, covers.len()),
+            seconds: result["duration_ms"].as_f64().unwrap_or_default() / 1e3,
+            solver: of(&report["cbmc"], name)["configuration"]["solver"]
+                .as_str()
+                .unwrap_or("?")
+                .into(),
+            program: file.split('.').next().unwrap_or_default().into(),
+            usage: None,
+        };
+        if found.insert(name.to_string(), verdict).is_some() {
+            return Err(format!("two results for {name}"));
+        }
+    }
+    Ok(found)
+}
+
+fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
+    let place = |check: &Value| {
+        let text = |value: &Value| value.as_str().unwrap_or("?").replace('\n', " ");
+        let location = &check["location"];
+        format!(
+            "{} ({}:{})",
+            text(&check["description"]),
+            text(&location["file"]),
+            text(&location["line"])
+        )
+    };
+    match errors["exit_status"].as_str() {
+        Some("timeout") => return Answer::TimedOut,
+        Some("properties_failed") | None => {}
+        Some(other) => return Answer::Unknown(other.into()),
+    }
+    let status = |check: &Value| check["status"].as_str().unwrap_or_default().to_string();
+    // A loop that was cut short says nothing about the code: neither proof nor refutation.
+    if let Some(cut) = checks
+        .iter()
+        .find(|check| status(check) == "Failure" && check["category"] == "unwind")
+    {
+        return Answer::Unknown(format!(
+            "a loop was not followed to its end: {}",
+            place(cut)
+        ));
+    }
+    if let Some(failed) = checks.iter().find(|check| status(check) == "Failure") {
+        return match failed["category"].as_str() {
+            Some("unsupported_construct") => Answer::Unknown(place(failed)),
+            _ => Answer::Refuted(place(failed)),
+        };
+    }
+    if result["status"] != "Success" {
+        return Answer::Unknown("not successful, and no check failed".into());
+    }
+    // Success, and unreachable where it is not the property's own: the compiler checks both branches of everything. Nothing
+    // else counts.
+    for check in checks {
+        let cover = check["category"] == "cover";
+        match (status(check).as_str(), cover) {
+            ("Success", false) | ("Satisfied", true) => {}
+            ("Unreachable", false) if !own_assertion(check) => {}
+            ("Unreachable", false) => {
+                return Answer::Empty(format!("not reachable: {}", place(check)));
+            }
+            (_, true) => return Answer::Empty(format!("cover not reached: {}", place(check))),
+            (other, false) => return Answer::Unknown(format!("{other}: {}", place(check))),
+        }
+    }
+    if !checks.iter().any(|check| check["category"] == "cover") {
+        return Answer::Empty("no cover".into());
+    }
+    if !checks
+        .iter()
+        .any(|check| own_assertion(check) && status(check) == "Success")
+    {
+        return Answer::Empty("no assertion".into());
+    }
+    Answer::Proved
+}
+
+/// An `assert!` in a property's body, not a check that the compiler or the checker put in.
+fn own_assertion(check: &Value) -> bool {
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
+    check["category"] == "assertion"
+        && text(&check["location"]["file"]).contains("proofs/src/")
+        && text(&check["description"]).starts_with("assertion failed")
+}

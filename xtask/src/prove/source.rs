@@ -1,0 +1,200 @@
+//! What the sources say about each property: its meaning, its equation, what it covers and what it assumes.
+//!
+//! The macro `property!` asks for the first three and `assume!`/`such!` for the reason of each assumption, so a property
+//! without them does not compile; here they are only read. Assumptions are those that the body makes, in its own words.
+
+use std::path::Path;
+
+/// One property; it may be proved at several widths.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Property {
+    /// `tdpa`: the module that it stands in.
+    pub file: String,
+    /// `p7_leaves`.
+    pub name: String,
+    /// The first sentence or two above it, `P1: ...`.
+    pub meaning: String,
+    /// In quanta or in words.
+    pub equation: String,
+    /// Which configurations, states and inputs.
+    pub over: String,
+    /// Each with who sees to it.
+    pub assumptions: Vec<String>,
+}
+
+impl Property {
+    /// `P1` or `P3, P4`: the properties of the design that it is a part of.
+    pub fn design(&self) -> String {
+        let numbers = self.name.split('_').next().unwrap_or_default();
+        numbers.to_uppercase()
+    }
+}
+
+/// Every property of the crate.
+pub fn properties(folder: &Path) -> Vec<Property> {
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|end| end == "rs"))
+        .collect();
+    files.sort();
+    let mut found = Vec::new();
+    for path in files {
+        let file = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        found.extend(read(&file, &text));
+    }
+    found
+}
+
+/// The properties of one file.
+pub fn read(file: &str, text: &str) -> Vec<Property> {
+    let mut found: Vec<Property> = Vec::new();
+    // `None` outside of any; `Some(true)` within a body.
+    let mut body = None;
+    let mut depth = String::new();
+    let mut open = String::new();
+    for line in text.lines() {
+        let code = line.trim();
+        if code == "property! {" {
+            depth = line[..line.len() - line.trim_start().len()].to_string();
+            found.push(Property {
+                file: file.into(),
+                ..Property::default()
+            });
+            body = Some(false);
+            continue;
+        }
+        // The brace that closes it stands under the line that opened it.
+        if body.is_some() && line == format!("{depth}}}") {
+            body = None;
+        }
+        let (Some(inside), Some(property)) = (body, found.last_mut()) else {
+            continue;
+        };
+        if !inside {
+            if let Some(words) = code.strip_prefix("/// ") {
+                property.meaning = format!("{} {words}", property.meaning).trim().into();
+            } else if let Some(words) = quoted(code, "equation ") {
+                property.equation = words;
+            } else if let Some(words) = quoted(code, "over ") {
+                property.over = words;
+            }
+            if let Some((_, name)) = code.split_once("fn ") {
+                property.name = name.split('(').next().unwrap_or_default().into();
+                body = Some(true);
+            }
+            continue;
+        }
+        // A use may go over several lines, up to the one that closes it.
+        if code.starts_with("assume!(") || code.contains("such!(") || !open.is_empty() {
+            let gap = if open.is_empty() || open.ends_with('(') {
+                ""
+            } else {
+                " "
+            };
+            open = open + gap + code;
+            if code.ends_with(");") {
+                property.assumptions.extend(assumption(&open));
+                open.clear();
+            }
+        }
+    }
+    found
+}
+
+fn quoted(code: &str, key: &str) -> Option<String> {
+    let rest = code.strip_prefix(key)?.strip_prefix('"')?;
+    Some(rest.rsplit_once('"')?.0.replace("\\\"", "\""))
+}
+
+/// `assume!(s, x > 0, "types");` is `x > 0 (types)`.
+fn assumption(code: &str) -> Option<String> {
+    let inner = code.split_once("!(")?.1.strip_suffix(");")?.trim_end();
+    let (rest, why) = inner.strip_suffix('"')?.rsplit_once(", \"")?;
+    // The condition: all after the source in `assume!`, the closure's body in `such!`.
+    let condition = if code.starts_with("assume!(") {
+        rest.split_once(", ")?.1
+    } else {
+        rest.rsplit_once("| ")?.1
+    };
+    Some(format!("`{condition}` ({why})"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_property_is_read_with_what_it_assumes() {
+        let text = r#"
+            property! {
+                /// P7: outside the wall
+                /// nothing is left.
+                equation "f' = 0"
+                over "every one"
+                by $sums fn p7_leaves(s) {
+                    let law = such!(s, Tdpa::<N>::any(s), |law| law.valid(), "validate");
+                    assume!(s, e > 0 && f(e, 2) < 1, "the type, whatever it is");
+                    assume!(
+                        s,
+                        on && two,
+                        "lines"
+                    );
+                    assert!(true);
+                }
+            }
+            fn other(s) { assume!(s, x, "not of it"); }
+        "#;
+        let found = read("tdpa", text);
+        let expected = Property {
+            file: "tdpa".into(),
+            name: "p7_leaves".into(),
+            meaning: "P7: outside the wall nothing is left.".into(),
+            equation: "f' = 0".into(),
+            over: "every one".into(),
+            assumptions: vec![
+                "`law.valid()` (validate)".into(),
+                "`e > 0 && f(e, 2) < 1` (the type, whatever it is)".into(),
+                "`on && two` (lines)".into(),
+            ],
+        };
+        assert_eq!(found, [expected]);
+    }
+
+    /// Of the real sources: nothing is missing, and what the table says is assumed is all that is.
+    #[test]
+    fn every_property_says_what_it_is_about() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../proofs/src");
+        let found = properties(&folder);
+        assert!(found.len() > 50, "{}", found.len());
+        for property in &found {
+            assert!(property.meaning.starts_with('P'), "{property:?}");
+            assert!(
+                !property.equation.is_empty() && !property.over.is_empty(),
+                "{property:?}"
+            );
+        }
+        let mut uses = 0;
+        for entry in std::fs::read_dir(&folder).expect("the proofs") {
+            let path = entry.expect("readable").path();
+            // The macros themselves.
+            if path.ends_with("source.rs") {
+                continue;
+            }
+            let text = std::fs::read_to_string(path).expect("readable");
+            uses += text.matches("assume!(").count() + text.matches("such!(").count();
+        }
+        let read: usize = found
+            .iter()
+            .map(|property| property.assumptions.len())
+            .sum();
+        assert_eq!(read, uses);
+    }
+}

@@ -1,0 +1,164 @@
+//! The table of the last run, in the proofs' README.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::report::Verdict;
+use super::source::{self, Property};
+use super::usage::Usage;
+
+const README: &str = "proofs/README.md";
+const START: &str = "<!-- table: written by `cargo xtask prove` -->\n";
+const END: &str = "<!-- end of table -->";
+
+/// Puts the table of a whole run in the place of the last one.
+pub fn write(found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
+    let properties = source::properties(Path::new("proofs/src"));
+    let table = table(found, &properties, about)?;
+    let page = std::fs::read_to_string(README).map_err(|why| format!("{README}: {why}"))?;
+    let (Some(from), Some(to)) = (page.find(START), page.find(END)) else {
+        return Err(format!("{README} has no place for the table"));
+    };
+    let page = format!("{}{table}{}", &page[..from + START.len()], &page[to..]);
+    std::fs::write(README, page).map_err(|why| format!("{README}: {why}"))
+}
+
+/// One row a property; where it is proved at several widths, each has its line in the last columns.
+fn table(
+    found: &BTreeMap<String, Verdict>,
+    properties: &[Property],
+    about: &str,
+) -> Result<String, String> {
+    let mut text = format!("\n{about}\n");
+    let mut file = "";
+    let mut shown = 0;
+    for property in properties {
+        let runs: Vec<_> = found
+            .iter()
+            .filter(|(name, _)| is_of(name, property))
+            .collect();
+        if runs.is_empty() {
+            continue;
+        }
+        shown += runs.len();
+        if property.file != file {
+            file = &property.file;
+            let _ = writeln!(text, "\n**`{file}.rs`**\n\n{HEAD}");
+        }
+        let column = |of: &dyn Fn(&str, &Verdict) -> String| {
+            let cells: Vec<_> = runs
+                .iter()
+                .map(|(name, verdict)| of(name, verdict))
+                .collect();
+            cells.join("<br>")
+        };
+        let usage = |of: &dyn Fn(Usage) -> String| {
+            column(&|_, verdict| verdict.usage.map_or("-".into(), of))
+        };
+        let assumptions = if property.assumptions.is_empty() {
+            "none".into()
+        } else {
+            property.assumptions.join("; ")
+        };
+        let cells = [
+            property.design(),
+            property.meaning.clone(),
+            code(&property.equation),
+            property.over.clone(),
+            assumptions,
+            column(&|name, _| code(name.trim_end_matches("::proof"))),
+            column(&|name, _| width(name)),
+            column(&|_, verdict| verdict.solver.clone()),
+            column(&|_, verdict| format!("{:.1}", verdict.seconds)),
+            usage(&|usage| format!("{:.1}", usage.processor_s)),
+            usage(&|usage| format!("{:.0}", usage.memory_kib as f64 * 1024.0 / 1e6)),
+            column(&|_, verdict| format!("{}/{}", verdict.covers.0, verdict.covers.1)),
+            column(&|_, verdict| verdict.words()),
+        ];
+        let cells = cells.map(|cell| cell.replace('|', "\\|"));
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
+    }
+    if shown == found.len() {
+        Ok(text)
+    } else {
+        Err(format!(
+            "{} harnesses have no property in the sources",
+            found.len() - shown
+        ))
+    }
+}
+
+const HEAD: &str = "\
+| | meaning | equation | covers every | assumes (enforced by) | harness | width | solver | s | CPU s | MB | covers | answer |\n\
+|---|---|---|---|---|---|---:|---|---:|---:|---:|---|---|";
+
+fn code(text: &str) -> String {
+    format!("`{text}`")
+}
+
+/// `tdpa::w8::p7_leaves::proof` is of the property `p7_leaves` in `tdpa.rs`.
+fn is_of(harness: &str, property: &Property) -> bool {
+    let parts: Vec<&str> = harness.split("::").collect();
+    matches!(parts.as_slice(), [file, .., name, "proof"] if *file == property.file && *name == property.name)
+}
+
+/// The digits in the path of a harness, before its name or at the end of it; a machine of states has none.
+fn width(harness: &str) -> String {
+    let parts: Vec<&str> = harness.split("::").collect();
+    let digits = |part: &&str| {
+        let end = part.trim_start_matches(|c: char| !c.is_ascii_digit());
+        (!end.is_empty() && end.chars().all(|c| c.is_ascii_digit())).then(|| end.to_string())
+    };
+    let module = parts.iter().skip(1).rev().skip(2).find_map(digits);
+    let name = parts.iter().rev().nth(1).and_then(|name| {
+        let at = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        (at < name.len()).then(|| name[at..].to_string())
+    });
+    module.or(name).unwrap_or_else(|| "-".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prove::report::Answer;
+
+    #[test]
+    fn the_width_is_in_the_path() {
+        assert_eq!(width("tdpa::w8::p7_leaves::proof"), "8");
+        assert_eq!(width("facts::fixed32::p3_fact_root::proof"), "32");
+        assert_eq!(width("device::p9_unwrap16::proof"), "16");
+        assert_eq!(width("device::p10_outputs::proof"), "-");
+    }
+
+    #[test]
+    fn a_row_has_every_column_and_nothing_is_left_out() {
+        let property = Property {
+            file: "tdpa".into(),
+            name: "p7_leaves".into(),
+            meaning: "P7: leaves.".into(),
+            equation: "|f| = 0".into(),
+            over: "position".into(),
+            assumptions: vec![],
+        };
+        let verdict = Verdict {
+            answer: Answer::Proved,
+            covers: (2, 2),
+            seconds: 1.25,
+            solver: "kissat".into(),
+            program: String::new(),
+            usage: Some(Usage {
+                memory_kib: 100_000,
+                processor_s: 1.1,
+            }),
+        };
+        let mut found =
+            BTreeMap::from([("tdpa::w8::p7_leaves::proof".to_string(), verdict.clone())]);
+        let text = table(&found, std::slice::from_ref(&property), "about").expect("a table");
+        assert!(text.contains(
+            "| P7 | P7: leaves. | `\\|f\\| = 0` | position | none | `tdpa::w8::p7_leaves` | 8 | kissat | 1.2 | 1.1 | 102 | 2/2 | proved |"
+        ), "{text}");
+        found.insert("tdpa::w8::p8_other::proof".into(), verdict);
+        assert!(table(&found, &[property], "about").is_err());
+    }
+}

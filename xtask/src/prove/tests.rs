@@ -1,0 +1,138 @@
+//! The gate against a recorded report in which harnesses end in each way there is (`fixtures/every_end.rs`).
+
+use super::*;
+
+fn recorded() -> BTreeMap<String, Verdict> {
+    report::read(include_str!("fixtures/every-end.json")).expect("a report")
+}
+
+fn answer(name: &str) -> Answer {
+    recorded()[name].answer.clone()
+}
+
+/// Why the gate does not take a harness that the checker called successful.
+fn empty(name: &str) -> String {
+    match answer(name) {
+        Answer::Empty(why) => why,
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+#[test]
+fn only_one_harness_of_all_is_proved() {
+    let found = recorded();
+    assert_eq!(found.len(), 9);
+    let proved: Vec<_> = found
+        .iter()
+        .filter(|(_, verdict)| verdict.proved())
+        .collect();
+    assert_eq!(proved.len(), 1);
+    let (name, verdict) = proved[0];
+    assert_eq!(name, "w8::proved");
+    assert_eq!(
+        (verdict.covers, verdict.solver.as_str()),
+        ((1, 1), "cadical")
+    );
+    assert!(verdict.program.contains("__R"), "{}", verdict.program);
+    // Eight faults, one each.
+    assert_eq!(wrong(&found).len(), 8);
+}
+
+/// The checker calls each of these successful.
+#[test]
+fn a_success_that_says_nothing_is_none() {
+    assert!(empty("w8::cover_unsatisfiable").starts_with("cover not reached: larger"));
+    assert!(
+        empty("w8::assertion_unreachable").starts_with("not reachable: assertion failed: x == 77")
+    );
+    assert!(empty("w8::impossible_assumption").contains("x == 77"));
+    assert_eq!(empty("w8::no_cover"), "no cover");
+    assert_eq!(empty("w8::no_assertion"), "no assertion");
+}
+
+#[test]
+fn a_failed_assertion_is_a_refutation_and_nothing_else_is() {
+    assert!(matches!(answer("w8::refuted"), Answer::Refuted(what) if what.contains("x / 2 < x")));
+    assert_eq!(answer("w8::out_of_time"), Answer::TimedOut);
+    assert!(
+        matches!(answer("w8::loop_cut_short"), Answer::Unknown(why) if why.contains("unwinding"))
+    );
+}
+
+/// A mutant is caught by a failed assertion of the harness named, and by nothing else.
+#[test]
+fn a_mutant_is_caught_by_its_own_harness_only() {
+    let only = |name: &str| BTreeMap::from([(name.to_string(), recorded()[name].clone())]);
+    assert_eq!(refuted(&only("w8::refuted"), "w8::refuted"), Ok(true));
+    assert_eq!(refuted(&only("w8::proved"), "w8::proved"), Ok(false));
+    for name in [
+        "w8::out_of_time",
+        "w8::loop_cut_short",
+        "w8::cover_unsatisfiable",
+        "w8::assertion_unreachable",
+    ] {
+        assert!(refuted(&only(name), name).is_err(), "{name}");
+    }
+    assert!(refuted(&only("w8::refuted"), "w8::proved").is_err());
+    assert!(refuted(&recorded(), "w8::refuted").is_err());
+    assert!(refuted(&BTreeMap::new(), "w8::refuted").is_err());
+}
+
+#[test]
+fn the_lock_is_the_list_of_what_runs() {
+    let found = recorded();
+    let all: String = found.keys().map(|name| format!("{name}\n")).collect();
+    assert!(against_lock(&found, &all).is_empty());
+    let gone = against_lock(&found, &format!("{all}w8::gone\n"));
+    assert_eq!(
+        gone,
+        ["w8::gone: in proofs/harnesses.lock, but did not run"]
+    );
+    let new = against_lock(&found, &all.replace("w8::refuted\n", ""));
+    assert_eq!(
+        new,
+        ["w8::refuted: ran, but is not in proofs/harnesses.lock (--bless adds it)"]
+    );
+    // A name that another contains is another name.
+    assert_eq!(
+        against_lock(&found, &all.replace("w8::refuted\n", "w8::refute\n")).len(),
+        2
+    );
+}
+
+#[test]
+fn too_long_and_too_large_are_faults() {
+    let with = |processor_s, memory_kib| {
+        let usage = Some(Usage {
+            memory_kib,
+            processor_s,
+        });
+        let verdict = Verdict {
+            usage,
+            ..recorded()["w8::proved"].clone()
+        };
+        wrong(&BTreeMap::from([("a".to_string(), verdict)])).len()
+    };
+    assert_eq!(with(PROCESSOR_S, MEMORY_KIB), 0);
+    assert_eq!(with(PROCESSOR_S + 0.5, 0), 1);
+    assert_eq!(with(1.0, MEMORY_KIB + 1), 1);
+}
+
+#[test]
+fn no_report_and_an_empty_one_are_not_a_pass() {
+    assert!(report::read("").is_err());
+    assert!(report::read("{}").is_err());
+    let none = report::read(r#"{"verification_results": {"results": []}}"#).expect("a report");
+    assert!(say(&none, wrong(&none)).is_failure());
+}
+
+/// What the checker says of a status that is not known here is not a success.
+#[test]
+fn an_unknown_status_is_no_answer() {
+    let text = include_str!("fixtures/every-end.json").replace(
+        "\"Success\",\n      \"description\"",
+        "\"Guessed\",\n      \"description\"",
+    );
+    let found = report::read(&text).expect("a report");
+    assert!(!found["w8::proved"].proved());
+}

@@ -1,0 +1,184 @@
+//! Memory and processor time of each harness: what the kernel counts for the checker and for the solvers that it starts.
+//!
+//! The checker's tools get the harness's file as an argument, so a process tells which harness it is for; a solver is known
+//! by its parent. While they run, the kernel's own counts are read twenty times a second: the highest memory so far (`VmHWM`)
+//! and the processor time, of those that have ended as well. Both only grow, so that no more than what is added in the last
+//! twentieth of a second is missed. Without `/proc` nothing is measured.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// What the processes of one harness took.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Usage {
+    /// All together, at their highest.
+    pub memory_kib: u64,
+    /// All together.
+    pub processor_s: f64,
+}
+
+/// Of one process that was started for a harness, with all that it started.
+type Seen = HashMap<(String, u32), Usage>;
+
+/// Watches the processes that have files in one folder as arguments.
+pub struct Watch {
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<Seen>,
+}
+
+impl Watch {
+    pub fn start(folder: &Path) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let folder = folder.to_string_lossy().into_owned();
+        let thread = std::thread::spawn({
+            let stop = Arc::clone(&stop);
+            move || {
+                let mut seen = Seen::new();
+                while !stop.load(Ordering::Relaxed) {
+                    look(&folder, &mut seen);
+                    std::thread::sleep(Duration::from_millis(50));
+                }
+                seen
+            }
+        });
+        Self { stop, thread }
+    }
+
+    /// By the name of the harness's file, without its endings.
+    pub fn finish(self) -> HashMap<String, Usage> {
+        self.stop.store(true, Ordering::Relaxed);
+        let mut sums = HashMap::<String, Usage>::new();
+        for ((harness, _), usage) in self.thread.join().unwrap_or_default() {
+            // The tools run one after the other.
+            let sum = sums.entry(harness).or_default();
+            sum.memory_kib = sum.memory_kib.max(usage.memory_kib);
+            sum.processor_s += usage.processor_s;
+        }
+        sums
+    }
+}
+
+/// A process at one look.
+struct Process {
+    parent: u32,
+    usage: Usage,
+}
+
+/// Reads one; `None` if it is gone or has no memory of its own.
+fn process(folder: &Path) -> Option<Process> {
+    let read = |what: &str| std::fs::read(folder.join(what)).ok();
+    let status = String::from_utf8_lossy(&read("status")?).into_owned();
+    let number = |key: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(key))?;
+        line.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    let stat = String::from_utf8_lossy(&read("stat")?).into_owned();
+    // The second field is a name in brackets and may hold anything; user and system time, own and of ended children, are
+    // fields 14 to 17, in hundredths of a second on every Linux.
+    let fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11).take(4);
+    let ticks: u64 = fields.filter_map(|field| field.parse::<u64>().ok()).sum();
+    Some(Process {
+        parent: u32::try_from(number("PPid:")?).ok()?,
+        usage: Usage {
+            memory_kib: number("VmHWM:")?,
+            processor_s: ticks as f64 / 100.0,
+        },
+    })
+}
+
+/// One look at all processes: those of a harness, together with all that they started.
+fn look(folder: &str, seen: &mut Seen) {
+    let mut all = HashMap::new();
+    let mut of_harness = Vec::new();
+    for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let Some(id) = name.to_str().and_then(|name| name.parse::<u32>().ok()) else {
+            continue;
+        };
+        let Some(process) = process(&entry.path()) else {
+            continue;
+        };
+        all.insert(id, process);
+        let arguments = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
+        if let Some(harness) = harness(&arguments, folder) {
+            of_harness.push((id, harness));
+        }
+    }
+    for (id, harness) in of_harness {
+        let below = |process: &u32| {
+            let mut process = *process;
+            // A chain of parents, cut off should the ids have been reused in a ring meanwhile.
+            for _ in 0..16 {
+                if process == id {
+                    return true;
+                }
+                match all.get(&process) {
+                    Some(known) => process = known.parent,
+                    None => return false,
+                }
+            }
+            false
+        };
+        let mut sum = Usage::default();
+        for (_, process) in all.iter().filter(|(process, _)| below(process)) {
+            sum.memory_kib += process.usage.memory_kib;
+            sum.processor_s += process.usage.processor_s;
+        }
+        let most = seen.entry((harness, id)).or_default();
+        most.memory_kib = most.memory_kib.max(sum.memory_kib);
+        most.processor_s = most.processor_s.max(sum.processor_s);
+    }
+}
+
+/// The harness's file among the arguments, without folder and endings. Only files of harnesses have a mangled name in theirs.
+fn harness(arguments: &[u8], folder: &str) -> Option<String> {
+    let arguments = String::from_utf8_lossy(arguments).into_owned();
+    let file = arguments.split('\0').find(|argument| {
+        argument.starts_with(folder) && argument.contains("__R") && argument.ends_with(".out")
+    })?;
+    let name = file.rsplit('/').next()?.split('.').next()?;
+    Some(name.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_tells_its_harness() {
+        let line = b"cbmc\0--slice-formula\0/target/deps/proofs-1__RNvNt5proof.out\0";
+        assert_eq!(
+            harness(line, "/target").as_deref(),
+            Some("proofs-1__RNvNt5proof")
+        );
+        assert_eq!(harness(line, "/elsewhere"), None);
+        assert_eq!(
+            harness(b"rustc\0/target/deps/proofs-1.rlib\0", "/target"),
+            None
+        );
+    }
+
+    /// A child with such an argument is of a harness, and so is what it starts: half a second of work and some memory.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_running_process_is_measured() {
+        let watch = Watch::start(Path::new("/measured"));
+        let work =
+            "sh -c 'i=0; while [ $i -lt 300000 ]; do i=$((i+1)); done; sleep 0.2'; sleep 0.2";
+        let done = std::process::Command::new("sh")
+            .args(["-c", work, "/measured/here__Rproof.out"])
+            .status();
+        assert!(done.expect("sh runs").success());
+        let usage = watch.finish();
+        assert_eq!(usage.len(), 1);
+        let usage = usage["here__Rproof"];
+        assert!(
+            usage.memory_kib > 500 && usage.processor_s > 0.05,
+            "{usage:?}"
+        );
+    }
+}
