@@ -3,13 +3,14 @@
 
 use core::panic::PanicInfo;
 use core::ptr::{addr_of_mut, read_volatile, write_volatile};
+use core::sync::atomic::Ordering::Relaxed;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
-use embassy_stm32::pac::RCC;
+use embassy_stm32::pac::{FLASH, RCC};
 use touchstone_drive::ResetFlags;
 
-use crate::{analogue, pwm};
+use crate::{analogue, pwm, storage};
 
 /// Sixteen words at the end of memory, outside of what start-up clears; see `memory.x`.
 type Record = [u32; 16];
@@ -93,6 +94,20 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     // SAFETY: the register is there on every Cortex-M4 and reading it has no effect.
     let status = unsafe { (*SCB::PTR).cfsr.read() };
     die(FAULT, frame.pc(), "", status)
+}
+
+/// Two wrong bits in a word of flash. In the settings that is a write that was cut, whose check sum will say so; anywhere else
+/// it is the program that is damaged.
+#[exception]
+unsafe fn NonMaskableInt() {
+    let is_flash = FLASH.eccr().read().eccd();
+    if !is_flash || !storage::READING.load(Relaxed) {
+        pwm::outputs_off();
+        die(FAULT, 0, "", 0);
+    }
+    FLASH.eccr().modify(|w| w.set_eccd(true));
+    // The timer's break was pulled with it (`supply`); nothing runs yet while settings are read.
+    pwm::clear_break();
 }
 
 /// An interrupt that nobody handles was enabled: a mistake of the program.

@@ -2,7 +2,6 @@
 
 use core::sync::atomic::Ordering::Relaxed;
 
-use embassy_futures::block_on;
 use touchstone_drive::{CompactRecord, wire};
 use touchstone_protocol::session::{Device, FlashError};
 use touchstone_protocol::settings::{DeviceSettings, Invalid};
@@ -129,8 +128,7 @@ impl Device for Thread {
     }
 
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {
-        // The flash answers at once, so this waits for nothing.
-        block_on(flash::save(&mut self.storage, PAGES, image))
+        flash::save(&mut self.storage, PAGES, image)
     }
 
     fn command(&mut self, command: DeviceCommand) -> bool {

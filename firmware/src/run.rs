@@ -3,7 +3,6 @@
 use core::sync::atomic::Ordering::Relaxed;
 
 use embassy_executor::Spawner;
-use embassy_futures::block_on;
 use embassy_stm32::usart::BufferedUart;
 use embassy_time::{Duration, Ticker};
 use heapless::spsc::Queue;
@@ -51,13 +50,9 @@ fn start(spawner: Spawner, mut board: Board) {
     cycles::start(&mut unsafe { cortex_m::Peripherals::steal() });
     let reason = ResetReason::of(&crash::take_reset_flags());
     let defaults = DeviceSettings::defaults(board::BOARD);
-    // The flash answers at once, so this waits for nothing.
-    let start = block_on(flash::load(
-        &mut board.storage,
-        PAGES,
-        defaults,
-        &|settings| wire::checked(settings, board::BOARD).map(|_| ()),
-    ));
+    let start = flash::load(&mut board.storage, PAGES, defaults, &|settings| {
+        wire::checked(settings, board::BOARD).map(|_| ())
+    });
     let settings = Settings::from(&start.settings);
     let Ok(mut device) = Device::new(&settings, &board::HARDWARE) else {
         defmt::panic!("settings that were checked are refused");

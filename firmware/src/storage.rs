@@ -4,11 +4,11 @@
 //! (`touchstone_protocol::session`), and the control tick takes no command to switch them on meanwhile, as it does not run.
 
 use core::ops::Range;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use embassy_stm32::flash::{Blocking, Error, Flash};
 use embassy_stm32::{Peri, peripherals};
-use embedded_storage::nor_flash::NorFlash as _;
-use embedded_storage_async::nor_flash::{
+use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
@@ -19,6 +19,9 @@ pub const PAGE: usize = 2_048;
 
 /// Where the settings are, from the start of the flash; as in `memory.x`.
 pub const PAGES: Range<u32> = 0x1_C000..0x2_0000;
+
+/// Settings are being read: a word that fails its check in hardware is a cut write and no reason to stop.
+pub static READING: AtomicBool = AtomicBool::new(false);
 
 /// The pages of the settings.
 pub struct Storage(Option<Flash<'static, Blocking>>);
@@ -36,7 +39,7 @@ impl NorFlashError for StorageError {
     fn kind(&self) -> NorFlashErrorKind {
         match self {
             Self::OtherPages => NorFlashErrorKind::Other,
-            Self::Refused(error) => embedded_storage::nor_flash::NorFlashError::kind(error),
+            Self::Refused(error) => NorFlashError::kind(error),
         }
     }
 }
@@ -64,10 +67,12 @@ impl ErrorType for Storage {
 impl ReadNorFlash for Storage {
     const READ_SIZE: usize = 1;
 
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), StorageError> {
-        self.flash()?
-            .blocking_read(offset, bytes)
-            .map_err(StorageError::Refused)
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), StorageError> {
+        // A word whose writing was cut may fail its check in hardware: that interrupts, and is harmless only here.
+        READING.store(true, Relaxed);
+        let read = self.flash()?.blocking_read(offset, bytes);
+        READING.store(false, Relaxed);
+        read.map_err(StorageError::Refused)
     }
 
     fn capacity(&self) -> usize {
@@ -79,10 +84,10 @@ impl NorFlash for Storage {
     const WRITE_SIZE: usize = 8;
     const ERASE_SIZE: usize = PAGE;
 
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), StorageError> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), StorageError> {
         for page in (from..to).step_by(PAGE) {
             self.flash()?
-                .erase(page, page + PAGE as u32)
+                .blocking_erase(page, page + PAGE as u32)
                 .map_err(StorageError::Refused)?;
             // The supervisor cannot run in between; this loop has an end.
             watchdog::feed();
@@ -90,9 +95,9 @@ impl NorFlash for Storage {
         Ok(())
     }
 
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), StorageError> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), StorageError> {
         self.flash()?
-            .write(offset, bytes)
+            .blocking_write(offset, bytes)
             .map_err(StorageError::Refused)
     }
 }
