@@ -49,9 +49,9 @@ pub struct ControlInput {
 /// What the firmware does after a control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlOutput {
-    /// Whether anything may be on at all; `Off` clears the main output enable.
+    /// Whether anything may be on at all; `Off` clears the main output enable. `Off` exactly when `drive` is.
     pub outputs: Outputs,
-    /// For the current loop's mailbox or the analogue output. [`DriveCommand::Off`] whenever `outputs` is.
+    /// For the current loop or the analogue output, see [`ControlOutput::mailbox`] and [`ControlOutput::analogue`].
     pub drive: DriveCommand,
     /// Clear the timer's break flag, and the encoder's error flag: the fault was left by command.
     pub clear_latches: bool,
@@ -115,7 +115,10 @@ impl Config {
         let rate = Si::saturating_from_num(settings.wall.rate_hz);
         let ticks = settings.limits.fade_in_s.saturating_mul(rate);
         // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
-        let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits()).unwrap_or(u32::MAX);
+        // Rounded up, so that the last of these ticks has all of it.
+        let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
+            .unwrap_or(u32::MAX)
+            .saturating_add(1);
         let counts = settings.encoder.counts_per_rev;
         Ok(Self {
             current: CurrentConfig::new(settings, hardware)?,
@@ -270,6 +273,12 @@ impl Device {
         self.machine.fault()
     }
 
+    /// The last tick's record.
+    #[must_use]
+    pub const fn record(&self) -> Record {
+        self.record
+    }
+
     /// What the last calibration found: electrical angle at the encoder's zero, and direction.
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
@@ -316,7 +325,12 @@ impl Device {
         };
         self.finish(input, drive, limits, watched && verdict.count.is_none());
         ControlOutput {
-            outputs,
+            // A tick without a reading to drive by is off as well, whatever the state.
+            outputs: if drive == DriveCommand::Off {
+                Outputs::Off
+            } else {
+                outputs
+            },
             drive,
             clear_latches: matches!(before, State::Fault(_)) && after == State::Stopped,
             reconfigure,

@@ -61,6 +61,8 @@ pub use ring::{CompactRecord, Ring};
 pub use settings::{Settings, SettingsError};
 pub use timing::{Cycles, TickTiming};
 
+pub use touchstone_control::Si;
+
 /// A current, A: ±32,768 in steps of 15 µA.
 pub type Amps = fixed::types::I16F16;
 /// A voltage, V: ±32,768 in steps of 15 µV.

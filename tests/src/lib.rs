@@ -2,6 +2,7 @@
 
 pub mod flash;
 pub mod grain;
+pub mod knob;
 pub mod motion;
 pub mod random;
 pub mod si;

@@ -1,0 +1,241 @@
+//! A whole knob without a board: the drive's two interrupts around the simulated motor, in lock-step, as the firmware wires them.
+//!
+//! ```text
+//! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act in the next period
+//! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
+//! ```
+
+use touchstone::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
+use touchstone::plant::{HeldLinear, MEDIUM};
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::{
+    ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,
+    EncoderKind, EncoderReading, Record, Settings, TickTiming,
+};
+use touchstone_protocol::{Command, FaultCode, Outputs, State};
+
+/// PWM period, s.
+pub const PERIOD_S: f64 = 1.0 / 20_000.0;
+
+/// Room temperature's code.
+pub const WARM: u16 = 1_300;
+
+/// What stands between the world and the drive, for tests that falsify it.
+pub trait Tamper {
+    /// What the current loop samples.
+    fn sample(&mut self, _tick: u32, _sample: &mut CurrentSample) {}
+    /// What the control tick reads; whether the tick runs at all.
+    fn input(&mut self, _tick: u32, _input: &mut ControlInput) -> bool {
+        true
+    }
+    /// The bus voltage, V.
+    fn bus_v(&mut self, _tick: u32) -> f64 {
+        24.0
+    }
+}
+
+/// Nothing is falsified.
+#[derive(Debug, Default)]
+pub struct Honest;
+impl Tamper for Honest {}
+
+/// The knob.
+pub struct Knob<T: Tamper> {
+    /// The control tick.
+    pub device: Device,
+    /// The current loop.
+    pub current: CurrentLoop,
+    /// Motor, knob and hand.
+    pub rig: Rig<HeldLinear>,
+    /// What is falsified.
+    pub tamper: T,
+    /// Where the hand means to be, rad.
+    pub rest_rad: f64,
+    /// What the bridge does in this period.
+    pub acting: Drive,
+    /// The last control tick's record.
+    pub record: Record,
+    /// The last control tick's output.
+    pub output: Option<ControlOutput>,
+    settings: Settings,
+    shunts: [Shunt; 2],
+    mailbox: CurrentCommand,
+    report: CurrentReport,
+    preloaded: Drive,
+    command: Option<Command>,
+    hardware_break: bool,
+}
+
+fn off_or(bridge: touchstone_drive::Bridge) -> Drive {
+    match bridge {
+        touchstone_drive::Bridge::Off => Drive::Off,
+        touchstone_drive::Bridge::On(duties) => Drive::On(duties),
+    }
+}
+
+/// The thesis' knob's motor at 24 V.
+#[must_use]
+pub fn honest(settings: &Settings) -> Knob<Honest> {
+    Knob::new(settings, GIMBAL, 0.0, Honest)
+}
+
+impl<T: Tamper> Knob<T> {
+    /// At rest at an angle, just switched on.
+    ///
+    /// # Panics
+    /// For settings that are refused.
+    #[must_use]
+    pub fn new(settings: &Settings, motor: MotorParameters, angle_rad: f64, tamper: T) -> Self {
+        let hardware = &IHM08M1;
+        let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).expect("a plant");
+        let device = Device::new(settings, hardware).expect("settings");
+        let amps: f64 = hardware.amps_per_code.to_num();
+        Self {
+            current: CurrentLoop::new(device.current_config()),
+            device,
+            rig: Rig::new(
+                motor,
+                Bridge::ideal(24.0, hardware.timer_top),
+                plant,
+                angle_rad,
+            ),
+            tamper,
+            rest_rad: angle_rad,
+            acting: Drive::Off,
+            record: empty_record(settings),
+            output: None,
+            settings: *settings,
+            // Between two codes, and not where the schematic says.
+            shunts: [Shunt::bits12(amps, 1_930.3), Shunt::bits12(amps, 1_901.8)],
+            mailbox: CurrentCommand::OFF,
+            report: CurrentReport::default(),
+            preloaded: Drive::Off,
+            command: None,
+            hardware_break: false,
+        }
+    }
+
+    /// Asks for something with the next control tick.
+    pub fn ask(&mut self, command: Command) {
+        self.command = Some(command);
+    }
+
+    /// The encoder's reading now.
+    #[must_use]
+    pub fn reading(&self) -> EncoderReading {
+        let count = motor::count(
+            self.rig.now().angle_rad,
+            self.settings.encoder.counts_per_rev,
+        );
+        match self.settings.encoder.kind {
+            EncoderKind::Incremental => EncoderReading::Counter16(count as u16),
+            EncoderKind::As5047p => EncoderReading::As5047p(motor::as5047p_frame(count)),
+            EncoderKind::Mt6701 => EncoderReading::Mt6701(motor::mt6701_frame(count, 0)),
+        }
+    }
+
+    /// One PWM period; whether a control tick was due in it.
+    pub fn period(&mut self) -> bool {
+        let next = self.record.tick + 1;
+        self.rig.bridge.bus_v = self.tamper.bus_v(next);
+        let now = self.rig.now();
+        let volts: f64 = IHM08M1.volts_per_code.to_num();
+        let mut sample = CurrentSample {
+            phase_a: self.shunts[0].code(now.currents_a[0]),
+            phase_b: self.shunts[1].code(now.currents_a[1]),
+            bus: (self.rig.bridge.bus_v / volts).round() as u16,
+            temperature: WARM,
+            hardware_break: self.hardware_break,
+            command: self.mailbox,
+        };
+        self.tamper.sample(next, &mut sample);
+        // The hardware has switched off by itself, and its flag stays.
+        self.hardware_break |= sample.hardware_break;
+        let out = self.current.tick(&sample);
+        self.report = out.report;
+        // Compare values are taken over at the period's end; off is off at once.
+        self.acting = match (out.bridge, self.preloaded) {
+            (touchstone_drive::Bridge::Off, _) => Drive::Off,
+            (_, Drive::Off) => Drive::On(IHM08M1.modulator().zero()),
+            (_, before) => before,
+        };
+        self.preloaded = off_or(out.bridge);
+        if out.pend_control {
+            self.control();
+        }
+        self.rig.step(self.acting, self.rest_rad);
+        out.pend_control
+    }
+
+    fn control(&mut self) {
+        let mut input = ControlInput {
+            encoder: self.reading(),
+            current: self.report,
+            command: self.command.take(),
+            hardware_break: self.hardware_break,
+            gate_driver_error: false,
+            timing: TickTiming {
+                lateness: 40,
+                duration: 2_500,
+            },
+        };
+        if !self.tamper.input(self.record.tick + 1, &mut input) {
+            return;
+        }
+        let output = self.device.tick(&input);
+        self.mailbox = output.mailbox();
+        if output.outputs == Outputs::Off {
+            // The firmware clears the main output enable.
+            self.acting = Drive::Off;
+            self.preloaded = Drive::Off;
+        }
+        if output.clear_latches {
+            self.hardware_break = false;
+        }
+        if output.reconfigure {
+            self.current.reconfigure(self.device.current_config());
+        }
+        self.record = output.record;
+        self.output = Some(output);
+    }
+
+    /// PWM periods up to and with the next control tick.
+    pub fn tick(&mut self) -> Record {
+        while !self.period() {}
+        self.record
+    }
+
+    /// Calibrates, with a hand that goes along; ends when that has ended.
+    pub fn calibrate(&mut self) -> State {
+        self.ask(Command::Calibrate);
+        self.tick();
+        while self.device.state() == State::Calibrating {
+            self.rest_rad = self.rig.now().angle_rad;
+            self.tick();
+        }
+        self.device.state()
+    }
+
+    /// Calibrates and arms.
+    ///
+    /// # Panics
+    /// When that fails.
+    pub fn armed(mut self) -> Self {
+        assert_eq!(self.calibrate(), State::Ready);
+        self.ask(Command::Arm);
+        self.tick();
+        assert_eq!(self.device.state(), State::Armed);
+        self
+    }
+
+    /// The code of the latched fault.
+    #[must_use]
+    pub fn fault(&self) -> Option<FaultCode> {
+        self.device.fault().map(|context| context.code)
+    }
+}
+
+/// What a device says before its first tick.
+fn empty_record(settings: &Settings) -> Record {
+    Device::new(settings, &IHM08M1).expect("settings").record()
+}

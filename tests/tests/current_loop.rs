@@ -1,0 +1,279 @@
+//! The current loop around the simulated motor: how fast, how exact, and what it does at its limits.
+
+use touchstone::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
+use touchstone::plant::{BareLinear, Device};
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::transform::Dq;
+use touchstone_drive::{
+    Amps, Angle, Bridge as Out, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode,
+    CurrentOutput, CurrentSample, Settings,
+};
+use touchstone_protocol::FaultCode;
+
+const PERIOD_S: f64 = 50e-6;
+
+/// The loop and the motor, with the rotor's true angle in the mailbox.
+struct Setup {
+    current: CurrentLoop,
+    rig: Rig<BareLinear>,
+    motor: MotorParameters,
+    shunts: [Shunt; 2],
+    preloaded: Drive,
+    /// What the next control tick will ask for.
+    wanted: CurrentCommand,
+    command: CurrentCommand,
+    alive: bool,
+}
+
+impl Setup {
+    fn new(device: &Device, bus_v: f64) -> Self {
+        let settings = Settings::default();
+        let mut setup = Self {
+            current: CurrentLoop::new(CurrentConfig::new(&settings, &IHM08M1).unwrap()),
+            rig: Rig::new(
+                GIMBAL,
+                Bridge::ideal(bus_v, IHM08M1.timer_top),
+                BareLinear::new(device, PERIOD_S).unwrap(),
+                0.0,
+            ),
+            motor: GIMBAL,
+            shunts: [1_930.3, 1_901.8]
+                .map(|offset| Shunt::bits12(IHM08M1.amps_per_code.to_num(), offset)),
+            preloaded: Drive::Off,
+            wanted: CurrentCommand {
+                mode: CurrentMode::Offsets,
+                ..CurrentCommand::OFF
+            },
+            command: CurrentCommand::OFF,
+            alive: true,
+        };
+        for _ in 0..1_100 {
+            setup.period();
+        }
+        setup.wanted.mode = CurrentMode::Drive;
+        setup.tick();
+        setup
+    }
+
+    /// One period; with a new command whenever one is due.
+    fn period(&mut self) -> CurrentOutput {
+        let now = self.rig.now();
+        let sample = CurrentSample {
+            phase_a: self.shunts[0].code(now.currents_a[0]),
+            phase_b: self.shunts[1].code(now.currents_a[1]),
+            bus: (self.rig.bridge.bus_v / IHM08M1.volts_per_code.to_num::<f64>()) as u16,
+            temperature: 1_300,
+            hardware_break: false,
+            command: self.command,
+        };
+        let out = self.current.tick(&sample);
+        if out.pend_control && self.alive {
+            self.control();
+        }
+        let (acting, next) = match out.bridge {
+            Out::Off => (Drive::Off, Drive::Off),
+            Out::On(duties) => (
+                if self.preloaded == Drive::Off {
+                    Drive::On(IHM08M1.modulator().zero())
+                } else {
+                    self.preloaded
+                },
+                Drive::On(duties),
+            ),
+        };
+        self.preloaded = next;
+        self.rig.step(acting, 0.0);
+        out
+    }
+
+    /// The control tick: reads the shaft as it is now.
+    fn control(&mut self) {
+        let now = self.rig.now();
+        let turn = |rad: f64| rad / std::f64::consts::TAU;
+        let angle = self.motor.electrical_rad(now.angle_rad);
+        let speed = self.motor.electrical_rad(now.speed_rad_per_s) - self.motor.electrical_rad(0.0);
+        self.command = CurrentCommand {
+            tick: self.command.tick + 1,
+            angle: Angle((turn(angle) * 65_536.0).rem_euclid(65_536.0) as u16),
+            advance: (turn(speed) * PERIOD_S * 2f64.powi(32)) as i32,
+            ..self.wanted
+        };
+    }
+
+    /// Up to and with the next control tick.
+    fn tick(&mut self) {
+        while !self.period().pend_control {}
+    }
+
+    fn hold(&mut self, d: f64, q: f64) {
+        self.wanted.current = Dq {
+            d: Amps::from_num(d),
+            q: Amps::from_num(q),
+        };
+    }
+}
+
+/// A shaft too heavy to move.
+const BLOCKED: Device = Device {
+    inertia_kg_m2: 1e3,
+    ..KNOB
+};
+
+#[test]
+fn a_step_of_current_is_there_in_a_millisecond_without_overshoot() {
+    for (d, q) in [(0.0, 0.5), (0.0, -0.5), (0.5, 0.0), (0.3, -0.4)] {
+        let mut setup = Setup::new(&BLOCKED, 24.0);
+        setup.period();
+        setup.hold(d, q);
+        setup.tick();
+        let mut most: f64 = 0.0;
+        for period in 0..400 {
+            setup.period();
+            let (is_d, is_q) = setup.rig.dq_a();
+            let along = (is_d * d + is_q * q) / 0.5_f64.max((d * d + q * q).sqrt());
+            most = most.max(along);
+            let error = (is_d - d).hypot(is_q - q);
+            if period >= 20 {
+                // One code of the sensor is 15.6 mA.
+                assert!(error < 0.02, "{period}: {is_d} {is_q} for {d} {q}");
+            }
+        }
+        assert!(most < 0.5 * 1.0 + 0.02, "overshoot: {most}");
+    }
+}
+
+#[test]
+fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
+    let mut setup = Setup::new(&BLOCKED, 16.0);
+    setup.period();
+    // 1.9 A need 11.4 V; 16 V give at most 8.5 V: the limit acts for as long as it is asked.
+    setup.hold(0.0, 1.9);
+    let before = setup.period().report.saturated;
+    for _ in 0..4_000 {
+        setup.period();
+    }
+    let out = setup.period();
+    assert!(
+        out.report.saturated.wrapping_sub(before) > 3_900,
+        "{:?}",
+        out.report
+    );
+    let held = setup.rig.dq_a().1;
+    assert!((1.35..1.45).contains(&held), "{held}");
+    // Back below: what was wound up would hold the current up for longer than a step takes.
+    setup.hold(0.0, 0.5);
+    setup.tick();
+    for _ in 0..20 {
+        setup.period();
+    }
+    let mut least: f64 = 1.0;
+    for _ in 0..200 {
+        setup.period();
+        least = least.min(setup.rig.dq_a().1);
+    }
+    assert!(
+        (0.48..0.52).contains(&setup.rig.dq_a().1) && least > 0.48,
+        "{least}"
+    );
+}
+
+#[test]
+fn the_torque_stands_while_the_motor_turns() {
+    // Damped so that 0.25 N·m turn it at 40 rad/s: 280 rad/s electrically, 6.7 V of back-EMF.
+    let mut setup = Setup::new(
+        &Device {
+            inertia_kg_m2: 1e-4,
+            damping_n_m_s_per_rad: 0.25 / 40.0,
+            friction: None,
+        },
+        24.0,
+    );
+    setup.period();
+    setup.hold(0.0, 1.0);
+    for _ in 0..20_000 {
+        setup.period();
+    }
+    assert!(
+        (setup.rig.now().speed_rad_per_s - 40.0).abs() < 0.8,
+        "{:?}",
+        setup.rig.now()
+    );
+    for _ in 0..500 {
+        setup.period();
+        let (d, q) = setup.rig.dq_a();
+        assert!(d.abs() < 0.04 && (q - 1.0).abs() < 0.03, "{d} {q}");
+    }
+}
+
+#[test]
+fn too_much_current_switches_off_in_the_same_period_and_stays_off_until_told() {
+    let mut setup = Setup::new(&BLOCKED, 24.0);
+    setup.hold(0.0, 0.5);
+    for _ in 0..100 {
+        assert!(matches!(setup.period().bridge, Out::On(_)));
+    }
+    // 4 A of the trip: 258 codes.
+    for (phase, codes) in [(0, 300.0), (1, -300.0), (0, -300.0), (1, 300.0)] {
+        let trips = setup.period().report.trips;
+        let honest = setup.shunts;
+        setup.shunts[phase].offset_code += codes;
+        let out = setup.period();
+        assert_eq!(out.bridge, Out::Off);
+        assert_eq!(
+            out.report.trip.map(|trip| trip.code),
+            Some(FaultCode::OverCurrent)
+        );
+        assert_eq!(out.report.trips, trips.wrapping_add(1));
+        setup.shunts = honest;
+        for _ in 0..50 {
+            assert_eq!(setup.period().bridge, Out::Off, "without being told");
+        }
+        setup.wanted.mode = CurrentMode::Off;
+        setup.tick();
+        setup.period();
+        setup.wanted.mode = CurrentMode::Drive;
+        setup.tick();
+        assert!(matches!(setup.period().bridge, Out::On(_)));
+    }
+}
+
+#[test]
+fn an_old_command_switches_off_within_two_control_periods() {
+    let mut setup = Setup::new(&BLOCKED, 24.0);
+    setup.hold(0.0, 0.5);
+    for _ in 0..100 {
+        setup.period();
+    }
+    setup.tick();
+    // Nobody is alive any more.
+    setup.alive = false;
+    for period in 1..=40 {
+        assert!(matches!(setup.period().bridge, Out::On(_)), "{period}");
+    }
+    let out = setup.period();
+    assert_eq!(out.bridge, Out::Off);
+    assert_eq!(
+        out.report.trip.map(|trip| trip.code),
+        Some(FaultCode::StaleCommand)
+    );
+    assert_eq!(out.report.missed, 1);
+}
+
+#[test]
+fn without_offsets_nothing_is_driven() {
+    let settings = Settings::default();
+    let mut current = CurrentLoop::new(CurrentConfig::new(&settings, &IHM08M1).unwrap());
+    for tick in 1..100 {
+        let command = CurrentCommand {
+            tick,
+            mode: CurrentMode::Drive,
+            ..CurrentCommand::OFF
+        };
+        let sample = CurrentSample {
+            bus: 1_500,
+            command,
+            ..CurrentSample::default()
+        };
+        assert_eq!(current.tick(&sample).bridge, Out::Off);
+    }
+}

@@ -1,0 +1,539 @@
+//! Every fault that the supervisor knows, injected into an armed knob: outputs off in the very tick that sees it, its code and
+//! value latched, and no way back to armed but through stop and calibration.
+
+use touchstone::motor::{Drive, GIMBAL};
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::{
+    ControlInput, CurrentSample, Device, EncoderReading, ResetFlags, ResetReason, Settings, Si,
+    TickTiming,
+};
+use touchstone_protocol::{Command, FaultCode, Outputs, State};
+use touchstone_tests::knob::{Knob, Tamper};
+
+/// Falsifies everything from a tick on.
+struct Inject {
+    from: u32,
+    until: u32,
+    what: What,
+}
+
+enum What {
+    Sample(fn(&mut CurrentSample)),
+    Input(fn(&mut ControlInput, u32)),
+    Hang,
+    Bus(f64),
+}
+
+impl Tamper for Inject {
+    fn sample(&mut self, tick: u32, sample: &mut CurrentSample) {
+        if let What::Sample(change) = self.what
+            && (self.from..self.until).contains(&tick)
+        {
+            change(sample);
+        }
+    }
+
+    fn input(&mut self, tick: u32, input: &mut ControlInput) -> bool {
+        if !(self.from..self.until).contains(&tick) {
+            return true;
+        }
+        if let What::Input(change) = self.what {
+            change(input, tick - self.from);
+        }
+        !matches!(self.what, What::Hang)
+    }
+
+    fn bus_v(&mut self, tick: u32) -> f64 {
+        match self.what {
+            What::Bus(volts) if (self.from..self.until).contains(&tick) => volts,
+            _ => 24.0,
+        }
+    }
+}
+
+fn settings() -> Settings {
+    let mut settings = Settings::default();
+    settings.encoder.bad_readings = 3;
+    settings.surface_rad = Si::lit("0.2");
+    settings
+}
+
+/// Armed, leaning on the wall, with the injection due at the next control tick.
+fn armed(what: What) -> Knob<Inject> {
+    let inject = Inject {
+        from: u32::MAX,
+        until: u32::MAX,
+        what,
+    };
+    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, inject).armed();
+    for _ in 0..600 {
+        knob.rest_rad = 3.0;
+        knob.tick();
+    }
+    assert!(knob.record.force.0 > 0.02, "in the wall: {:?}", knob.record);
+    knob.tamper.from = knob.record.tick + 1;
+    knob
+}
+
+/// Nothing that a person can ask for arms it, until it was stopped and calibrated.
+fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
+    for command in [
+        Command::Arm,
+        Command::Disarm,
+        Command::Calibrate,
+        Command::Arm,
+    ] {
+        knob.ask(command);
+        knob.tick();
+        assert_eq!(knob.output.unwrap().accepted, Some(false));
+        assert_eq!(knob.fault(), Some(code), "after {command:?}");
+        for _ in 0..3 {
+            assert_eq!(knob.acting, Drive::Off);
+            knob.period();
+        }
+    }
+    // The cause is gone; a stop leaves the fault, an arm does not arm.
+    knob.tamper.until = 0;
+    knob.ask(Command::Stop);
+    knob.tick();
+    assert_eq!(knob.device.state(), State::Stopped);
+    assert!(knob.output.unwrap().clear_latches);
+    knob.ask(Command::Arm);
+    knob.tick();
+    assert_eq!(knob.device.state(), State::Stopped);
+    assert_eq!(knob.acting, Drive::Off);
+    // The knob swings out meanwhile; then it is as good as new.
+    for _ in 0..200 {
+        knob.rest_rad = knob.rig.now().angle_rad;
+        knob.tick();
+    }
+    assert_eq!(knob.calibrate(), State::Ready, "{:?}", knob.device.fault());
+    knob.ask(Command::Arm);
+    knob.tick();
+    assert_eq!(knob.device.state(), State::Armed);
+}
+
+/// Injects; the fault must be there within so many control ticks, with nothing on from the first bad one.
+fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
+    let mut knob = armed(what);
+    for tick in 1..=ticks {
+        knob.tick();
+        assert_eq!(knob.acting, Drive::Off, "{code:?}: still on in tick {tick}");
+        let output = knob.output.unwrap();
+        assert_eq!(output.outputs, Outputs::Off);
+        assert_eq!(output.mailbox().mode, touchstone_drive::CurrentMode::Off);
+        if knob.fault().is_some() {
+            assert_eq!(tick, ticks, "{code:?}: earlier than expected");
+        }
+    }
+    assert_eq!(knob.fault(), Some(code));
+    let context = knob.device.fault().unwrap();
+    assert_eq!(context.tick, knob.record.tick);
+    stays_off(&mut knob, code);
+    context.value
+}
+
+#[test]
+fn power() {
+    // Above the limit, below it; half a volt of conversion in between.
+    assert!((31_400..31_600).contains(&within(1, FaultCode::OverVoltage, What::Bus(31.5))));
+    assert!((14_900..15_100).contains(&within(1, FaultCode::UnderVoltage, What::Bus(15.0))));
+    assert_eq!(
+        within(1, FaultCode::UnderVoltage, What::Sample(|s| s.bus = 0)),
+        0
+    );
+    let hot = within(
+        1,
+        FaultCode::OverTemperature,
+        What::Sample(|s| s.temperature = 3_300),
+    );
+    assert!((930..960).contains(&hot), "{hot}");
+    for code in [0, 4_095] {
+        let broken = if code == 0 {
+            What::Sample(|s| s.temperature = 0)
+        } else {
+            What::Sample(|s| s.temperature = 4_095)
+        };
+        assert_eq!(within(1, FaultCode::OverTemperature, broken), i32::MAX);
+    }
+}
+
+#[test]
+fn hardware() {
+    assert_eq!(
+        within(
+            1,
+            FaultCode::HardwareBreak,
+            What::Sample(|s| s.hardware_break = true)
+        ),
+        0
+    );
+    assert_eq!(
+        within(
+            1,
+            FaultCode::HardwareBreak,
+            What::Input(|i, _| i.hardware_break = true)
+        ),
+        0
+    );
+    assert_eq!(
+        within(
+            1,
+            FaultCode::GateDriver,
+            What::Input(|i, _| i.gate_driver_error = true)
+        ),
+        0
+    );
+}
+
+#[test]
+fn currents() {
+    for what in [
+        What::Sample(|s| s.phase_a = 4_095),
+        What::Sample(|s| s.phase_a = 0),
+        What::Sample(|s| s.phase_b = 4_095),
+        What::Sample(|s| s.phase_b = 0),
+        // The third phase only: both others rise together.
+        What::Sample(|s| (s.phase_a, s.phase_b) = (s.phase_a + 200, s.phase_b + 200)),
+    ] {
+        let value = within(1, FaultCode::OverCurrent, what);
+        assert!(value > 4_000, "{value} mA");
+    }
+}
+
+#[test]
+fn encoder() {
+    let silent = |i: &mut ControlInput, _| i.encoder = EncoderReading::Silent;
+    assert_eq!(within(3, FaultCode::EncoderSilent, What::Input(silent)), 3);
+    let parity = |i: &mut ControlInput, _| {
+        if let EncoderReading::As5047p(frame) = &mut i.encoder {
+            *frame ^= 0x0010;
+        }
+    };
+    within(3, FaultCode::EncoderCheck, What::Input(parity));
+    let floating = |i: &mut ControlInput, _| i.encoder = EncoderReading::As5047p(0xFFFF);
+    assert_eq!(
+        within(3, FaultCode::EncoderStatus, What::Input(floating)),
+        0xFFFF
+    );
+    // Alternating kinds of bad are in a row, too: the last one gives the code.
+    let mixed = |i: &mut ControlInput, n| {
+        i.encoder = if n % 2 == 0 {
+            EncoderReading::As5047p(1)
+        } else {
+            EncoderReading::Silent
+        };
+    };
+    within(3, FaultCode::EncoderCheck, What::Input(mixed));
+    let jump = |i: &mut ControlInput, _| {
+        if let EncoderReading::As5047p(frame) = &mut i.encoder {
+            *frame = touchstone::motor::as5047p_frame(i64::from(*frame & 0x3FFF) + 4_000);
+        }
+    };
+    let moved = within(1, FaultCode::EncoderJump, What::Input(jump));
+    assert!((3_900..4_100).contains(&moved), "{moved}");
+    // 70 rad/s: 183 counts in a millisecond, less than a jump of 630.
+    let fast = |i: &mut ControlInput, n: u32| {
+        if let EncoderReading::As5047p(frame) = &mut i.encoder {
+            *frame = touchstone::motor::as5047p_frame(
+                i64::from(*frame & 0x3FFF) + 183 * (i64::from(n) + 1),
+            );
+        }
+    };
+    let mut knob = armed(What::Input(fast));
+    knob.tick();
+    assert_eq!(knob.fault(), None, "half a window");
+    knob.tick();
+    assert_eq!(
+        (knob.fault(), knob.acting),
+        (Some(FaultCode::OverSpeed), Drive::Off)
+    );
+    let speed = knob.device.fault().unwrap().value;
+    assert!((68_000..72_000).contains(&speed), "{speed} mrad/s");
+    stays_off(&mut knob, FaultCode::OverSpeed);
+}
+
+#[test]
+fn a_bad_reading_or_two_switch_off_and_are_forgiven() {
+    for bad in 1..3 {
+        let mut knob = armed(What::Input(|i, _| i.encoder = EncoderReading::Silent));
+        knob.tamper.until = knob.tamper.from + bad;
+        for _ in 0..bad {
+            knob.tick();
+            assert_eq!(knob.acting, Drive::Off, "on a guess");
+            assert!(
+                knob.record.limits.has(touchstone_protocol::Limit::Encoder) && !knob.record.law_ran
+            );
+        }
+        for _ in 0..5 {
+            knob.tick();
+            knob.period();
+            assert!(matches!(knob.acting, Drive::On(_)), "on again");
+            assert!(knob.record.law_ran);
+        }
+        assert_eq!(knob.device.state(), State::Armed);
+    }
+}
+
+#[test]
+fn an_encoder_that_stops_while_the_shaft_turns() {
+    // The last good frame for ever.
+    struct Stuck {
+        from: u32,
+        frame: Option<EncoderReading>,
+    }
+    impl Tamper for Stuck {
+        fn input(&mut self, tick: u32, input: &mut ControlInput) -> bool {
+            if tick >= self.from {
+                input.encoder = *self.frame.get_or_insert(input.encoder);
+            }
+            true
+        }
+    }
+    // Outside the wall, where nothing else would show it.
+    let mut settings = settings();
+    settings.surface_rad = Si::lit("50");
+    let mut knob = Knob::new(
+        &settings,
+        GIMBAL,
+        0.0,
+        Stuck {
+            from: u32::MAX,
+            frame: None,
+        },
+    )
+    .armed();
+    let start = knob.rig.now().angle_rad;
+    let turn = |knob: &mut Knob<Stuck>, tick: u32| {
+        knob.rest_rad = start + 0.03 * f64::from(tick);
+        knob.tick();
+    };
+    let mut ticks = 0;
+    while knob.record.speed_rad_per_s < 20 {
+        ticks += 1;
+        turn(&mut knob, ticks);
+        assert_eq!(knob.fault(), None, "a good encoder");
+    }
+    knob.tamper.from = knob.record.tick + 1;
+    let mut until = 0;
+    while knob.fault().is_none() {
+        until += 1;
+        ticks += 1;
+        turn(&mut knob, ticks);
+        assert!(until <= 12, "not found");
+    }
+    assert_eq!(
+        (knob.fault(), knob.acting),
+        (Some(FaultCode::EncoderStuck), Drive::Off)
+    );
+}
+
+#[test]
+fn a_shaft_that_is_held_is_not_a_stuck_encoder() {
+    // Pressed hard against a wall, where the reading stays for hundreds of ticks.
+    let mut knob = armed(What::Bus(24.0));
+    for tick in 0..5_000 {
+        knob.rest_rad = 3.0 + f64::from(tick) * 0.004;
+        knob.tick();
+        assert_eq!(knob.fault(), None);
+    }
+    assert!(knob.record.current.q.saturating_abs() > 1);
+}
+
+#[test]
+fn deadlines() {
+    let late = |i: &mut ControlInput, _| i.timing.lateness = 90_000;
+    assert_eq!(
+        within(1, FaultCode::DeadlineMiss, What::Input(late)),
+        90_000
+    );
+    let long = |i: &mut ControlInput, _| i.timing.duration = 170_001;
+    assert_eq!(
+        within(1, FaultCode::DeadlineMiss, What::Input(long)),
+        170_001
+    );
+    let both = |i: &mut ControlInput, _| {
+        i.timing = TickTiming {
+            lateness: 80_000,
+            duration: 95_000,
+        }
+    };
+    assert_eq!(
+        within(1, FaultCode::DeadlineMiss, What::Input(both)),
+        95_000
+    );
+    // One tick left out: the loop says so to the next.
+    let mut knob = armed(What::Hang);
+    knob.tamper.until = knob.tamper.from;
+    // The hang is counted in the tick's own number, so it is ended by hand.
+    knob.tamper.until = u32::MAX;
+    let number = knob.record.tick;
+    knob.tick();
+    assert_eq!(knob.record.tick, number, "left out");
+    knob.tamper.until = 0;
+    knob.tick();
+    assert_eq!(
+        (knob.fault(), knob.acting),
+        (Some(FaultCode::DeadlineMiss), Drive::Off)
+    );
+    assert_eq!(knob.device.fault().unwrap().value, 1);
+}
+
+#[test]
+fn a_control_tick_that_hangs_does_not_leave_the_current_applied() {
+    let mut knob = armed(What::Hang);
+    let mut periods = 0;
+    while knob.acting != Drive::Off {
+        knob.period();
+        periods += 1;
+        assert!(periods <= 60, "still on");
+    }
+    // Two control periods of 20 after the last sign of life.
+    assert!(periods <= 41, "{periods}");
+    for _ in 0..200 {
+        knob.period();
+        assert_eq!(knob.acting, Drive::Off);
+    }
+    // It wakes up and finds out.
+    knob.tamper.until = 0;
+    knob.tick();
+    assert_eq!(knob.fault(), Some(FaultCode::StaleCommand));
+    assert_eq!(knob.acting, Drive::Off);
+}
+
+#[test]
+fn what_the_start_tells() {
+    let cases = [
+        (
+            ResetFlags {
+                independent_watchdog: true,
+                pin: true,
+                ..ResetFlags::default()
+            },
+            Some((FaultCode::Watchdog, 0)),
+        ),
+        (
+            ResetFlags {
+                window_watchdog: true,
+                pin: true,
+                ..ResetFlags::default()
+            },
+            Some((FaultCode::Watchdog, 1)),
+        ),
+        (
+            ResetFlags {
+                brown_out: true,
+                pin: true,
+                memory_kept: true,
+                ..ResetFlags::default()
+            },
+            Some((FaultCode::BrownOut, 0)),
+        ),
+        (
+            ResetFlags {
+                software: true,
+                pin: true,
+                panic: Some(123),
+                ..ResetFlags::default()
+            },
+            Some((FaultCode::Panic, 123)),
+        ),
+        (
+            ResetFlags {
+                brown_out: true,
+                pin: true,
+                ..ResetFlags::default()
+            },
+            None,
+        ),
+        (
+            ResetFlags {
+                software: true,
+                pin: true,
+                memory_kept: true,
+                ..ResetFlags::default()
+            },
+            None,
+        ),
+        (
+            ResetFlags {
+                pin: true,
+                memory_kept: true,
+                ..ResetFlags::default()
+            },
+            None,
+        ),
+        (
+            ResetFlags {
+                brown_out: true,
+                pin: true,
+                panic: Some(5),
+                ..ResetFlags::default()
+            },
+            None,
+        ),
+    ];
+    for (flags, expected) in cases {
+        let mut knob = Knob::new(&settings(), GIMBAL, 0.0, touchstone_tests::knob::Honest);
+        knob.device.started(ResetReason::of(&flags));
+        knob.tick();
+        let fault = knob
+            .device
+            .fault()
+            .map(|context| (context.code, context.value));
+        assert_eq!(fault, expected, "{flags:?}");
+        assert_eq!(knob.acting, Drive::Off);
+    }
+}
+
+#[test]
+fn refused_settings_do_not_calibrate_until_there_are_others() {
+    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, touchstone_tests::knob::Honest);
+    knob.device.report_fault(FaultCode::SettingsInvalid, 0);
+    knob.tick();
+    assert_eq!(knob.fault(), Some(FaultCode::SettingsInvalid));
+    knob.ask(Command::Stop);
+    knob.tick();
+    assert_eq!(knob.device.state(), State::Stopped);
+    knob.ask(Command::Calibrate);
+    knob.tick();
+    assert_eq!(
+        (knob.fault(), knob.acting),
+        (Some(FaultCode::SettingsInvalid), Drive::Off)
+    );
+    knob.ask(Command::Stop);
+    knob.tick();
+    assert!(knob.device.may_configure());
+    knob.device.configure(&settings(), &IHM08M1).unwrap();
+    assert_eq!(knob.calibrate(), State::Ready);
+}
+
+#[test]
+fn settings_count_from_the_next_calibration_on() {
+    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, touchstone_tests::knob::Honest);
+    assert_eq!(knob.calibrate(), State::Ready);
+    let mut others = settings();
+    others.motor.current_bandwidth_hz = Si::lit("300");
+    knob.device.configure(&others, &IHM08M1).unwrap();
+    assert_eq!(
+        knob.device.current_config(),
+        Device::new(&settings(), &IHM08M1).unwrap().current_config()
+    );
+    knob.ask(Command::Stop);
+    knob.tick();
+    knob.ask(Command::Calibrate);
+    knob.tick();
+    assert!(knob.output.unwrap().reconfigure);
+    assert_eq!(
+        knob.device.current_config(),
+        Device::new(&others, &IHM08M1).unwrap().current_config()
+    );
+    while knob.device.state() == State::Calibrating {
+        knob.tick();
+        assert!(!knob.output.unwrap().reconfigure);
+    }
+    assert_eq!(knob.device.state(), State::Ready);
+    let mut wrong = settings();
+    wrong.motor.pole_pairs = 0;
+    assert!(knob.device.configure(&wrong, &IHM08M1).is_err());
+}
