@@ -152,7 +152,7 @@ impl Tamper for Offset {
         sample.phase_b = sample
             .phase_b
             .saturating_add(self.0)
-            .saturating_add(if tick % 2 == 0 { self.1 } else { 0 });
+            .saturating_add(if tick.is_multiple_of(2) { self.1 } else { 0 });
     }
 }
 
