@@ -104,8 +104,8 @@ impl Board {
                 (0, 2, Source::Bus),
                 (1, 8, Source::Temperature),
             ],
-            current: (1.65, 0.01 * 5.18),
-            bus_divider: 9.31 / (9.31 + 169.0),
+            current: (1.55, 0.01 * 5.18),
+            bus_divider: 1.0 / 19.17,
             wiring: Wiring::default(),
         }
     }
@@ -131,8 +131,8 @@ impl Board {
         }
         match source {
             Source::Current(phase) => self.current.0 + self.current.1 * world.current_a(*phase),
-            Source::Bus => world.bus_v() * self.bus_divider,
-            Source::Temperature | Source::MotorTemperature => thermistor_v(world.temperature_c()),
+            Source::Bus => world.bridge.bus_v * self.bus_divider,
+            Source::Temperature | Source::MotorTemperature => thermistor_v(world.temperature_c),
         }
     }
 

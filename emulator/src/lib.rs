@@ -1,7 +1,9 @@
 //! Runs the unmodified firmware on an emulated chip with a simulated motor and hand.
 
+pub mod bench;
 pub mod board;
 pub mod chip;
 pub mod cpu;
+pub mod link;
 pub mod peripheral;
 pub mod world;

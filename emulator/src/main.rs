@@ -7,7 +7,11 @@ fn main() {
     let path = std::env::args().nth(1).unwrap();
     let ms: u64 = std::env::args().nth(2).unwrap().parse().unwrap();
     let program = Program::read(std::path::Path::new(&path)).unwrap();
-    let chip = Chip::new(Board::nucleo_g474re(Encoder::As5047p), World::new(), 32_000);
+    let chip = Chip::new(
+        Board::nucleo_g474re(Encoder::As5047p),
+        World::default(),
+        32_000,
+    );
     let mut m = Machine::new(chip, &program).unwrap();
     m.power_on(ResetCause::PowerOn);
     let t = std::time::Instant::now();

@@ -4,23 +4,51 @@ use std::collections::BTreeMap;
 
 use super::Peripheral;
 
+/// A block of registers has 1 KiB.
+const WORDS: usize = 256;
+
 /// A block of plain registers.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Plain {
-    registers: BTreeMap<u32, u32>,
+    words: Box<[u32; WORDS]>,
+    /// Those of the processor's own, and of what is not modelled, lie further apart.
+    others: BTreeMap<u32, u32>,
+}
+
+impl Default for Plain {
+    fn default() -> Self {
+        Self {
+            words: Box::new([0; WORDS]),
+            others: BTreeMap::new(),
+        }
+    }
 }
 
 impl Plain {
     /// What a register holds.
     #[must_use]
+    #[inline]
     pub fn get(&self, offset: u32) -> u32 {
-        self.registers.get(&offset).copied().unwrap_or(0)
+        match self.words.get(offset as usize / 4) {
+            Some(word) => *word,
+            None => self.others.get(&offset).copied().unwrap_or(0),
+        }
+    }
+
+    /// Sets one.
+    pub fn set(&mut self, offset: u32, value: u32) {
+        match self.words.get_mut(offset as usize / 4) {
+            Some(word) => *word = value,
+            None => {
+                self.others.insert(offset, value);
+            }
+        }
     }
 
     /// Starts with a value other than 0.
     #[must_use]
     pub fn with(mut self, offset: u32, value: u32) -> Self {
-        self.registers.insert(offset, value);
+        self.set(offset, value);
         self
     }
 }
@@ -31,6 +59,6 @@ impl Peripheral for Plain {
     }
 
     fn write(&mut self, offset: u32, value: u32, _now: u64) {
-        self.registers.insert(offset, value);
+        self.set(offset, value);
     }
 }

@@ -105,6 +105,15 @@ impl Windings {
         }
     }
 
+    /// The same currents, for intervals of another length: where the bridge changes within a period.
+    #[must_use]
+    pub fn with_interval(self, interval_s: f64) -> Self {
+        Self {
+            current: self.current,
+            ..Self::new(self.motor, interval_s)
+        }
+    }
+
     /// The motor.
     #[must_use]
     pub const fn motor(&self) -> &MotorParameters {

@@ -1,0 +1,302 @@
+//! A device on the bench: the machine, the desktop's end of its port, and the steps of a person at it.
+
+use touchstone::plant::Hand;
+use touchstone_protocol::settings::{Decimal, DeviceSettings};
+use touchstone_protocol::{DeviceCommand, Fault, Phase, Refusal, Reply, Request, Status};
+
+use crate::board::{Board, Encoder};
+use crate::chip::{Chip, ResetCause};
+use crate::cpu::elf::Program;
+use crate::cpu::{Halt, Machine};
+use crate::link::Link;
+use crate::world::World;
+
+/// Cycles of a microsecond.
+pub const US: u64 = 170;
+/// Cycles of a millisecond.
+pub const MS: u64 = 1_000 * US;
+
+/// How the bench is set up.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The encoder that is mounted.
+    pub encoder: Encoder,
+    /// The watchdog's oscillator, Hz.
+    pub lsi_hz: u64,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            encoder: Encoder::As5047p,
+            lsi_hz: 32_000,
+        }
+    }
+}
+
+/// A device, its world, and the desktop's end of its serial port.
+pub struct Bench {
+    /// The machine.
+    pub machine: Machine,
+    /// The desktop's end.
+    pub link: Link,
+    /// Why the machine has halted, if it has.
+    pub halted: Option<Halt>,
+}
+
+impl Bench {
+    /// Mounts a board and switches it on.
+    ///
+    /// # Errors
+    /// What the emulator refuses.
+    pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
+        let board = Board::nucleo_g474re(setup.encoder);
+        Self::on(board, program, setup)
+    }
+
+    /// The same for any board.
+    ///
+    /// # Errors
+    /// What the emulator refuses.
+    pub fn on(board: Board, program: &Program, setup: &Setup) -> Result<Self, String> {
+        let chip = Chip::new(board, World::default(), setup.lsi_hz);
+        let mut machine = Machine::new(chip, program)?;
+        machine.power_on(ResetCause::PowerOn);
+        Ok(Self {
+            machine,
+            link: Link::default(),
+            halted: None,
+        })
+    }
+
+    /// Time, cycles.
+    #[must_use]
+    pub fn now(&self) -> u64 {
+        self.machine.chip().core.now
+    }
+
+    /// Lets time pass, and takes what the device sends.
+    ///
+    /// # Errors
+    /// The machine halted.
+    pub fn run(&mut self, cycles: u64) -> Result<(), String> {
+        let until = self.now() + cycles;
+        let ran = self.machine.run_until(until);
+        let sent = std::mem::take(&mut self.machine.chip_mut().link().sent);
+        self.link.take(&sent);
+        ran.map_err(|halt| {
+            let text = format!("halted: {halt:?}");
+            self.halted = Some(halt);
+            text
+        })
+    }
+
+    /// Runs until something is so, looked at every 100 us.
+    ///
+    /// # Errors
+    /// It was not within the time, or the machine halted.
+    pub fn run_until(
+        &mut self,
+        what: &str,
+        within: u64,
+        mut is_so: impl FnMut(&mut Self) -> bool,
+    ) -> Result<(), String> {
+        let end = self.now() + within;
+        while self.now() < end {
+            if is_so(self) {
+                return Ok(());
+            }
+            self.run(100 * US)?;
+        }
+        match is_so(self) {
+            true => Ok(()),
+            false => Err(format!("{what}: not within {} ms", within / MS)),
+        }
+    }
+
+    /// Sends bytes to the device.
+    pub fn send(&mut self, bytes: &[u8]) {
+        let now = self.now();
+        self.machine.chip_mut().link().put(bytes, now);
+    }
+
+    /// Asks and waits for the answer.
+    ///
+    /// # Errors
+    /// No answer within a second, or a halt.
+    pub fn ask(&mut self, request: Request<'_>) -> Result<Result<Reply, Refusal>, String> {
+        let what = format!("an answer to {request:?}");
+        let (id, frame) = self.link.ask(request);
+        self.send(&frame);
+        let mut answer = None;
+        self.run_until(&what, 1_000 * MS, |bench| {
+            answer = bench.link.answer(id);
+            answer.is_some()
+        })?;
+        answer.ok_or(what)
+    }
+
+    /// Asks for something that must be granted.
+    ///
+    /// # Errors
+    /// It was refused, or not answered.
+    pub fn demand(&mut self, request: Request<'_>) -> Result<Reply, String> {
+        let what = format!("{request:?}");
+        self.ask(request)?
+            .map_err(|refusal| format!("{what}: refused, {refusal:?}"))
+    }
+
+    /// Gives a command; whether it was taken.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn command(&mut self, command: DeviceCommand) -> Result<bool, String> {
+        Ok(self.ask(Request::Command(command))?.is_ok())
+    }
+
+    /// Where the device stands.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn status(&mut self) -> Result<Status, String> {
+        match self.demand(Request::Status)? {
+            Reply::Status(status) => Ok(status),
+            other => Err(format!("not a status: {other:?}")),
+        }
+    }
+
+    /// The latched fault.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn fault(&mut self) -> Result<Option<Fault>, String> {
+        Ok(self.status()?.fault)
+    }
+
+    /// Waits for a phase, asking every 5 ms.
+    ///
+    /// # Errors
+    /// It did not come within the time.
+    pub fn wait_for(&mut self, phase: Phase, within: u64) -> Result<(), String> {
+        let end = self.now() + within;
+        loop {
+            let status = self.status()?;
+            if status.phase == phase {
+                return Ok(());
+            }
+            if self.now() > end {
+                return Err(format!(
+                    "{} ms for {}, but {} with {:?}",
+                    within / MS,
+                    phase.name(),
+                    status.phase.name(),
+                    status.fault
+                ));
+            }
+            self.run(5 * MS)?;
+        }
+    }
+
+    /// Waits until the device answers at all.
+    ///
+    /// # Errors
+    /// It does not within half a second.
+    pub fn boot(&mut self) -> Result<Reply, String> {
+        self.run(20 * MS)?;
+        // What noise there was while the port was not set up.
+        self.send(&[0]);
+        self.demand(Request::Hello)
+    }
+
+    /// Changes the settings.
+    ///
+    /// # Errors
+    /// They are refused.
+    pub fn configure(&mut self, change: impl FnOnce(&mut DeviceSettings)) -> Result<(), String> {
+        let mut settings = self.settings()?;
+        change(&mut settings);
+        self.demand(Request::SetAll(settings)).map(|_| ())
+    }
+
+    /// The settings.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn settings(&mut self) -> Result<DeviceSettings, String> {
+        match self.demand(Request::GetAll)? {
+            Reply::Settings(settings) => Ok(settings),
+            other => Err(format!("not the settings: {other:?}")),
+        }
+    }
+
+    /// Calibrates from `Boot` or `Stopped`.
+    ///
+    /// # Errors
+    /// The calibration fails.
+    pub fn calibrate(&mut self) -> Result<(), String> {
+        self.demand(Request::Command(DeviceCommand::Calibrate))?;
+        self.wait_for(Phase::Ready, 20_000 * MS)
+    }
+
+    /// Calibrates and arms.
+    ///
+    /// # Errors
+    /// Either fails.
+    pub fn arm(&mut self) -> Result<(), String> {
+        self.calibrate()?;
+        self.demand(Request::Command(DeviceCommand::Arm))?;
+        self.wait_for(Phase::Armed, 100 * MS)
+    }
+
+    /// Whether the bridge is on.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        self.machine.chip().bridge.is_on()
+    }
+
+    /// A hand takes the knob and presses it into the wall: over `ramp_s` to a torque, holds for `hold_s`, and lets go in
+    /// `ramp_s`.
+    ///
+    /// # Errors
+    /// There was no telemetry to tell where the wall is.
+    pub fn press(
+        &mut self,
+        hand: &Hand,
+        torque_n_m: f64,
+        ramp_s: f64,
+        hold_s: f64,
+    ) -> Result<(), String> {
+        let settings = self.settings()?;
+        let record = self.link.telemetry.last().ok_or("no telemetry")?;
+        let turn = std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev);
+        let world = &mut self.machine.chip_mut().world;
+        let here = world.angle_rad();
+        // The shaft's angle at the surface, by what the device says of where it is.
+        let surface = here - f64::from(record.count) * turn + number(settings.wall.surface_rad);
+        let give = 1.0 / hand.pad_stiffness_n_m_per_rad + 1.0 / hand.stiffness_n_m_per_rad;
+        let stiffness = number(settings.wall.k_desired_n_m_per_rad);
+        let inside = surface + torque_n_m * (give + 1.0 / stiffness);
+        world.hold(hand, move |time| {
+            let out = (time - ramp_s - hold_s) / ramp_s;
+            here + (inside - here) * (minimum_jerk(time / ramp_s) - minimum_jerk(out))
+        });
+        Ok(())
+    }
+
+    /// The hand lets go.
+    pub fn release(&mut self) {
+        self.machine.chip_mut().world.release();
+    }
+}
+
+/// A setting as a number.
+#[must_use]
+pub fn number(decimal: Decimal) -> f64 {
+    decimal.0.to_num()
+}
+
+/// From 0 to 1, as people move.
+fn minimum_jerk(share: f64) -> f64 {
+    let s = share.clamp(0.0, 1.0);
+    s * s * s * (10.0 + s * (6.0 * s - 15.0))
+}

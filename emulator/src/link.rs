@@ -1,0 +1,69 @@
+//! The desktop's end of the serial port: frames, requests, answers, telemetry, by the crate that the firmware uses.
+
+use touchstone_protocol::frame::{Decoder, FRAME_MAX, encode, message};
+use touchstone_protocol::{FromDevice, Refusal, Reply, Request, Telemetry, ToDevice};
+
+/// The desktop's end.
+#[derive(Debug, Default)]
+pub struct Link {
+    decoder: Decoder,
+    next_id: u8,
+    answers: Vec<(u8, Result<Reply, Refusal>)>,
+    /// Telemetry so far.
+    pub telemetry: Vec<Telemetry>,
+    /// Payloads that were whole but no message.
+    pub not_understood: u64,
+    /// Bytes so far.
+    pub bytes: u64,
+}
+
+impl Link {
+    /// Takes what the device has sent.
+    pub fn take(&mut self, bytes: &[u8]) {
+        self.bytes += bytes.len() as u64;
+        for byte in bytes {
+            let Some(Ok(payload)) = self.decoder.push(*byte) else {
+                continue;
+            };
+            match message::<FromDevice>(payload) {
+                Some(FromDevice::Answer { id, answer }) => self.answers.push((id, answer)),
+                Some(FromDevice::Telemetry(record)) => self.telemetry.push(record),
+                None => self.not_understood += 1,
+            }
+        }
+    }
+
+    /// A request as a frame, with the number of its answer.
+    ///
+    /// # Panics
+    /// Never: every request of the protocol fits into a frame.
+    pub fn ask(&mut self, request: Request<'_>) -> (u8, Vec<u8>) {
+        self.next_id = self.next_id.wrapping_add(1);
+        let id = self.next_id;
+        let mut buffer = [0; FRAME_MAX];
+        let frame = encode(&ToDevice { id, request }, &mut buffer).expect("every request fits");
+        (id, frame.to_vec())
+    }
+
+    /// The answer to a request, if it has come.
+    pub fn answer(&mut self, id: u8) -> Option<Result<Reply, Refusal>> {
+        let at = self.answers.iter().position(|(other, _)| *other == id)?;
+        Some(self.answers.swap_remove(at).1)
+    }
+
+    /// Frames from the device that could not be decoded.
+    #[must_use]
+    pub fn errors(&self) -> u32 {
+        self.decoder.errors()
+    }
+
+    /// Records that are missing between the first and the last of the telemetry from an index on.
+    #[must_use]
+    pub fn gaps(&self, from: usize) -> u32 {
+        let records = self.telemetry.get(from..).unwrap_or_default();
+        let pairs = records.windows(2);
+        pairs
+            .map(|pair| pair[1].tick.wrapping_sub(pair[0].tick).saturating_sub(1))
+            .sum()
+    }
+}

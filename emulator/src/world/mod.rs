@@ -1,0 +1,248 @@
+//! What is outside of the board: motor, knob, hand, supply.
+//!
+//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim`; the currents follow every
+//! change of the bridge and every sample of a converter.
+
+use std::fmt;
+
+use touchstone::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
+use touchstone::plant::{
+    BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Motion as _, State, Stepper,
+};
+
+use crate::chip::CORE_HZ;
+
+/// Cycles of a mechanical step: 25 us.
+const STEP: u64 = 4_250;
+
+/// Compare value at which a phase is always at the bus.
+const TOP: u16 = 4_250;
+
+/// A motor that stands somewhere when power comes on.
+const MOTOR: MotorParameters = MotorParameters {
+    electrical_zero_rad: 1.0,
+    ..GIMBAL
+};
+
+fn seconds(cycles: u64) -> f64 {
+    cycles as f64 / CORE_HZ as f64
+}
+
+/// The thesis' knob, with the dry friction of a small motor.
+const KNOB: Device = Device {
+    inertia_kg_m2: 1e-4,
+    damping_n_m_s_per_rad: 4e-4,
+    friction: Some(Coulomb {
+        kinetic_n_m: 1e-3,
+        static_n_m: 1e-3,
+    }),
+};
+
+/// The rest point of a hand, rad, by the time since it took hold, s.
+type RestPoint = Box<dyn Fn(f64) -> f64>;
+
+enum Grip {
+    Free(BareCoulomb, State<2>),
+    Held {
+        plant: HeldCoulomb,
+        state: State<4>,
+        since: u64,
+        rest: RestPoint,
+    },
+    /// Something turns the shaft, whatever the motor does: angle and speed.
+    Forced {
+        angle_rad: f64,
+        rad_per_s: f64,
+    },
+}
+
+/// The world.
+pub struct World {
+    now: u64,
+    /// When the knob moves next.
+    step_at: u64,
+    windings: Windings,
+    /// The supply and the switches.
+    pub bridge: Bridge,
+    drive: Drive,
+    grip: Grip,
+    /// Torque times time since the knob moved last, N·m·s, and the mean torque before that, N·m.
+    impulse: f64,
+    torque_n_m: f64,
+    /// Temperature of driver and motor, degrees C.
+    pub temperature_c: f64,
+    /// Current at which the bridge's own comparators pull the break, A.
+    pub break_a: f64,
+}
+
+impl fmt::Debug for World {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("World")
+            .field("now", &self.now)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for World {
+    fn default() -> Self {
+        Self::new(0.3)
+    }
+}
+
+impl World {
+    /// Nobody holds the knob, which rests at an angle.
+    ///
+    /// # Panics
+    /// Never: the constants are in range.
+    #[must_use]
+    pub fn new(angle_rad: f64) -> Self {
+        let plant = BareCoulomb::new(&KNOB, seconds(STEP)).expect("the knob is in range");
+        Self {
+            now: 0,
+            step_at: STEP,
+            windings: Windings::new(MOTOR, seconds(STEP)),
+            bridge: Bridge {
+                // 0.5 us at both ends of 50 us.
+                dead_share: 0.01,
+                ..Bridge::ideal(24.0, TOP)
+            },
+            drive: Drive::Off,
+            grip: Grip::Free(plant, State::at_rest(angle_rad)),
+            impulse: 0.0,
+            torque_n_m: 0.0,
+            temperature_c: 25.0,
+            break_a: 20.0,
+        }
+    }
+
+    fn angle_and_speed(&self) -> (f64, f64) {
+        match &self.grip {
+            Grip::Free(_, state) => (state.angle_rad(), state.velocity_rad_per_s()),
+            Grip::Held { state, .. } => (state.angle_rad(), state.velocity_rad_per_s()),
+            Grip::Forced {
+                angle_rad,
+                rad_per_s,
+            } => (*angle_rad, *rad_per_s),
+        }
+    }
+
+    /// A hand takes hold, and moves its rest point from now on: an angle of the shaft, rad, by the time since now, s.
+    ///
+    /// # Panics
+    /// If the hand is out of range.
+    pub fn hold(&mut self, hand: &Hand, rest: impl Fn(f64) -> f64 + 'static) {
+        let plant = HeldCoulomb::new(&KNOB, hand, seconds(STEP)).expect("the hand is in range");
+        let (x, v) = self.angle_and_speed();
+        let state = State::from_array([x, v, x, v]);
+        self.grip = Grip::Held {
+            plant,
+            state,
+            since: self.now,
+            rest: Box::new(rest),
+        };
+    }
+
+    /// The hand lets go.
+    ///
+    /// # Panics
+    /// Never: the constants are in range.
+    pub fn release(&mut self) {
+        let plant = BareCoulomb::new(&KNOB, seconds(STEP)).expect("the knob is in range");
+        let (x, v) = self.angle_and_speed();
+        self.grip = Grip::Free(plant, State::from_array([x, v]));
+    }
+
+    /// Something stronger than the motor turns the shaft at a speed; 0 holds it.
+    pub fn force(&mut self, rad_per_s: f64) {
+        let (angle_rad, _) = self.angle_and_speed();
+        self.grip = Grip::Forced {
+            angle_rad,
+            rad_per_s,
+        };
+    }
+
+    /// From now on the bridge drives the phases so: parts of the bus voltage, or `None` for off.
+    pub fn drive(&mut self, now: u64, duty: [Option<f64>; 3]) {
+        self.advance(now);
+        self.drive = match duty {
+            [Some(a), Some(b), Some(c)] => {
+                Drive::On([a, b, c].map(|part| (part * f64::from(TOP)).round() as u16))
+            }
+            _ => Drive::Off,
+        };
+    }
+
+    /// Moves on.
+    pub fn advance(&mut self, until: u64) {
+        while self.now < until {
+            let next = self.step_at.min(until);
+            let interval = seconds(next - self.now);
+            let (angle, speed) = (self.angle_rad(), self.angle_and_speed().1);
+            let mut windings = self.windings.with_interval(interval);
+            let torque = match self.drive {
+                Drive::Off => windings.freewheel(self.bridge.bus_v, self.bridge.diode_v, angle),
+                Drive::On(duties) => {
+                    let volts = self.bridge.voltages(duties, windings.currents_a());
+                    windings.step(volts, angle, speed)
+                }
+            };
+            self.windings = windings;
+            self.impulse += torque * interval;
+            self.now = next;
+            if self.now == self.step_at {
+                self.move_knob();
+                self.step_at += STEP;
+            }
+        }
+    }
+
+    fn move_knob(&mut self) {
+        self.torque_n_m = std::mem::take(&mut self.impulse) / seconds(STEP);
+        let (now, torque) = (self.now, self.torque_n_m);
+        match &mut self.grip {
+            Grip::Free(plant, state) => plant.step(state, torque, 0.0),
+            Grip::Held {
+                plant,
+                state,
+                since,
+                rest,
+            } => plant.step(state, torque, rest(seconds(now - *since))),
+            Grip::Forced {
+                angle_rad,
+                rad_per_s,
+            } => *angle_rad += *rad_per_s * seconds(STEP),
+        }
+    }
+
+    /// Angle of the shaft, rad.
+    #[must_use]
+    pub fn angle_rad(&self) -> f64 {
+        let (angle, speed) = self.angle_and_speed();
+        angle + speed * seconds(self.now - (self.step_at - STEP))
+    }
+
+    /// Angle of the shaft, turns.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        self.angle_rad() / std::f64::consts::TAU
+    }
+
+    /// Current into a phase, A.
+    #[must_use]
+    pub fn current_a(&self, phase: usize) -> f64 {
+        self.windings.currents_a()[phase]
+    }
+
+    /// Mean torque of the motor on the shaft over the last step, N·m.
+    #[must_use]
+    pub fn torque_n_m(&self) -> f64 {
+        self.torque_n_m
+    }
+
+    /// The bridge's own comparators see too much current.
+    #[must_use]
+    pub fn hardware_over_current(&self) -> bool {
+        let currents = self.windings.currents_a();
+        currents.iter().any(|current| current.abs() > self.break_a)
+    }
+}
