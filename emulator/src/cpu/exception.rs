@@ -213,7 +213,9 @@ impl Machine {
             return Err(Halt::LockUp(name));
         }
         let stack = self.register(RegisterARM::SP);
-        if !(super::RAM + EXTENDED_BYTES..=super::RAM + super::RAM_BYTES as u32).contains(&stack) {
+        if !(super::RAM - 0x4000 + EXTENDED_BYTES..=super::RAM + super::RAM_BYTES as u32)
+            .contains(&stack)
+        {
             return Err(Halt::LockUp(format!("{name}, stack at 0x{stack:08x}")));
         }
         self.chip_mut().faults.push(name);

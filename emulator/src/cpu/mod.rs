@@ -27,6 +27,8 @@ const FLASH_BYTES: usize = 512 * 1024;
 pub const RAM: u32 = 0x2000_0000;
 /// RAM of the larger chip, bytes: SRAM1, SRAM2, and CCM behind them.
 const RAM_BYTES: usize = 128 * 1024;
+/// What [`Machine::extend_stack`] adds, bytes.
+const EXTENSION: u64 = 0x4000;
 /// What RAM holds before anything was written to it: for the stack's watermark.
 pub const UNTOUCHED: u8 = 0xa5;
 
@@ -126,6 +128,30 @@ impl Machine {
             asleep: None,
             resets: Vec::new(),
         })
+    }
+
+    /// Gives the program memory below RAM, which no chip has: to find out how much stack a program would need that overflows it.
+    ///
+    /// # Errors
+    /// What Unicorn refuses.
+    pub fn extend_stack(&mut self) -> Result<(), String> {
+        let below = u64::from(RAM) - EXTENSION;
+        self.unicorn
+            .mem_map(below, EXTENSION, Prot::ALL)
+            .map_err(said("map"))?;
+        self.set_memory(below as u32, &[UNTOUCHED; EXTENSION as usize]);
+        Ok(())
+    }
+
+    /// Bytes of the stack, which begins at RAM's start or, extended, below it, that were ever used.
+    #[must_use]
+    pub fn stack_used(&self, top: u32) -> u32 {
+        let start = RAM - EXTENSION as u32;
+        let memory = self.memory(start, (top - start) as usize);
+        let bottom = if memory.is_empty() { RAM } else { start };
+        let memory = self.memory(bottom, (top - bottom) as usize);
+        let untouched = memory.iter().take_while(|byte| **byte == UNTOUCHED).count();
+        top - bottom - untouched as u32
     }
 
     /// The chip.
