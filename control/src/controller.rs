@@ -7,7 +7,7 @@ use crate::law::{
 };
 use crate::settings::{IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
-use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
+use crate::{Compliance, Divisor, Energy, Force, Number, Position, Ratio, Stiffness};
 
 /// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -155,6 +155,7 @@ impl<N: Number> Controller<N> {
             Field::FilterMass,
             total.saturating_mul(Si::const_from_int(2)),
         )?;
+        let total = stiffness(Field::FilterMass, total)?;
         // In a narrow format a soft coupling can round to nothing, and the mass would have nothing that moves it.
         let coupling = stiffness(Field::FilterStiffness, filter.stiffness)?;
         if coupling == Stiffness::zero() {
@@ -185,12 +186,14 @@ impl<N: Number> Controller<N> {
                 inertia: stiffness(Field::FilterMass, derived.mass_per_tick2)?,
                 stiffness: coupling,
                 damping: stiffness(Field::FilterDamping, derived.filter_damping_per_tick)?,
-                total: stiffness(Field::FilterMass, total)?,
+                total,
+                by_total: Divisor::of(total),
             },
-            series: stiffness(
+            by_coupling: Divisor::of(coupling),
+            series: Divisor::of(stiffness(
                 Field::FilterStiffness,
                 filter.stiffness.saturating_add(settings.k_soft),
-            )?,
+            )?),
             // A loan above the cap would break the books of the narrow formats (0.5 of 8 J and the like).
             credit: N::energy(settings.energy_credit)
                 .map(Energy)

@@ -2,7 +2,8 @@
 //!
 //! A Cortex-M4 divides 32 bits by 32, and the routine that a compiler puts in for 64 bits takes some 300 instructions at
 //! worst. But what the laws divide *by* is always a word, and then the schoolbook's way needs three divisions of the
-//! machine's own, always three. Where the machine divides 64 bits, it does; the quotients are the same.
+//! machine's own, and two where the quotient is a word too. Where the machine divides 64 bits, it does; the quotients are
+//! the same.
 
 /// `floor(dividend / divisor)`; `None` for a divisor of zero.
 #[inline]
@@ -14,10 +15,32 @@ pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
     }
 }
 
+/// `floor(dividend / divisor)` where that is a word, that is for `dividend < divisor · 2^32`; for all else, any word.
+#[inline(always)]
+pub fn short_quotient(dividend: u64, divisor: u32) -> u32 {
+    if cfg!(target_pointer_width = "32") {
+        short_32(dividend, divisor)
+    } else {
+        dividend.checked_div(u64::from(divisor)).unwrap_or(0) as u32
+    }
+}
+
 macro_rules! long_division {
-    ($(#[$doc:meta])* $name:ident, $word:ty, $wide:ty) => {
+    ($(#[$doc:meta])* $name:ident, $short:ident, $word:ty, $wide:ty) => {
         $(#[$doc])*
         fn $name(dividend: $wide, divisor: $word) -> Option<$wide> {
+            let high = (dividend >> <$word>::BITS) as $word;
+            let first = high.checked_div(divisor)?;
+            let rest = high.wrapping_sub(first.wrapping_mul(divisor));
+            let low = <$wide>::from(dividend as $word);
+            let low = $short(<$wide>::from(rest) << <$word>::BITS | low, divisor);
+            Some(<$wide>::from(first) << <$word>::BITS | <$wide>::from(low))
+        }
+
+        $(#[$doc])*
+        /// For a quotient of one word.
+        #[inline(always)]
+        fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;
             const HALF: u32 = WORD / 2;
             const LOW: $word = <$word>::MAX >> HALF;
@@ -26,7 +49,8 @@ macro_rules! long_division {
             /// divisor whose highest bit is set.
             #[inline(always)]
             fn digit(rest: $word, next: $word, divisor: $word) -> ($word, $word) {
-                let (upper, lower) = (divisor >> HALF, divisor & LOW);
+                // Its highest bit is set; that it is said once more spares the machine a look whether it divides by 0.
+                let (upper, lower) = (divisor >> HALF | 1 << (HALF - 1), divisor & LOW);
                 // The divisor's upper half alone never gives too little, and at most two too much (Knuth 4.3.1, B).
                 let mut digit = rest.checked_div(upper).unwrap_or(0);
                 let left = rest.wrapping_sub(digit.wrapping_mul(upper));
@@ -47,37 +71,33 @@ macro_rules! long_division {
                 (digit, have.wrapping_sub(need))
             }
 
-            let high = (dividend >> WORD) as $word;
-            let first = high.checked_div(divisor)?;
-            let rest = high.wrapping_sub(first.wrapping_mul(divisor));
-            // From here on `rest < divisor`, and both are shifted up until the divisor's highest bit is set.
-            let shift = divisor.leading_zeros();
-            let divisor = divisor.wrapping_shl(shift);
-            let low = <$wide>::from(dividend as $word);
-            let dividend = (<$wide>::from(rest) << WORD | low).wrapping_shl(shift);
+            // Both are shifted up until the divisor's highest bit is set. To multiply by a power of two is to shift, in fewer
+            // instructions.
+            let scale = (1 as $word).wrapping_shl(divisor.leading_zeros());
+            let divisor = divisor.wrapping_mul(scale);
+            let dividend = dividend.wrapping_mul(<$wide>::from(scale));
             let (rest, low) = ((dividend >> WORD) as $word, dividend as $word);
             let (second, rest) = digit(rest, low >> HALF, divisor);
             let (third, _) = digit(rest, low & LOW, divisor);
             // Digits do not overlap.
-            let low = <$wide>::from(second << HALF | third);
-            Some(<$wide>::from(first) << WORD | low)
+            second << HALF | third
         }
     };
 }
 long_division!(
     /// What the microcontroller runs.
     #[cfg_attr(not(target_pointer_width = "32"), allow(dead_code))]
-    long_32, u32, u64
+    long_32, short_32, u32, u64
 );
 long_division!(
     /// The same source at 8 bits, to be checked exhaustively.
     #[cfg(test)]
-    long_8, u8, u16
+    long_8, short_8, u8, u16
 );
 
 #[cfg(test)]
 mod tests {
-    use super::{long_8, long_32, quotient};
+    use super::{long_8, long_32, quotient, short_8, short_32, short_quotient};
 
     #[test]
     fn every_quotient_of_8_bits() {
@@ -88,6 +108,12 @@ mod tests {
                     dividend.checked_div(divisor.into()),
                     "{dividend}/{divisor}"
                 );
+                // Without one that fits a word, it need only be total.
+                let short = short_8(dividend, divisor);
+                let expected = dividend.checked_div(divisor.into()).map(u8::try_from);
+                if let Some(Ok(expected)) = expected {
+                    assert_eq!(short, expected, "{dividend}/{divisor}");
+                }
             }
         }
     }
@@ -108,6 +134,10 @@ mod tests {
             let expected = dividend.checked_div(divisor.into());
             assert_eq!(long_32(dividend, divisor), expected, "{dividend}/{divisor}");
             assert_eq!(quotient(dividend, divisor), expected);
+            if let Some(Ok(short)) = expected.map(u32::try_from) {
+                assert_eq!(short_32(dividend, divisor), short, "{dividend}/{divisor}");
+                assert_eq!(short_quotient(dividend, divisor), short);
+            }
         };
         let words = hard_words();
         for high in &words {

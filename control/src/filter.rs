@@ -14,7 +14,7 @@
 //! rounding leaves, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate.
 //! `f_p` is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
 
-use crate::{Energy, Force, Number, Position, Stiffness, Tension};
+use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 
 /// Coefficients of the virtual mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +27,8 @@ pub struct VirtualMass<N: Number> {
     pub damping: Stiffness<N>,
     /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
     pub total: Stiffness<N>,
+    /// The same sum, to divide by.
+    pub by_total: Divisor<N>,
 }
 
 /// State of the virtual mass, in penetration.
@@ -41,10 +43,13 @@ pub struct MassState<N: Number> {
 impl<N: Number> VirtualMass<N> {
     /// Everything that drives the mass but the wall: `M d + k_f (e - e_f) + C Δe`.
     ///
-    /// `validate` keeps the sum of the coefficients so small that the sum of products cannot saturate.
+    /// `validate` keeps the sum of the coefficients so small that the sum of products cannot overflow: it is at most
+    /// `total · 2^(BITS-1)`, and `total` at most a quarter of the word.
     #[inline(always)]
     pub fn drive(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Tension<N> {
-        self.inertia * mass.moved + self.stiffness * (e - mass.position) + self.damping * moved
+        (self.inertia * mass.moved)
+            .plus_fitting(self.stiffness * (e - mass.position))
+            .plus_fitting(self.damping * moved)
     }
 
     /// Displacement under the drive and the wall's force, towards zero, and not beyond the range of positions: what the
@@ -56,27 +61,30 @@ impl<N: Number> VirtualMass<N> {
         drive: Tension<N>,
         force: Force<N>,
     ) -> Position<N> {
-        let step = (drive - force.lift()).over(self.total);
+        // An eighth of the double word at most, and a word shifted up by less than half of its bits.
+        let step = drive.minus_fitting(force.lift()).per(&self.by_total);
         from + step - from
     }
 
     /// The wall's force under which the mass moves outward by exactly `out`, rounded up (so that the mass never moves further
-    /// than its forces say).
+    /// than its forces say); 0 where it would have to pull.
     #[inline(always)]
     pub fn force_for_retreat(&self, drive: Tension<N>, out: Position<N>) -> Force<N> {
-        (drive + self.total * out).rounded_up()
+        drive.plus_fitting(self.total * out).outward_up()
     }
 
     /// Force on the HIP after the mass has moved.
     #[inline(always)]
     pub fn coupling(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Force<N> {
-        (self.stiffness * (e - mass.position) + self.damping * (moved - mass.moved)).towards_zero()
+        (self.stiffness * (e - mass.position))
+            .plus_fitting(self.damping * (moved - mass.moved))
+            .towards_zero()
     }
 
     /// Where the mass rests with the HIP at `e` if the wall is a spring `k` without offset: `e k_f / (k_f + k)`.
     #[inline(always)]
-    pub fn rest(&self, e: Position<N>, stiffness_sum: Stiffness<N>) -> Position<N> {
-        (self.stiffness * e).over(stiffness_sum)
+    pub fn rest(&self, e: Position<N>, stiffness_sum: &Divisor<N>) -> Position<N> {
+        (self.stiffness * e).per(stiffness_sum)
     }
 
     /// Energy in the coupling spring for a stretch, rounded up; `None` where its force is beyond the format, since a
@@ -84,7 +92,7 @@ impl<N: Number> VirtualMass<N> {
     #[inline(always)]
     pub fn stored(&self, stretch: Position<N>) -> Option<Energy<N>> {
         let tension = self.stiffness * stretch.modulus();
-        let force = tension.rounded_up();
+        let force = tension.outward_up();
         let doubled = force * stretch.modulus();
         (force.lift() >= tension).then_some(Energy(N::half_energy_up(doubled.0)))
     }

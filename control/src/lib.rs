@@ -48,6 +48,7 @@ pub mod magnitude;
 pub mod number;
 pub mod observer;
 pub mod quantity;
+pub mod reciprocal;
 pub mod settings;
 pub mod validate;
 
@@ -57,7 +58,7 @@ pub use encoder::CountScale;
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use observer::ObserverForm;
-pub use quantity::{Compliance, Energy, Force, Position, Ratio, Stiffness, Tension};
+pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffness, Tension};
 pub use settings::{
     FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
 };

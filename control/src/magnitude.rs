@@ -31,6 +31,8 @@ pub trait Word: Copy + Debug + Ord + 'static {
     /// Quotient and the part of `wide` that it accounts for: `(q, q · self)` with `q = floor(wide / self)`.
     /// For `self = 0` the quotient is 0.
     fn divides(self, wide: Self::Wide) -> (Self::Wide, Self::Wide);
+    /// [`Word::divides`] where the quotient is a signed word's magnitude: `None` where it is larger than `MAX_SIGNED`.
+    fn divides_within(self, wide: Self::Wide) -> Option<(Self, Self::Wide)>;
     /// `wide` as a word if it fits below the signed limit, else that limit.
     fn narrow(wide: Self::Wide) -> Self;
     /// The word in the double width.
@@ -48,7 +50,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
 }
 
 macro_rules! word {
-    ($word:ty, $wide:ty, $divide:ident, $quotient:expr) => {
+    ($word:ty, $wide:ty, $divide:ident, $quotient:expr, $short:expr) => {
         /// `(floor(wide / by), floor(wide / by) · by)`; for `by = 0` both are 0.
         ///
         /// The one division of the laws. It hands out the product with the quotient, so that no caller multiplies a second
@@ -79,6 +81,15 @@ macro_rules! word {
             #[inline(always)]
             fn divides(self, wide: $wide) -> ($wide, $wide) {
                 $divide(wide, self)
+            }
+            #[inline(always)]
+            fn divides_within(self, wide: $wide) -> Option<(Self, $wide)> {
+                // Known before the division: whether the quotient reaches 2^(BITS-1).
+                if wide >= <$wide>::from(self) << (Self::BITS - 1) {
+                    return if self == 0 { Some((0, 0)) } else { None };
+                }
+                let quotient = $short(wide, self);
+                Some((quotient, quotient.times(self)))
             }
             #[inline(always)]
             fn narrow(wide: $wide) -> Self {
@@ -116,12 +127,28 @@ macro_rules! word {
     };
 }
 
-word!(u8, u16, divide_u8, |wide: u16, by: u8| wide
-    .checked_div(by.into()));
-word!(u16, u32, divide_u16, |wide: u32, by: u16| wide
-    .checked_div(by.into()));
-// Three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
-word!(u32, u64, divide_u32, division::quotient);
+word!(
+    u8,
+    u16,
+    divide_u8,
+    |wide: u16, by: u8| wide.checked_div(by.into()),
+    |wide: u16, by: u8| wide.checked_div(by.into()).unwrap_or(0) as u8
+);
+word!(
+    u16,
+    u32,
+    divide_u16,
+    |wide: u32, by: u16| wide.checked_div(by.into()),
+    |wide: u32, by: u16| wide.checked_div(by.into()).unwrap_or(0) as u16
+);
+// Two or three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
+word!(
+    u32,
+    u64,
+    divide_u32,
+    division::quotient,
+    division::short_quotient
+);
 
 /// What a passivity step decides: the energy left, the force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,17 +205,13 @@ pub struct Retreat<W: Word> {
 /// For every input with a force: `force·moved + rest = energy`. Without one, nothing moves.
 #[inline(always)]
 pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
-    let (quotient, accounted) = force.divides(energy);
-    if quotient <= W::MAX_SIGNED.widen() {
-        return Retreat {
-            moved: W::narrow(quotient),
-            rest: W::minus(energy, accounted),
-        };
-    }
-    // Further than the format reaches: to its end, which costs less than the division accounted for.
+    // Further than the format reaches: to its end, which costs less than the energy.
+    let (moved, accounted) = force
+        .divides_within(energy)
+        .unwrap_or_else(|| (W::MAX_SIGNED, force.times(W::MAX_SIGNED)));
     Retreat {
-        moved: W::MAX_SIGNED,
-        rest: W::minus(energy, force.times(W::MAX_SIGNED)),
+        moved,
+        rest: W::minus(energy, accounted),
     }
 }
 
@@ -238,5 +261,7 @@ pub fn scale<W: Word>(gain: W, x: W, bits: u32) -> W {
 /// `floor(wide / divisor)`, saturating to the word.
 #[inline(always)]
 pub fn quotient<W: Word>(wide: W::Wide, divisor: W) -> W {
-    W::narrow(divisor.divides(wide).0)
+    divisor
+        .divides_within(wide)
+        .map_or(W::MAX_SIGNED, |(quotient, _)| quotient)
 }

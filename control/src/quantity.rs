@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Position`] | rad / m |
 //! | [`Force`] | N·m / N |
-//! | [`Stiffness`] | N·m/rad / N/m; damping and inertia enter as `c/T` and `m/T²` in the same unit |
+//! | [`Stiffness`], [`Divisor`] | N·m/rad / N/m; damping and inertia enter as `c/T` and `m/T²` in the same unit |
 //! | [`Compliance`] | rad/(N·m) / m/N |
 //! | [`Ratio`] | 1 |
 //! | [`Energy`] | J |
@@ -113,7 +113,7 @@ macro_rules! signal_quantity {
             #[inline(always)]
             #[must_use]
             pub fn modulus(self) -> Self {
-                if self < Self::zero() { -self } else { self }
+                Self(N::modulus(self.0))
             }
             /// Limited to `-limit..=limit`.
             #[inline(always)]
@@ -199,7 +199,48 @@ impl<N: Number> Sub for Tension<N> {
         Self(N::sub_product(self.0, other.0))
     }
 }
+/// A stiffness prepared to be divided by at every tick.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Divisor<N: Number>(pub N::Divisor);
+
+impl<N: Number> Divisor<N> {
+    /// Prepares a stiffness; not for a tick.
+    #[must_use]
+    pub fn of(k: Stiffness<N>) -> Self {
+        Self(N::divisor(k.0))
+    }
+}
 impl<N: Number> Tension<N> {
+    /// `self + other` where the caller knows that it fits.
+    #[inline(always)]
+    #[must_use]
+    pub fn plus_fitting(self, other: Self) -> Self {
+        Self(N::add_fitting(self.0, other.0))
+    }
+    /// `self - other` where the caller knows that it fits.
+    #[inline(always)]
+    #[must_use]
+    pub fn minus_fitting(self, other: Self) -> Self {
+        Self(N::sub_fitting(self.0, other.0))
+    }
+    /// The force outwards, rounded towards zero: 0 where the tension pulls inwards.
+    #[inline(always)]
+    #[must_use]
+    pub fn outward(self) -> Force<N> {
+        Force(N::positive_down(self.0))
+    }
+    /// The force outwards, rounded up: 0 where the tension pulls inwards.
+    #[inline(always)]
+    #[must_use]
+    pub fn outward_up(self) -> Force<N> {
+        Force(N::positive_up(self.0))
+    }
+    /// [`Tension::over`] the stiffness that the divisor was made of.
+    #[inline(always)]
+    #[must_use]
+    pub fn per(self, k: &Divisor<N>) -> Position<N> {
+        Position(N::divide_by(self.0, &k.0))
+    }
     /// Rounded towards zero.
     #[inline(always)]
     #[must_use]

@@ -60,6 +60,18 @@ def obligations(s):
             + 2 * C * (X - d1) * (X - d1) + 2 * residue * d1)
     yield ("P6: storage identity of the virtual mass", [], after + 2 * fp * d1 + lost == before + 2 * force * X,
            ([], after + 2 * fp * d1 + lost - 2 * residue * d1 == before + 2 * force * X))
+    # The reciprocal: m d + e = K, 1 <= e <= d; the quotient of n by d is that of (n + 1) m by K. All times d.
+    n, e, K, W = I("n"), I("e"), I("K"), 1 << 32
+    dm, nm, ne, qK = I("dm"), I("nm"), I("ne"), I("qK")
+    room = [n >= 0, d >= 1, d < W, n < d * (W // 2), e >= 1, e <= d]
+    yield ("P6 reciprocal: the error is less than one step", room, (n + 1) * e <= W * W * W // 2,
+           (room[:5], (n + 1) * e <= W * W * W // 2))
+    whole = [d >= 1, q >= 0, r >= 0, r < d, n == q * d + r, K >= 1, e >= 1, ne >= 1, ne <= K]
+    # nm stands for (n + 1) m, with d nm = (n + 1)(K - e) and ne = (n + 1) e.
+    product = [d * nm == (n + 1) * K - ne]
+    yield ("P6 reciprocal: not too small", [*whole, *product], d * nm >= q * d * K, (whole[:6] + product, d * nm >= q * d * K))
+    yield ("P6 reciprocal: not too large", [*whole, *product], d * nm < (q * d + d) * K,
+           (whole[:7] + product, d * nm < (q * d + d) * K))
     D0 = I("total")
     yield ("P6: rounding towards zero only dissipates", [D0 > 0, q >= 0, D0 * q <= r, q * D0 + D0 > r, r >= 0],
            (r - D0 * q) * q >= 0, ([D0 > 0, q >= 0, r >= 0], (r - D0 * q) * q >= 0))

@@ -3,7 +3,7 @@
 use crate::facts::Facts32;
 use crate::format::Format;
 use crate::functions::Functions32;
-use crate::valid::{Valid, any_mass, mass_ok};
+use crate::valid::{Valid, any_mass, drive_ok, mass_ok};
 use crate::{assume, cover, property, such};
 use touchstone_control::filter::MassState;
 use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law};
@@ -24,7 +24,8 @@ macro_rules! enhanced {
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p1_energy_stays(s) {
                     let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
-                    let (from, drive) = (N::any_position(s), N::any_tension(s));
+                    let from = N::any_position(s);
+                    let drive = such!(s, N::any_tension(s), |drive| drive_ok(&law.mass, drive), "p6_drive_is_exact");
                     let (wanted, before) = (N::any_force(s), N::any_energy(s));
                     assume!(s, wanted > Force::zero(), "what tick passes: the contact ends otherwise");
                     assume!(s, before >= Energy::zero() && before <= law.energy_cap, "invariant, kept by p4_augmenting");
@@ -47,7 +48,8 @@ macro_rules! enhanced {
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $books fn p1_books_are_right(s) {
                     let law = such!(s, EnhancedSfa::<F>::any(s), |law| law.valid(), "validate");
-                    let (from, drive) = (F::any_position(s), F::any_tension(s));
+                    let from = F::any_position(s);
+                    let drive = such!(s, F::any_tension(s), |drive| drive_ok(&law.mass, drive), "p6_drive_is_exact");
                     let (wanted, before) = (F::any_force(s), F::any_energy(s));
                     assume!(s, wanted > Force::zero(), "what tick passes: the contact ends otherwise");
                     assume!(s, before >= Energy::zero() && before <= law.energy_cap, "invariant, kept by p4_augmenting");
@@ -66,7 +68,8 @@ macro_rules! enhanced {
                 over "valid mass, position, drive, force"
                 by $solver fn p1_displacement_is_real(s) {
                     let mass = such!(s, any_mass::<N, _>(s), |mass| mass_ok(&mass), "validate");
-                    let (from, drive, force) = (N::any_position(s), N::any_tension(s), N::any_force(s));
+                    let (from, force) = (N::any_position(s), N::any_force(s));
+                    let drive = such!(s, N::any_tension(s), |drive| drive_ok(&mass, drive), "p6_drive_is_exact");
                     let step = mass.displacement(from, drive, force);
                     assert!(N::of_signal((from + step).0) == N::of_signal(from.0) + N::of_signal(step.0));
                     cover!(s, (from + step).0 == N::HIGHEST && step > Position::zero(), "end of the range");
@@ -79,7 +82,8 @@ macro_rules! enhanced {
                 over "valid mass, position, drive, force"
                 by $sums fn p6_rounding_dissipates(s) {
                     let mass = such!(s, any_mass::<F, _>(s), |mass| mass_ok(&mass), "validate");
-                    let (from, drive, force) = (F::any_position(s), F::any_tension(s), F::any_force(s));
+                    let (from, force) = (F::any_position(s), F::any_force(s));
+                    let drive = such!(s, F::any_tension(s), |drive| drive_ok(&mass, drive), "p6_drive_is_exact");
                     let step = mass.displacement(from, drive, force);
                     let net = drive - force.lift();
                     let quotient = net.over(mass.total);
@@ -98,8 +102,7 @@ macro_rules! enhanced {
                     let state = MassState { position: N::any_position(s), moved: N::any_position(s) };
                     let (e, moved) = (N::any_position(s), N::any_position(s));
                     let drive = mass.drive(&state, e, moved);
-                    let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
-                    assert!(N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs());
+                    assert!(drive_ok(&mass, drive));
                     cover!(s, drive.0 < 0, "outward");
                 }
             }
@@ -109,7 +112,8 @@ macro_rules! enhanced {
                 over "valid mass, drive, retreat >= 0"
                 by $sums fn p6_retreat_dissipates(s) {
                     let mass = such!(s, any_mass::<F, _>(s), |mass| mass_ok(&mass), "validate");
-                    let (drive, out) = (F::any_tension(s), F::any_position(s));
+                    let drive = such!(s, F::any_tension(s), |drive| drive_ok(&mass, drive), "p6_drive_is_exact");
+                    let out = F::any_position(s);
                     assume!(s, out >= Position::zero(), "what affordable_move passes: fact Moved");
                     let force = mass.force_for_retreat(drive, out);
                     assert!(force.0 == F::HIGHEST || force.lift() >= drive + mass.total * out);

@@ -99,6 +99,7 @@ impl Number for Facts32 {
     type Ratio = Signal;
     type Energy = Energy;
     type Product = i64;
+    type Divisor = Gain;
     const NAME: &'static str = "facts32";
     const QUANTUM: Signal = Fixed32::QUANTUM;
 
@@ -126,6 +127,9 @@ impl Number for Facts32 {
     fn neg(a: Signal) -> Signal {
         Fixed32::neg(a)
     }
+    fn modulus(a: Signal) -> Signal {
+        Fixed32::modulus(a)
+    }
     fn scale(r: Signal, x: Signal) -> Signal {
         signal(known!("Scale", bits(Fixed32::scale(r, x)), |y| word(y)
             && fact::sign_of(y, bits(x))))
@@ -148,6 +152,19 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
+    // That these two fit is checked by the checker, and by every sampled test.
+    fn add_fitting(a: i64, b: i64) -> i64 {
+        Fixed32::add_fitting(a, b)
+    }
+    fn sub_fitting(a: i64, b: i64) -> i64 {
+        Fixed32::sub_fitting(a, b)
+    }
+    fn positive_down(p: i64) -> Signal {
+        Fixed32::positive_down(p)
+    }
+    fn positive_up(p: i64) -> Signal {
+        Fixed32::positive_up(p)
+    }
     fn round_to_zero(p: i64) -> Signal {
         Fixed32::round_to_zero(p)
     }
@@ -156,6 +173,14 @@ impl Number for Facts32 {
     }
     fn divide(p: i64, k: Gain) -> Signal {
         signal(known!("Divide", bits(Fixed32::divide(p, k)), |y| word(y)
+            && fact::sign_of(y, p)))
+    }
+    fn divisor(k: Gain) -> Gain {
+        k
+    }
+    fn divide_by(p: i64, k: &Gain) -> Signal {
+        let _exact = |k: &Gain| Fixed32::divide_by(p, &Fixed32::divisor(*k));
+        signal(known!("DivideBy", bits(_exact(k)), |y| word(y)
             && fact::sign_of(y, p)))
     }
     fn work(f: Signal, d: Signal) -> Energy {
@@ -280,6 +305,17 @@ pub mod fixed32 {
         by kissat fn p3_fact_divide(s) {
             let (p, k) = (s.i64(), s.i32());
             let y = Fixed32::divide(p, Gain::from_bits(k));
+            assert!(fact::sign_of(bits(y), p));
+            cover!(s, y < -5, "negative");
+        }
+    }
+    property! {
+        /// P3, fact `DivideBy`.
+        equation "sign(p / k) = sign(p) or 0"
+        over "double word and word"
+        by kissat fn p3_fact_divide_by(s) {
+            let (p, k) = (s.i64(), s.i32());
+            let y = Fixed32::divide_by(p, &Fixed32::divisor(Gain::from_bits(k)));
             assert!(fact::sign_of(bits(y), p));
             cover!(s, y < -5, "negative");
         }

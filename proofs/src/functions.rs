@@ -114,6 +114,7 @@ impl Number for Functions32 {
     type Ratio = Signal;
     type Energy = Energy;
     type Product = i64;
+    type Divisor = Gain;
     const NAME: &'static str = "functions32";
     const QUANTUM: Signal = Facts32::QUANTUM;
 
@@ -141,6 +142,9 @@ impl Number for Functions32 {
     fn neg(a: Signal) -> Signal {
         Facts32::neg(a)
     }
+    fn modulus(a: Signal) -> Signal {
+        Facts32::modulus(a)
+    }
     fn scale(r: Signal, x: Signal) -> Signal {
         function!([bits(r), bits(x)], Facts32::scale(r, x), |y| [bits(y)])
     }
@@ -156,6 +160,18 @@ impl Number for Functions32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Facts32::sub_product(a, b)
     }
+    fn add_fitting(a: i64, b: i64) -> i64 {
+        Facts32::add_fitting(a, b)
+    }
+    fn sub_fitting(a: i64, b: i64) -> i64 {
+        Facts32::sub_fitting(a, b)
+    }
+    fn positive_down(p: i64) -> Signal {
+        Facts32::positive_down(p)
+    }
+    fn positive_up(p: i64) -> Signal {
+        Facts32::positive_up(p)
+    }
     fn round_to_zero(p: i64) -> Signal {
         Facts32::round_to_zero(p)
     }
@@ -164,6 +180,13 @@ impl Number for Functions32 {
     }
     fn divide(p: i64, k: Gain) -> Signal {
         function!([p, gain(k)], Facts32::divide(p, k), |y| [bits(y)])
+    }
+    fn divisor(k: Gain) -> Gain {
+        k
+    }
+    fn divide_by(p: i64, k: &Gain) -> Signal {
+        // The same function as the plain quotient: `heart::reciprocal`.
+        Self::divide(p, *k)
     }
     fn work(f: Signal, d: Signal) -> Energy {
         function!([bits(f), bits(d)], Facts32::work(f, d), |y| [y.to_bits()])

@@ -233,6 +233,40 @@ pub mod root8 {
     }
 }
 
+/// Quotients by a divisor that stays.
+pub mod reciprocal {
+    use super::*;
+    use touchstone_control::reciprocal::{Reciprocal8, Reciprocal32};
+
+    property! {
+        /// P3/P6: the quotient by a prepared divisor is the plain one, at 8 bits. (`touchstone_control::reciprocal`
+        /// has a test of every dividend and divisor; two divisions and a product are slower for a solver than that.)
+        equation "q = min(floor(n / d), highest)"
+        over "double word and word"
+        by sampled fn p6_reciprocal_8(s) {
+            let (dividend, divisor) = (s.u16(), s.u8());
+            let q = Reciprocal8::new(divisor).quotient(dividend);
+            assert!(q == quotient::<u8>(dividend, divisor));
+            cover!(s, divisor == 0, "no divisor");
+            cover!(s, q > 1 && q < i8::MAX as u8 && q.times(divisor) < dividend, "rounded");
+            cover!(s, q == i8::MAX as u8, "saturated");
+        }
+    }
+    property! {
+        /// P3/P6: the same at full width, where `obligations/` has its arithmetic over the integers.
+        equation "q = min(floor(n / d), highest)"
+        over "double word and word"
+        by sampled fn p6_reciprocal_32(s) {
+            let (dividend, divisor) = (s.u64(), s.u32());
+            let q = Reciprocal32::new(divisor).quotient(dividend);
+            assert!(q == quotient::<u32>(dividend, divisor));
+            cover!(s, divisor == 0, "no divisor");
+            cover!(s, q > 1 && q < i32::MAX as u32 && q.times(divisor) < dividend, "rounded");
+            cover!(s, q == i32::MAX as u32, "saturated");
+        }
+    }
+}
+
 /// Algebra without code: why the energy after a retreat is a sum of what is not negative.
 pub mod algebra32 {
     use super::*;

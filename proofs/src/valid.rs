@@ -12,7 +12,8 @@ use touchstone_control::law::{
     Spring, SpringState, Tdpa, TdpaState,
 };
 use touchstone_control::{
-    Energy, FirstContact, Force, ObserverForm, OffsetUpdate, Position, Regulate, Stiffness,
+    Divisor, Energy, FirstContact, Force, ObserverForm, OffsetUpdate, Position, Regulate,
+    Stiffness, Tension,
 };
 
 /// A configuration that settings can give, with the memory that goes with it.
@@ -188,6 +189,7 @@ impl<N: Format> Valid<N> for Sfa<N> {
 impl<N: Format> Valid<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
     fn any<S: Source>(s: &mut S) -> Self {
+        let mass = any_mass(s);
         Self {
             desired: N::any_stiffness(s),
             target: N::any_stiffness(s),
@@ -202,8 +204,10 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
             update: any_update(s),
             observer: any_observer(s),
             first_contact: any_first(s),
-            mass: any_mass(s),
-            series: N::any_stiffness(s),
+            mass,
+            // Each of any stiffness whatever: what the law keeps does not rest on where the mass starts.
+            by_coupling: Divisor::of(N::any_stiffness(s)),
+            series: Divisor::of(N::any_stiffness(s)),
             credit: N::any_energy(s),
             energy_cap: N::energy_cap(),
             limit: N::any_force(s),
@@ -245,7 +249,6 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
         gain_ok(self.desired)
             && gain_ok(self.target)
             && gain_ok(self.soft)
-            && gain_ok(self.series)
             && augmentation_ok(&self.augmentation)
             && mass_ok(&self.mass)
             && self.credit >= Energy::zero()
@@ -295,11 +298,13 @@ pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
 }
 /// Any virtual mass.
 pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
+    let total = N::any_stiffness(s);
     VirtualMass {
         inertia: N::any_stiffness(s),
         stiffness: N::any_stiffness(s),
         damping: N::any_stiffness(s),
-        total: N::any_stiffness(s),
+        total,
+        by_total: Divisor::of(total),
     }
 }
 /// Its coefficients are not negative, their sum is at most the total, and twice the total fits the format.
@@ -312,6 +317,11 @@ pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
         && total > 0
         && inertia + stiffness + damping <= total
         && total <= N::HALF_GAIN
+}
+/// What can drive it: `enhanced::p6_drive_is_exact` shows that nothing else does.
+pub fn drive_ok<N: Format>(mass: &VirtualMass<N>, drive: Tension<N>) -> bool {
+    let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
+    N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs()
 }
 
 fn any_observer<S: Source>(s: &mut S) -> ObserverForm {

@@ -21,8 +21,8 @@
 use super::{Contact, Law, View};
 use crate::filter::{MassState, VirtualMass};
 use crate::{
-    Compliance, Energy, FirstContact, Force, Number, ObserverForm, OffsetUpdate, Position, Ratio,
-    Regulate, Stiffness, Tension,
+    Compliance, Divisor, Energy, FirstContact, Force, Number, ObserverForm, OffsetUpdate, Position,
+    Ratio, Regulate, Stiffness, Tension,
 };
 
 /// How the offset is changed: Algorithm 3.1, lines 7–13, with the moduli that its listing forgets.
@@ -78,8 +78,10 @@ pub struct EnhancedSfa<N: Number> {
     pub first_contact: FirstContact,
     /// The virtual mass.
     pub mass: VirtualMass<N>,
-    /// `k_f + k_v`.
-    pub series: Stiffness<N>,
+    /// `k_f`, to divide by.
+    pub by_coupling: Divisor<N>,
+    /// `k_f + k_v`, to divide by.
+    pub series: Divisor<N>,
     /// Energy lent to each contact.
     pub credit: Energy<N>,
     /// Cap of the stored energy, see [`super::Tdpa`].
@@ -120,10 +122,10 @@ impl<N: Number> EnhancedSfa<N> {
     pub fn hand_over(&self, state: &mut EnhancedState<N>) {
         let e = state.last;
         let (position, offset) = match self.first_contact {
-            FirstContact::ZeroOffset => (self.mass.rest(e, self.series), Position::zero()),
+            FirstContact::ZeroOffset => (self.mass.rest(e, &self.series), Position::zero()),
             FirstContact::KeepForce => {
                 // The stretch of the coupling and of the soft spring that hold the force of the last tick.
-                let position = e - state.force.lift().over(self.mass.stiffness);
+                let position = e - state.force.lift().per(&self.by_coupling);
                 (
                     position,
                     (self.compliance * state.force - position).max(Position::zero()),
@@ -144,9 +146,7 @@ impl<N: Number> EnhancedSfa<N> {
                 moved: Position::zero(),
             },
             offset,
-            at_mass: (self.soft * (position + offset))
-                .towards_zero()
-                .max(Force::zero()),
+            at_mass: (self.soft * (position + offset)).outward(),
         };
     }
 
@@ -215,8 +215,8 @@ impl<N: Number> EnhancedSfa<N> {
     ) -> Option<Force<N>> {
         state.augmented.offset = self.offset(state, e);
         let held = &state.augmented;
-        let wanted = (self.soft * (held.mass.position + held.offset)).towards_zero();
-        if wanted <= Force::zero() {
+        let wanted = (self.soft * (held.mass.position + held.offset)).outward();
+        if wanted == Force::zero() {
             // The mass is outside the shifted surface.
             return None;
         }
@@ -269,7 +269,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
                 last: e,
                 ..EnhancedState::default()
             };
-            state.force = (self.desired * e).towards_zero().min(self.limit);
+            state.force = (self.desired * e).outward().min(self.limit);
             return state.force;
         }
         if state.contact == Contact::First {
@@ -280,7 +280,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         }
         let force = match state.contact {
             Contact::Free => None,
-            Contact::First => (e > Position::zero()).then(|| (self.desired * e).towards_zero()),
+            Contact::First => (e > Position::zero()).then(|| (self.desired * e).outward()),
             Contact::Augmenting => self.augmented_force(state, e, moved),
         };
         match force {

@@ -3,6 +3,7 @@
 use super::Number;
 use crate::Si;
 use crate::magnitude::{self, Word};
+use crate::reciprocal::Reciprocal32;
 use fixed::types::{I1F7, I2F14, I4F28, I5F3, I8F24, I10F6, I16F48, I20F12};
 
 /// 32-bit formats: what the firmware runs.
@@ -15,8 +16,33 @@ pub struct Fixed16;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed8;
 
+/// A magnitude to divide by, prepared or not.
+trait Divides<W: Word>: Sized {
+    fn new(divisor: W) -> Self;
+    fn quotient(&self, dividend: W::Wide) -> W;
+}
+/// Where the machine divides twice the width itself, its own division is as good.
+impl<W: Word> Divides<W> for W {
+    fn new(divisor: W) -> W {
+        divisor
+    }
+    #[inline(always)]
+    fn quotient(&self, dividend: W::Wide) -> W {
+        magnitude::quotient(dividend, *self)
+    }
+}
+impl Divides<u32> for Reciprocal32 {
+    fn new(divisor: u32) -> Self {
+        Self::new(divisor)
+    }
+    #[inline(always)]
+    fn quotient(&self, dividend: u64) -> u32 {
+        self.quotient(dividend)
+    }
+}
+
 macro_rules! fixed_number {
-    ($name:ident, $text:literal, signal $signal:ty, gain $gain:ty, energy $energy:ty, word $word:ty, int $int:ty, wide $wide:ty) => {
+    ($name:ident, $text:literal, signal $signal:ty, gain $gain:ty, energy $energy:ty, word $word:ty, int $int:ty, wide $wide:ty, divisor $divisor:ty) => {
         impl $name {
             const GAIN_BITS: u32 = <$gain>::FRAC_NBITS;
             const SIGNAL_BITS: u32 = <$signal>::FRAC_NBITS;
@@ -62,6 +88,7 @@ macro_rules! fixed_number {
             type Ratio = $signal;
             type Energy = $energy;
             type Product = $wide;
+            type Divisor = $divisor;
 
             const NAME: &'static str = $text;
             const QUANTUM: $signal = <$signal>::DELTA;
@@ -113,9 +140,15 @@ macro_rules! fixed_number {
                 a.saturating_neg()
             }
             #[inline(always)]
+            fn modulus(a: $signal) -> $signal {
+                // Of the magnitude, so that the compiler knows the sign of what comes out.
+                Self::signed(Self::magnitude(a), false)
+            }
+            #[inline(always)]
             fn scale(r: $signal, x: $signal) -> $signal {
+                // A ratio is never negative: its bits are its magnitude.
                 let size =
-                    magnitude::scale(Self::magnitude(r), Self::magnitude(x), Self::SIGNAL_BITS);
+                    magnitude::scale(r.to_bits() as $word, Self::magnitude(x), Self::SIGNAL_BITS);
                 Self::signed(size, x.is_negative())
             }
 
@@ -138,6 +171,34 @@ macro_rules! fixed_number {
                 a.saturating_sub(b)
             }
             #[inline(always)]
+            fn add_fitting(a: $wide, b: $wide) -> $wide {
+                debug_assert!(a.checked_add(b).is_some(), "{a} + {b} does not fit");
+                a.wrapping_add(b)
+            }
+            #[inline(always)]
+            fn sub_fitting(a: $wide, b: $wide) -> $wide {
+                debug_assert!(a.checked_sub(b).is_some(), "{a} - {b} does not fit");
+                a.wrapping_sub(b)
+            }
+            #[inline(always)]
+            fn positive_down(p: $wide) -> $signal {
+                if p <= 0 {
+                    return <$signal>::ZERO;
+                }
+                let shifted = <$word as Word>::shift_down(p.unsigned_abs(), Self::GAIN_BITS);
+                Self::signed(<$word as Word>::narrow(shifted), false)
+            }
+            #[inline(always)]
+            fn positive_up(p: $wide) -> $signal {
+                if p <= 0 {
+                    return <$signal>::ZERO;
+                }
+                // Of the signed double word's magnitude, so the unsigned one has room for the one step more.
+                let rounded = p.unsigned_abs().wrapping_add((1 << Self::GAIN_BITS) - 1);
+                let shifted = <$word as Word>::shift_down(rounded, Self::GAIN_BITS);
+                Self::signed(<$word as Word>::narrow(shifted), false)
+            }
+            #[inline(always)]
             fn round_to_zero(p: $wide) -> $signal {
                 let size = <$word as Word>::narrow(<$word as Word>::shift_down(
                     p.unsigned_abs(),
@@ -157,6 +218,13 @@ macro_rules! fixed_number {
             fn divide(p: $wide, k: $gain) -> $signal {
                 let size = magnitude::quotient(p.unsigned_abs(), k.to_bits().unsigned_abs());
                 Self::signed(size, p < 0)
+            }
+            fn divisor(k: $gain) -> $divisor {
+                <$divisor as Divides<$word>>::new(k.to_bits().unsigned_abs())
+            }
+            #[inline(always)]
+            fn divide_by(p: $wide, k: &$divisor) -> $signal {
+                Self::signed(Divides::<$word>::quotient(k, p.unsigned_abs()), p < 0)
             }
 
             #[inline(always)]
@@ -232,6 +300,6 @@ macro_rules! fixed_number {
     };
 }
 
-fixed_number!(Fixed32, "fixed32", signal I8F24, gain I20F12, energy I16F48, word u32, int i32, wide i64);
-fixed_number!(Fixed16, "fixed16", signal I2F14, gain I10F6, energy I4F28, word u16, int i16, wide i32);
-fixed_number!(Fixed8, "fixed8", signal I1F7, gain I5F3, energy I2F14, word u8, int i8, wide i16);
+fixed_number!(Fixed32, "fixed32", signal I8F24, gain I20F12, energy I16F48, word u32, int i32, wide i64, divisor Reciprocal32);
+fixed_number!(Fixed16, "fixed16", signal I2F14, gain I10F6, energy I4F28, word u16, int i16, wide i32, divisor u16);
+fixed_number!(Fixed8, "fixed8", signal I1F7, gain I5F3, energy I2F14, word u8, int i8, wide i16, divisor u8);

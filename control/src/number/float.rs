@@ -14,6 +14,7 @@ macro_rules! float_number {
             type Ratio = $float;
             type Energy = $float;
             type Product = $float;
+            type Divisor = $float;
 
             const NAME: &'static str = $text;
             // The step of Fixed32, so that the floor of the offset step means the same in every format.
@@ -51,6 +52,10 @@ macro_rules! float_number {
                 -a
             }
             #[inline(always)]
+            fn modulus(a: $float) -> $float {
+                if a < 0.0 { -a } else { a }
+            }
+            #[inline(always)]
             fn scale(r: $float, x: $float) -> $float {
                 r * x
             }
@@ -71,6 +76,22 @@ macro_rules! float_number {
                 a - b
             }
             #[inline(always)]
+            fn add_fitting(a: $float, b: $float) -> $float {
+                a + b
+            }
+            #[inline(always)]
+            fn sub_fitting(a: $float, b: $float) -> $float {
+                a - b
+            }
+            #[inline(always)]
+            fn positive_down(p: $float) -> $float {
+                if p > 0.0 { p } else { 0.0 }
+            }
+            #[inline(always)]
+            fn positive_up(p: $float) -> $float {
+                Self::positive_down(p)
+            }
+            #[inline(always)]
             fn round_to_zero(p: $float) -> $float {
                 p
             }
@@ -82,6 +103,14 @@ macro_rules! float_number {
             fn divide(p: $float, k: $float) -> $float {
                 if k == 0.0 { 0.0 } else { p / k }
             }
+            fn divisor(k: $float) -> $float {
+                k
+            }
+            #[inline(always)]
+            fn divide_by(p: $float, k: &$float) -> $float {
+                Self::divide(p, *k)
+            }
+
             #[inline(always)]
             fn work(f: $float, d: $float) -> $float {
                 f * d

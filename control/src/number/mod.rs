@@ -37,6 +37,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     type Energy: Copy + Debug + Default + PartialEq + PartialOrd;
     /// Gain × signal, unrounded: a force with extra digits.
     type Product: Copy + Debug + Default + PartialEq + PartialOrd;
+    /// A gain prepared to be divided by, again and again.
+    type Divisor: Copy + Debug + Default + PartialEq;
 
     /// Name in settings and results.
     const NAME: &'static str;
@@ -61,6 +63,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn sub(a: Self::Signal, b: Self::Signal) -> Self::Signal;
     /// `-a`, saturating.
     fn neg(a: Self::Signal) -> Self::Signal;
+    /// `|a|`, saturating.
+    fn modulus(a: Self::Signal) -> Self::Signal;
     /// `r · x` towards zero, saturating.
     fn scale(r: Self::Ratio, x: Self::Signal) -> Self::Signal;
 
@@ -72,12 +76,24 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn add_product(a: Self::Product, b: Self::Product) -> Self::Product;
     /// `a - b`, saturating.
     fn sub_product(a: Self::Product, b: Self::Product) -> Self::Product;
+    /// `a + b` where the caller knows that it fits, which saves the look whether it does.
+    fn add_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
+    /// `a - b` where the caller knows that it fits.
+    fn sub_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
     /// Rounds a product to a signal towards zero, saturating.
     fn round_to_zero(p: Self::Product) -> Self::Signal;
     /// Rounds a product to a signal upwards (towards plus infinity), saturating.
     fn round_up(p: Self::Product) -> Self::Signal;
+    /// [`Number::round_to_zero`] of a positive product, and 0 of any other.
+    fn positive_down(p: Self::Product) -> Self::Signal;
+    /// [`Number::round_up`] of a positive product, and 0 of any other.
+    fn positive_up(p: Self::Product) -> Self::Signal;
     /// `p / k` towards zero, saturating; 0 for `k = 0` (`validate` refuses it).
     fn divide(p: Self::Product, k: Self::Gain) -> Self::Signal;
+    /// A gain to divide by. It may divide: not for a tick.
+    fn divisor(k: Self::Gain) -> Self::Divisor;
+    /// [`Number::divide`] by the gain that the divisor was made of: the same result, bit by bit.
+    fn divide_by(p: Self::Product, k: &Self::Divisor) -> Self::Signal;
 
     /// `f · d`, exact.
     fn work(f: Self::Signal, d: Self::Signal) -> Self::Energy;

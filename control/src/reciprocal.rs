@@ -1,0 +1,223 @@
+//! Quotients by a divisor that stays, without a division.
+//!
+//! A law divides by the same few stiffnesses at every tick. What a division would find anew each time is found once: for the
+//! divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse `m = floor((2^k - 1)/d)` with
+//! `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
+//!
+//! ```text
+//! floor(n/d) = floor((n + 1) m / 2^k)
+//! ```
+//!
+//! exactly (Robison, "N-bit unsigned division via N-bit multiply-add", 2005). For let `e = 2^k - m d`, so `1 <= e <= d`; then
+//! `(n + 1) m/2^k = (n + 1)/d - (n + 1) e/(2^k d)`. That is less than `(n + 1)/d`, hence below the next whole number after
+//! `floor(n/d)`; and it is at least `n/d`, since `(n + 1) e <= 2^(W-1) d · d < 2^k`. `m` is below `2^2W`: a double word.
+
+macro_rules! reciprocal {
+    ($(#[$doc:meta])* $name:ident, $word:ty, $wide:ty, $high:expr) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+        pub struct $name {
+            divisor: $word,
+            /// The power of two that shifts the divisor up; to multiply by it is to shift, in fewer instructions.
+            scale: $word,
+            /// `m` above.
+            inverse: $wide,
+        }
+
+        impl $name {
+            const WORD: u32 = <$word>::BITS;
+
+            /// Prepares a divisor. By 0 every quotient is 0.
+            pub fn new(divisor: $word) -> Self {
+                let shift = divisor.leading_zeros();
+                // A shift by all bits of the word is one by none: the scale of the divisor 0, which is not used.
+                let (scale, normal) = (
+                    (1 as $word).wrapping_shl(shift),
+                    <$wide>::from(divisor.wrapping_shl(shift)),
+                );
+                // (2^k - 1)/d, digit by digit: three words of ones but for the highest bit. The first is less than `d`.
+                let ones = <$wide>::from(<$word>::MAX);
+                let mut inverse: $wide = 0;
+                let mut rest = ones >> 1;
+                for _ in 0..2 {
+                    let digit = (rest << Self::WORD | ones).checked_div(normal).unwrap_or(0);
+                    rest = (rest << Self::WORD | ones).wrapping_sub(digit.wrapping_mul(normal));
+                    inverse = inverse << Self::WORD | digit;
+                }
+                Self {
+                    divisor,
+                    scale,
+                    inverse,
+                }
+            }
+
+            /// `floor(dividend / divisor)`, at most `2^(W-1) - 1`; 0 for a divisor of 0.
+            #[inline(always)]
+            pub fn quotient(&self, dividend: $wide) -> $word {
+                if dividend >= <$wide>::from(self.divisor) << (Self::WORD - 1) {
+                    return if self.divisor == 0 {
+                        0
+                    } else {
+                        <$word>::MAX >> 1
+                    };
+                }
+                // Below `2^(2W-1)`, so there is room for the one.
+                let scaled = dividend
+                    .wrapping_mul(<$wide>::from(self.scale))
+                    .wrapping_add(1);
+                // Below `2^(W-1)`: a word.
+                ($high(scaled, self.inverse) >> (Self::WORD - 1)) as $word
+            }
+        }
+    };
+}
+reciprocal!(
+    /// A word of 32 bits to divide by.
+    Reciprocal32, u32, u64, high_64
+);
+reciprocal!(
+    /// The same source at 8 bits, to be checked exhaustively.
+    Reciprocal8, u8, u16, high_16
+);
+#[cfg(test)]
+reciprocal!(
+    /// The same source at 16 bits.
+    Reciprocal16, u16, u32, high_32
+);
+
+/// The upper half of a product of two double words.
+#[inline(always)]
+fn high_64(a: u64, b: u64) -> u64 {
+    (u128::from(a).wrapping_mul(u128::from(b)) >> 64) as u64
+}
+#[cfg(test)]
+fn high_32(a: u32, b: u32) -> u32 {
+    (u64::from(a).wrapping_mul(u64::from(b)) >> 32) as u32
+}
+#[inline(always)]
+fn high_16(a: u16, b: u16) -> u16 {
+    (u32::from(a).wrapping_mul(u32::from(b)) >> 16) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reciprocal8, Reciprocal16, Reciprocal32};
+
+    /// Every dividend of 16 bits, by every divisor of 8.
+    #[test]
+    fn every_quotient_of_8_bits() {
+        for divisor in 0..=u8::MAX {
+            let reciprocal = Reciprocal8::new(divisor);
+            for dividend in 0..=u16::MAX {
+                let expected = dividend.checked_div(divisor.into()).unwrap_or(0).min(127);
+                assert_eq!(
+                    u16::from(reciprocal.quotient(dividend)),
+                    expected,
+                    "{dividend}/{divisor}"
+                );
+            }
+        }
+    }
+
+    /// Where a quotient steps, for every divisor of 16 bits: at a multiple and just below, small, large and saturated.
+    #[test]
+    fn every_divisor_of_16_bits() {
+        for divisor in 0..=u16::MAX {
+            let reciprocal = Reciprocal16::new(divisor);
+            let check = |dividend: u32| {
+                let expected = dividend
+                    .checked_div(divisor.into())
+                    .unwrap_or(0)
+                    .min(0x7fff);
+                assert_eq!(
+                    u32::from(reciprocal.quotient(dividend)),
+                    expected,
+                    "{dividend}/{divisor}"
+                );
+            };
+            let mut quotient = 0x8001_u32;
+            while quotient > 0 {
+                let multiple = quotient.wrapping_mul(divisor.into());
+                check(multiple);
+                check(multiple.wrapping_sub(1));
+                check(multiple.wrapping_add(u32::from(divisor).wrapping_sub(1)));
+                quotient = quotient.wrapping_sub(1 + quotient / 64);
+            }
+        }
+    }
+
+    fn check(reciprocal: &Reciprocal32, divisor: u32, dividend: u64) {
+        let expected = dividend
+            .checked_div(divisor.into())
+            .unwrap_or(0)
+            .min(0x7fff_ffff);
+        assert_eq!(
+            u64::from(reciprocal.quotient(dividend)),
+            expected,
+            "{dividend}/{divisor}"
+        );
+    }
+
+    /// Around `quotient · divisor`, where the quotient steps.
+    fn check_around(reciprocal: &Reciprocal32, divisor: u32, quotient: u32) {
+        let multiple = u64::from(quotient).wrapping_mul(divisor.into());
+        check(reciprocal, divisor, multiple);
+        check(reciprocal, divisor, multiple.wrapping_sub(1));
+        check(
+            reciprocal,
+            divisor,
+            multiple.wrapping_add(u64::from(divisor).wrapping_sub(1)),
+        );
+    }
+
+    #[test]
+    fn hard_words_of_32_bits() {
+        let mut words = vec![0, u32::MAX, 0xffff_0000, 0x8000_ffff, 0x7fff_8000];
+        for bit in 0..32 {
+            let power = 1_u32 << bit;
+            words.extend([power, power - 1, power | 1, !power, power | power >> 7]);
+        }
+        for &divisor in &words {
+            let reciprocal = Reciprocal32::new(divisor);
+            for &high in &words {
+                check_around(&reciprocal, divisor, high);
+                for &low in &words {
+                    check(&reciprocal, divisor, u64::from(high) << 32 | u64::from(low));
+                }
+            }
+        }
+    }
+
+    fn random(times: u32) {
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            state ^ state >> 29
+        };
+        for _ in 0..times {
+            // Of all lengths.
+            let divisor = (next() >> 32) as u32 >> (next() >> 40 & 31);
+            let reciprocal = Reciprocal32::new(divisor);
+            for _ in 0..16 {
+                let lengths = next() >> 40;
+                check(&reciprocal, divisor, next() >> (lengths & 63));
+                let quotient = (next() >> 32) as u32 >> (lengths >> 6 & 31);
+                check_around(&reciprocal, divisor, quotient);
+            }
+        }
+    }
+
+    #[test]
+    fn random_words_of_32_bits() {
+        random(100_000);
+    }
+
+    /// 2^32 quotients: `cargo test --release -p touchstone-control -- --ignored`, a minute or so.
+    #[test]
+    #[ignore = "a minute in a release build"]
+    fn four_thousand_million_random_words() {
+        random(1 << 26);
+    }
+}
