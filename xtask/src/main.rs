@@ -71,7 +71,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "float-free",
-        about: "the control crate's fixed build has no float in its source, and neither float nor panic in its code",
+        about: "control and drive, as firmware builds them, have no float in their source, and neither float nor panic in their code",
         in_test: true,
         run: float_free::run,
     },

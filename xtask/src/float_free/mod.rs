@@ -1,8 +1,8 @@
-//! `cargo xtask float-free`: the control crate, as firmware builds it, has no float in it.
+//! `cargo xtask float-free`: the crates that decide, as firmware builds them, have no float in them.
 //!
 //! Three looks, each finding what the others cannot: at the source (types, literals, casts, outside what the feature
-//! `float` turns on); at the code that this machine's compiler makes of `control/examples/every_law.rs`, with all that it
-//! calls in other crates; and, where the compiler can make it, at the microcontroller's code, where a soft-float target
+//! `float` turns on); at the code that this machine's compiler makes of an example that uses all that firmware uses, with all
+//! that it calls in other crates; and, where the compiler can make it, at the microcontroller's code, where a soft-float target
 //! turns every float operation into a call with a telling name. Where the code is looked at, calls to panics are found too:
 //! set-up and tick must have none.
 
@@ -18,16 +18,45 @@ use crate::shell;
 /// How many findings are printed before the rest is only counted.
 const SHOWN: usize = 20;
 
+/// A crate and the example that stands for firmware.
+struct Subject {
+    package: &'static str,
+    /// Its source.
+    folder: &'static str,
+    example: &'static str,
+    /// Its assembly, by the beginning of the file's name.
+    assembly: &'static str,
+}
+
+const SUBJECTS: [Subject; 2] = [
+    Subject {
+        package: "touchstone-control",
+        folder: "control/src",
+        example: "every_law",
+        assembly: "touchstone_control-",
+    },
+    Subject {
+        package: "touchstone-drive",
+        folder: "drive/src",
+        example: "both_interrupts",
+        assembly: "touchstone_drive-",
+    },
+];
+
 pub fn run(args: &[String]) -> Outcome {
     if !args.is_empty() {
         return Outcome::Usage("cargo xtask float-free".into());
     }
     let (mut notes, mut failures) = (Vec::new(), Vec::new());
-    for look in [in_source, in_host_code, in_thumb_code] {
-        match look() {
-            Outcome::Ok(note) => notes.push(note),
-            Outcome::NotRun(reason) => notes.push(format!("not run: {reason}")),
-            Outcome::Failed(reason) | Outcome::Usage(reason) => failures.push(reason),
+    for subject in &SUBJECTS {
+        for look in [in_source, in_host_code, in_thumb_code] {
+            match look(subject) {
+                Outcome::Ok(note) => notes.push(format!("{} {note}", subject.package)),
+                Outcome::NotRun(reason) => notes.push(format!("not run: {reason}")),
+                Outcome::Failed(reason) | Outcome::Usage(reason) => {
+                    failures.push(format!("{}: {reason}", subject.package));
+                }
+            }
         }
     }
     if failures.is_empty() {
@@ -47,8 +76,8 @@ fn failed(place: &str, what: &str, findings: &[String]) -> Outcome {
     Outcome::Failed(format!("{what} in the {place}: {}", findings.len()))
 }
 
-fn in_source() -> Outcome {
-    let folder = shell::root().join("control/src");
+fn in_source(subject: &Subject) -> Outcome {
+    let folder = shell::root().join(subject.folder);
     match source::floats_below(&folder) {
         Ok(scan) if scan.findings.is_empty() => {
             Outcome::Ok(format!("source: {} files", scan.files))
@@ -58,20 +87,20 @@ fn in_source() -> Outcome {
     }
 }
 
-fn in_host_code() -> Outcome {
+fn in_host_code(subject: &Subject) -> Outcome {
     let architecture = std::env::consts::ARCH;
     let Some(is_float) = assembly::float_operation(architecture) else {
         return Outcome::NotRun(format!("no list of float instructions of {architecture}"));
     };
     let folder = folder("host", &thumb::active_version());
-    let outcome = emit(shell::cargo_locked("build"), &[], &folder);
+    let outcome = emit(subject, shell::cargo_locked("build"), &[], &folder);
     if outcome.is_failure() {
         return outcome;
     }
-    look(&folder.join("release"), architecture, is_float)
+    look(subject, &folder.join("release"), architecture, is_float)
 }
 
-fn in_thumb_code() -> Outcome {
+fn in_thumb_code(subject: &Subject) -> Outcome {
     let Some(compiler) = thumb::find() else {
         return Outcome::NotRun(format!(
             "no compiler for {0} (rustup target add {0})",
@@ -81,12 +110,12 @@ fn in_thumb_code() -> Outcome {
     println!("with {compiler}");
     let folder = folder("thumb", &compiler.version);
     let (cargo, options) = compiler.cargo();
-    let outcome = emit(cargo, &options, &folder);
+    let outcome = emit(subject, cargo, &options, &folder);
     if outcome.is_failure() {
         return outcome;
     }
     let code = folder.join(thumb::TARGET).join("release");
-    look(&code, thumb::TARGET, assembly::is_thumb_float)
+    look(subject, &code, thumb::TARGET, assembly::is_thumb_float)
 }
 
 /// One folder for each compiler: the code of two must not be mixed.
@@ -95,10 +124,15 @@ fn folder(name: &str, version: &str) -> PathBuf {
 }
 
 /// Builds the example for firmware's eyes, with the assembly of all its crates.
-fn emit(mut cargo: std::process::Command, options: &[String], folder: &Path) -> Outcome {
+fn emit(
+    subject: &Subject,
+    mut cargo: std::process::Command,
+    options: &[String],
+    folder: &Path,
+) -> Outcome {
     cargo
-        .args(["--quiet", "--release", "--package", "touchstone-control"])
-        .args(["--example", "every_law", "--target-dir"])
+        .args(["--quiet", "--release", "--package", subject.package])
+        .args(["--example", subject.example, "--target-dir"])
         .arg(folder)
         .args(options)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
@@ -109,8 +143,8 @@ fn emit(mut cargo: std::process::Command, options: &[String], folder: &Path) -> 
     shell::run(&mut cargo)
 }
 
-/// Follows every function of the two crates through all that it calls.
-fn look(release: &Path, name: &str, is_float: fn(&str) -> bool) -> Outcome {
+/// Follows every function of crate and example through all that it calls.
+fn look(subject: &Subject, release: &Path, name: &str, is_float: fn(&str) -> bool) -> Outcome {
     let files = [release.join("deps"), release.join("examples")];
     let files: Vec<PathBuf> = files.iter().flat_map(|folder| newest(folder)).collect();
     let mut code = assembly::Code::default();
@@ -121,10 +155,11 @@ fn look(release: &Path, name: &str, is_float: fn(&str) -> bool) -> Outcome {
         };
         let labels = code.add(&text);
         let stem = file.file_name().unwrap_or_default().to_string_lossy();
-        if stem.starts_with("every_law-") {
+        let is_example = stem.starts_with(&format!("{}-", subject.example));
+        if is_example {
             example.extend(labels.iter().cloned());
         }
-        if stem.starts_with("every_law-") || stem.starts_with("touchstone_control-") {
+        if is_example || stem.starts_with(subject.assembly) {
             all.extend(labels);
         }
     }

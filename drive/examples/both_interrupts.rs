@@ -1,0 +1,93 @@
+//! What firmware's two interrupts and its set-up use of this crate, and nothing else.
+//!
+//! It is a library, so that it builds without an operating system; `cargo xtask float-free` looks at the code that the
+//! compiler makes of it.
+#![no_std]
+
+use touchstone_drive::mailbox::{CommandWords, ReportWords};
+use touchstone_drive::{
+    CompactRecord, ControlInput, ControlOutput, CurrentCommand, CurrentConfig, CurrentLoop,
+    CurrentOutput, CurrentReport, CurrentSample, Cycles, Device, Hardware, ResetFlags, ResetReason,
+    Ring, Settings, SettingsError,
+};
+
+/// Validates settings and computes everything.
+///
+/// # Errors
+/// As [`Device::new`].
+#[inline(never)]
+pub fn set_up(settings: &Settings, hardware: &Hardware) -> Result<Device, SettingsError> {
+    Device::new(settings, hardware)
+}
+
+/// Other settings.
+///
+/// # Errors
+/// As [`Device::configure`].
+#[inline(never)]
+pub fn configure(
+    device: &mut Device,
+    settings: &Settings,
+    hardware: &Hardware,
+) -> Result<(), SettingsError> {
+    device.configure(settings, hardware)
+}
+
+/// What the start tells.
+#[inline(never)]
+pub fn started(device: &mut Device, flags: &ResetFlags) {
+    device.started(ResetReason::of(flags));
+}
+
+/// The control interrupt.
+#[inline(never)]
+pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> ControlOutput {
+    let output = device.tick(input);
+    ring.take(&output.record);
+    output
+}
+
+/// The mailbox down.
+#[inline(never)]
+pub fn down(output: &ControlOutput) -> CommandWords {
+    output.mailbox().to_words()
+}
+
+/// The current interrupt, from mailbox to mailbox.
+#[inline(never)]
+pub fn current(
+    current: &mut CurrentLoop,
+    sample: &CurrentSample,
+    words: &CommandWords,
+) -> (CurrentOutput, ReportWords) {
+    let command = CurrentCommand::from_words(words);
+    let output = current.tick(&CurrentSample { command, ..*sample });
+    (output, output.report.to_words())
+}
+
+/// Other coefficients for it.
+#[inline(never)]
+pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
+    current.reconfigure(*config);
+}
+
+/// The mailbox up.
+#[inline(never)]
+pub fn up(words: &ReportWords) -> CurrentReport {
+    CurrentReport::from_words(words)
+}
+
+/// The last second.
+#[inline(never)]
+pub fn oldest(ring: &mut Ring, index: usize) -> Option<CompactRecord> {
+    let record = ring.get(index).map(CompactRecord::from_bytes);
+    ring.thaw();
+    record
+}
+
+/// A stage's cycles.
+#[inline(never)]
+pub fn stage(cycles: &mut Cycles, took: u32) -> u32 {
+    cycles.add(took);
+    cycles.mean()
+}
