@@ -19,7 +19,7 @@ use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, Position};
 
 macro_rules! fba {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident, bound $bound:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -129,6 +129,19 @@ macro_rules! fba {
                 }
             }
             property! {
+                /// P5: the bound that a controller is built with is at most what the damping, as stored, allows.
+                equation "bound² <= c 2^(b+2)"
+                over "damping"
+                by $bound fn p5_bound_of_damping(s) {
+                    let damping = N::any_stiffness(s);
+                    let bound = i128::from(N::of_gain(N::root_of_four(damping.0)));
+                    let stored = i128::from(N::of_gain(damping.0)).max(0);
+                    assert!(bound >= 0 && bound * bound <= stored << (N::GAIN_BITS + 2));
+                    cover!(s, bound > 2 && bound * bound < stored << (N::GAIN_BITS + 2), "rounded");
+                    cover!(s, stored == 0, "no damping");
+                }
+            }
+            property! {
                 /// P7: outside the wall the force is 0 and nothing is remembered.
                 equation "e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory whatever, position outside"
@@ -148,9 +161,9 @@ macro_rules! fba {
 
 fba!(
     /// At the width that the firmware runs, from the facts of [`crate::facts`].
-    w32, Facts32, functions Functions32, by cadical, sums cadical
+    w32, Facts32, functions Functions32, by cadical, sums cadical, bound sampled
 );
 fba!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, functions Fixed8, by cadical, sums cadical
+    w8, Fixed8, functions Fixed8, by cadical, sums cadical, bound cadical
 );
