@@ -77,7 +77,7 @@ macro_rules! enhanced {
             }
             property! {
                 /// P6: rounding only dissipates: the displacement has the sign of the net force and never exceeds its
-                /// quotient. With `heart::p6_quotient`: `|D d'| <= |N0 - f|`.
+                /// quotient. With `heart::p6_quotient` and the reciprocal's exactness: `|D d'| <= |N0 - f|`.
                 equation "|d'| <= |(N0 - f) / D|, sign of N0 - f"
                 over "valid mass, position, drive, force"
                 by $sums fn p6_rounding_dissipates(s) {
@@ -86,7 +86,7 @@ macro_rules! enhanced {
                     let drive = such!(s, F::any_tension(s), |drive| drive_ok(&mass, drive), "p6_drive_is_exact");
                     let step = mass.displacement(from, drive, force);
                     let net = drive - force.lift();
-                    let quotient = net.over(mass.total);
+                    let quotient = net.per(&mass.by_total);
                     assert!(F::of_signal(step.0).unsigned_abs() <= F::of_signal(quotient.0).unsigned_abs());
                     assert!(step == Position::zero() || (step > Position::zero()) == (net.0 > 0));
                     cover!(s, step < Position::zero() && step > quotient, "stopped by the end of the range");

@@ -185,8 +185,7 @@ impl Number for Functions32 {
         k
     }
     fn divide_by(p: i64, k: &Gain) -> Signal {
-        // The same function as the plain quotient: `heart::reciprocal`.
-        Self::divide(p, *k)
+        function!([p, gain(*k)], Facts32::divide_by(p, k), |y| [bits(y)])
     }
     fn work(f: Signal, d: Signal) -> Energy {
         function!([bits(f), bits(d)], Facts32::work(f, d), |y| [y.to_bits()])
