@@ -3,11 +3,14 @@
 //! The program of a board ends up in `target/firmware/BOARD/touchstone.elf`, which is what the emulator runs and
 //! `touchstone flash` writes.
 
-use std::path::PathBuf;
+mod look;
+
+use std::path::{Path, PathBuf};
 
 use crate::microcontroller::{self, TARGET};
 use crate::outcome::Outcome;
 use crate::shell;
+use crate::thumb::elf::Program;
 
 /// The boards: each is the name of a binary and of a feature of `firmware/`.
 pub const BOARDS: [&str; 2] = ["nucleo-g474re", "b-g431b-esc1"];
@@ -29,14 +32,35 @@ pub fn run(args: &[String]) -> Outcome {
         },
         _ => return Outcome::Usage(USAGE.into()),
     };
-    let mut done = Vec::new();
+    let (mut lines, mut wrong) = (Vec::new(), Vec::new());
     for board in boards {
-        match build(board) {
-            Ok(path) => done.push(path.display().to_string()),
+        let report = match build(board).and_then(|path| examine(board, &path)) {
+            Ok(report) => report,
             Err(outcome) => return outcome,
-        }
+        };
+        lines.push(format!("{board}: {}", report.line()));
+        wrong.extend(report.wrong.iter().map(|what| format!("{board}: {what}")));
     }
-    Outcome::Ok(done.join(", "))
+    println!("\n{}", lines.join("\n"));
+    for what in &wrong {
+        println!("WRONG: {what}");
+    }
+    match wrong.first() {
+        None => Outcome::Ok(
+            "budgets kept; no panic, heap, float or unknown call in the interrupts".into(),
+        ),
+        Some(first) => Outcome::Failed(format!("{} wrong, the first: {first}", wrong.len())),
+    }
+}
+
+/// Reads a program and looks at it.
+fn examine(board: &str, path: &Path) -> Result<look::Report, Outcome> {
+    let file = std::fs::read(path)
+        .map_err(|error| Outcome::Failed(format!("{}: {error}", path.display())))?;
+    let program = Program::read(&file)
+        .ok_or_else(|| Outcome::Failed(format!("{} is no ELF file of 32 bits", path.display())))?;
+    println!("{board}:");
+    Ok(look::look(&program))
 }
 
 /// Builds a board's program, warnings denied; where it is.

@@ -19,6 +19,21 @@ pub struct Program {
     /// Where data begins in the code (`true`) and where it ends.
     data: BTreeMap<u32, bool>,
     sections: Vec<(u32, Vec<u8>)>,
+    /// The sections that take memory on the board, in the file's order.
+    pub parts: Vec<Part>,
+    /// All symbols that are no functions, by name.
+    symbols: BTreeMap<String, u32>,
+}
+
+/// A section that takes memory on the board.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    pub name: String,
+    pub address: u32,
+    pub size: u32,
+    /// What is in the file; nothing for what start-up clears.
+    pub content: Vec<u8>,
+    pub is_code: bool,
 }
 
 /// What was met on the way from a function through all that it calls.
@@ -34,11 +49,13 @@ pub struct Reach {
     pub float_unit: Vec<String>,
     /// Calls and jumps that lead nobody knows where.
     pub unknown: Vec<String>,
+    /// Traps: where the compiler wants execution to stop.
+    pub traps: Vec<String>,
 }
 
 /// One instruction, as far as it matters here.
 #[derive(Debug, PartialEq, Eq)]
-enum Instruction {
+pub(super) enum Instruction {
     /// `BL` or `B.W`, with or without a condition, and how far from the address after it.
     Branch(i32),
     /// `BLX` with a register.
@@ -47,10 +64,12 @@ enum Instruction {
     JumpRegister,
     /// Coprocessors 10 and 11.
     FloatUnit,
+    /// `UDF`.
+    Trap,
     Other,
 }
 
-fn word(bytes: &[u8], at: usize) -> Option<u32> {
+pub fn word(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
@@ -65,18 +84,25 @@ fn text(bytes: &[u8], at: usize) -> Option<String> {
 }
 
 /// Whether a first half-word begins an instruction of two.
-fn is_wide(first: u32) -> bool {
+pub(super) fn is_wide(first: u32) -> bool {
     first >> 11 >= 0b11101
 }
 
-fn decode(first: u32, second: u32) -> Instruction {
+pub(super) fn decode(first: u32, second: u32) -> Instruction {
     if !is_wide(first) {
         let register = first >> 3 & 15;
         return match first & 0xff87 {
             0x4780 => Instruction::CallRegister,
             0x4700 if register != 14 => Instruction::JumpRegister,
+            // `MOV PC, register`.
+            0x4687 => Instruction::JumpRegister,
+            _ if first & 0xff00 == 0xde00 => Instruction::Trap,
             _ => Instruction::Other,
         };
+    }
+    // `LDR PC, [..]` by another register than the stack pointer.
+    if first & 0xff70 == 0xf850 && second >> 12 == 15 && first & 15 != 13 {
+        return Instruction::JumpRegister;
     }
     if first & 0xec00 == 0xec00 && second >> 9 & 7 == 0b101 {
         return Instruction::FloatUnit;
@@ -120,6 +146,21 @@ impl Program {
         for index in 0..count {
             let fields = section(index)?;
             let (kind, flags, address, link) = (fields[1], fields[2], fields[3], fields[6]);
+            if flags & 2 != 0 {
+                let names = content(&section(half(file, 50)?)?)?;
+                program.parts.push(Part {
+                    name: text(names, fields[0] as usize)?,
+                    address,
+                    size: fields[5],
+                    // NOBITS has none.
+                    content: if kind == 8 {
+                        Vec::new()
+                    } else {
+                        content(&fields)?.to_vec()
+                    },
+                    is_code: flags & 4 != 0,
+                });
+            }
             // PROGBITS that are executed.
             if kind == 1 && flags & 4 != 0 {
                 program.sections.push((address, content(&fields)?.to_vec()));
@@ -144,8 +185,52 @@ impl Program {
             self.data.insert(value, true);
         } else if name == "$t" || name.starts_with("$t.") {
             self.data.insert(value, false);
+        } else if !name.is_empty() {
+            self.symbols.insert(name, value);
         }
         Some(())
+    }
+
+    /// The address of a symbol that is no function.
+    pub fn symbol(&self, name: &str) -> Option<u32> {
+        self.symbols.get(name).copied()
+    }
+
+    /// A function's name and size by its address.
+    pub(super) fn function(&self, address: u32) -> Option<(&str, u32)> {
+        let function = self.functions.get(&(address & !1))?;
+        Some((&function.name, function.size))
+    }
+
+    /// The name of the function at an address.
+    pub fn function_name(&self, address: u32) -> Option<&str> {
+        self.function(address).map(|(name, _)| name)
+    }
+
+    /// Where the functions begin.
+    pub(super) fn starts(&self) -> impl Iterator<Item = u32> {
+        self.functions.keys().copied()
+    }
+
+    /// The address of the function with exactly this name.
+    pub fn address(&self, name: &str) -> Option<u32> {
+        let is_it = |(_, function): &(&u32, &Function)| function.name == name;
+        Some(*self.functions.iter().find(is_it)?.0)
+    }
+
+    /// Calls `look` with each instruction of a function: its address and its two half-words.
+    pub(super) fn instructions(&self, start: u32, mut look: impl FnMut(u32, u32, u32)) {
+        let size = self.function(start).map_or(0, |(_, size)| size);
+        let mut at = start;
+        while at < start + size {
+            if self.is_data(at) {
+                at += 2;
+                continue;
+            }
+            let first = self.half(at).unwrap_or(0);
+            look(at, first, self.half(at + 2).unwrap_or(0));
+            at += if is_wide(first) { 4 } else { 2 };
+        }
     }
 
     /// All names.
@@ -171,8 +256,13 @@ impl Program {
     /// From the function whose name contains a text. `None` if there is none.
     pub fn reach(&self, name: &str) -> Option<Reach> {
         let is_it = |(_, function): &(&u32, &Function)| function.name.contains(name);
+        self.reach_from(*self.functions.iter().find(is_it)?.0)
+    }
+
+    /// From the function at an address.
+    pub fn reach_from(&self, address: u32) -> Option<Reach> {
         let mut reach = Reach::default();
-        let mut waiting = vec![*self.functions.iter().find(is_it)?.0];
+        let mut waiting = vec![address];
         let mut seen: BTreeSet<u32> = waiting.iter().copied().collect();
         while let Some(start) = waiting.pop() {
             let function = &self.functions[&start];
@@ -190,14 +280,8 @@ impl Program {
     /// Reads a function; the functions that it calls or jumps to.
     fn goals(&self, start: u32, function: &Function, reach: &mut Reach) -> Option<Vec<u32>> {
         let mut goals = Vec::new();
-        let mut at = start;
-        while at < start + function.size {
-            if self.is_data(at) {
-                at += 2;
-                continue;
-            }
-            let (first, second) = (self.half(at)?, self.half(at + 2).unwrap_or(0));
-            let after = at + if is_wide(first) { 4 } else { 2 };
+        let mut is_known = true;
+        self.instructions(start, |at, first, second| {
             let place = || format!("{} at {at:#x}", function.name);
             reach.instructions += 1;
             match decode(first, second) {
@@ -213,9 +297,13 @@ impl Program {
                     reach.unknown.push(place())
                 }
                 Instruction::FloatUnit => reach.float_unit.push(place()),
+                Instruction::Trap => reach.traps.push(place()),
                 Instruction::Other => {}
             }
-            at = after;
+            is_known &= self.half(at).is_some();
+        });
+        if !is_known {
+            return None;
         }
         Some(goals)
     }
@@ -232,6 +320,11 @@ mod tests {
             (0xbf00, 0, Instruction::Other),
             (0x4770, 0, Instruction::Other),
             (0x4718, 0, Instruction::JumpRegister),
+            // mov pc, r3; ldr.w pc, [r0, r1, lsl #2]; pop.w {pc} as a load; udf #254
+            (0x469f, 0, Instruction::JumpRegister),
+            (0xf850, 0xf021, Instruction::JumpRegister),
+            (0xf85d, 0xfb04, Instruction::Other),
+            (0xdefe, 0, Instruction::Trap),
             (0x4790, 0, Instruction::CallRegister),
             // bl to itself; bl forwards by 0x1000; b.w forwards by 8
             (0xf7ff, 0xfffe, Instruction::Branch(-4)),

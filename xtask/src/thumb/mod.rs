@@ -6,6 +6,7 @@
 
 pub mod elf;
 mod report;
+pub mod stack;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
