@@ -250,9 +250,14 @@ impl Device {
         settings: &Settings,
         hardware: &Hardware,
     ) -> Result<(), SettingsError> {
-        self.next_config = Some(Config::new(settings, hardware)?);
-        self.settings_refused = false;
+        self.prepare(Config::new(settings, hardware)?);
         Ok(())
+    }
+
+    /// As [`Device::configure`], with coefficients that were computed before: takes no time, needs no stack.
+    pub fn prepare(&mut self, config: Config) {
+        self.next_config = Some(config);
+        self.settings_refused = false;
     }
 
     /// Coefficients of the current loop.

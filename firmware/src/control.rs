@@ -2,19 +2,20 @@
 
 use core::sync::atomic::Ordering::Relaxed;
 
-use heapless::spsc::Producer;
+use heapless::Deque;
+use touchstone_drive::device::Config;
 use touchstone_drive::mailbox::ReportWords;
 use touchstone_drive::{
-    ControlInput, CurrentCommand, CurrentConfig, CurrentMode, CurrentReport, Device, DriveCommand,
-    EncoderKind, Ring, Settings, TickTiming,
+    ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DriveCommand, EncoderKind,
+    Ring, Settings, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
-use crate::interrupts::{BREAK, BROWN_OUT, COMMAND};
+use crate::interrupts::{BREAK, BROWN_OUT, COMMAND, CONFIG};
 use crate::shared::Guarded;
 use crate::{analogue, board, encoder, pwm};
 
-/// One more than the telemetry records that may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
+/// How many telemetry records may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
 pub const QUEUED: usize = 16;
 
 /// What an interrupt reads for a tick, beside the encoder.
@@ -41,8 +42,8 @@ pub struct Control {
     pub command: Option<Command>,
     /// What became of the last command.
     pub accepted: Option<bool>,
-    /// Settings that wait for the next tick.
-    pub settings: Option<Settings>,
+    /// Telemetry that waits for the port, oldest first.
+    pub telemetry: Deque<Telemetry, QUEUED>,
     /// One telemetry record every so many ticks; 0 for none.
     pub decimation: u16,
     /// Telemetry records that the queue had no room for.
@@ -57,8 +58,6 @@ pub struct Control {
     next_encoder: EncoderKind,
     rate_hz: u32,
     brown_out_told: bool,
-    configs: Producer<'static, CurrentConfig>,
-    telemetry: Producer<'static, Telemetry>,
 }
 
 /// The control tick's state, which lies in a static of its own; nothing before the start.
@@ -68,20 +67,14 @@ pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
 impl Control {
     /// Before the first tick.
-    pub fn new(
-        device: Device,
-        settings: &Settings,
-        decimation: u16,
-        configs: Producer<'static, CurrentConfig>,
-        telemetry: Producer<'static, Telemetry>,
-    ) -> Self {
+    pub fn new(device: Device, settings: &Settings, decimation: u16) -> Self {
         Self {
             device,
             tick: 0,
             state: State::Boot,
             command: None,
             accepted: None,
-            settings: None,
+            telemetry: Deque::new(),
             decimation,
             dropped: 0,
             cycles_max: 0,
@@ -92,17 +85,12 @@ impl Control {
             next_encoder: settings.encoder.kind,
             rate_hz: settings.wall.rate_hz,
             brown_out_told: false,
-            configs,
-            telemetry,
         }
     }
 
     /// One tick.
     #[inline]
     pub fn tick(&mut self, readings: &Readings) {
-        if let Some(settings) = self.settings.take() {
-            self.use_settings(&settings);
-        }
         if readings.brown_out && !self.brown_out_told {
             self.brown_out_told = true;
             self.device.report_fault(FaultCode::BrownOut, 0);
@@ -168,20 +156,17 @@ impl Control {
         }
     }
 
-    /// Other settings: they count from the next calibration. They were checked before they came here.
-    fn use_settings(&mut self, settings: &Settings) {
-        match self.device.configure(settings, &board::HARDWARE) {
-            Ok(()) => {
-                self.next_encoder = settings.encoder.kind;
-                self.rate_hz = settings.wall.rate_hz;
-            }
-            Err(_) => self.device.report_fault(FaultCode::SettingsInvalid, 0),
-        }
+    /// Other settings, and what was made of them: they count from the next calibration.
+    pub fn prepare(&mut self, settings: &Settings, config: Config, decimation: u16) {
+        self.device.prepare(config);
+        self.next_encoder = settings.encoder.kind;
+        self.rate_hz = settings.wall.rate_hz;
+        self.decimation = decimation;
     }
 
     fn reconfigure(&mut self) {
         // Never full: the current loop takes it a PWM period later, and calibrations are further apart.
-        let _ = self.configs.enqueue(self.device.current_config());
+        let _ = CONFIG.give(self.device.current_config());
         self.encoder = self.next_encoder;
         board::prepare_magnetic(self.encoder);
     }
@@ -199,7 +184,7 @@ impl Control {
             return;
         }
         self.since_sent = 0;
-        if self.telemetry.enqueue(Telemetry::from(record)).is_err() {
+        if self.telemetry.push_back(Telemetry::from(record)).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }

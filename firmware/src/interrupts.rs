@@ -9,12 +9,11 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use heapless::spsc::Consumer;
 use touchstone_drive::mailbox::{CommandWords, ReportWords};
 use touchstone_drive::{Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentSample};
 
 use crate::control::{CONTROL, Readings};
-use crate::shared::{Down, Owned, Up, raise};
+use crate::shared::{Down, Owned, Slot, Up, raise};
 use crate::{analogue, board, cycles, pwm, sense, supply};
 
 /// From the control tick to the current loop.
@@ -36,21 +35,16 @@ pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
 /// The control tick ran since the supervisor looked.
 pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
 
-/// What belongs to the current loop.
-pub struct Current {
-    /// The loop.
-    pub current_loop: CurrentLoop,
-    /// Its next coefficients.
-    pub configs: Consumer<'static, CurrentConfig>,
-}
+/// Other coefficients for the current loop.
+pub static CONFIG: Slot<CurrentConfig> = Slot::new();
 
-static CURRENT: Owned<&'static mut Current> = Owned::empty();
+static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
 /// Gives the current loop its state, sets the priorities, and lets them come.
 ///
 /// # Safety
 /// Once, with [`CONTROL`] filled.
-pub unsafe fn start(current: &'static mut Current) {
+pub unsafe fn start(current: &'static mut CurrentLoop) {
     // SAFETY: the interrupt is enabled below, and this runs once.
     unsafe { CURRENT.give(current) };
     interrupt::ADC1_2.set_priority(Priority::P0);
@@ -73,12 +67,12 @@ fn ADC1_2() {
     let Some(current) = (unsafe { CURRENT.mine() }) else {
         return;
     };
-    if let Some(config) = current.configs.dequeue() {
-        current.current_loop.reconfigure(config);
+    if let Some(config) = CONFIG.take() {
+        current.reconfigure(config);
     }
     let readings = board::readings(&raw);
     let is_broken = pwm::is_broken() || BREAK.load(Relaxed) || BROWN_OUT.load(Relaxed);
-    let output = current.current_loop.tick(&CurrentSample {
+    let output = current.tick(&CurrentSample {
         phase_a: readings.phase_a,
         phase_b: readings.phase_b,
         bus: readings.bus,

@@ -2,12 +2,13 @@
 
 use core::sync::atomic::Ordering::Relaxed;
 
+use touchstone_drive::device::Config;
 use touchstone_drive::{CompactRecord, wire};
 use touchstone_protocol::session::{Device, FlashError};
 use touchstone_protocol::settings::{DeviceSettings, Invalid};
 use touchstone_protocol::{
-    Command, Counters, DeviceCommand, Fault, Identity, PROTOCOL_VERSION, Phase, ResetReason,
-    RingChunk, State, flash, stored,
+    Command, Counters, DeviceCommand, Fault, FaultCode, Identity, PROTOCOL_VERSION, Phase,
+    ResetReason, RingChunk, State, flash, stored,
 };
 
 use crate::control::{CONTROL, Control, RING};
@@ -21,17 +22,50 @@ const PATIENCE: u32 = 20 * (crate::clock::CORE_HZ / 1_000);
 /// The device as the thread sees it.
 pub struct Thread {
     /// The settings' flash.
-    pub storage: Storage,
+    storage: Storage,
     /// Why the processor started.
-    pub reset_reason: ResetReason,
+    reset_reason: ResetReason,
+    /// The session has settings that the control tick does not have.
+    new_settings: bool,
 }
 
 /// Looks at the control tick's state. It is there from before the first request on.
-fn control<R>(look: impl FnOnce(&mut Control) -> R) -> Option<R> {
+pub fn control<R>(look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     CONTROL.in_thread(|control| control.as_mut().map(|control| look(control)))
 }
 
 impl Thread {
+    /// At the start.
+    pub const fn new(storage: Storage, reset_reason: ResetReason) -> Self {
+        Self {
+            storage,
+            reset_reason,
+            new_settings: false,
+        }
+    }
+
+    /// Whether the session has settings that the control tick does not have.
+    pub fn has_new_settings(&self) -> bool {
+        self.new_settings
+    }
+
+    /// Gives the control tick what is made of the settings. Computed here, where time does not matter, and after the answer, whose
+    /// messages are gone from the stack then.
+    #[inline(never)]
+    pub fn apply(&mut self, settings: &DeviceSettings) {
+        self.new_settings = false;
+        let drive = touchstone_drive::Settings::from(settings);
+        match Config::new(&drive, &board::HARDWARE) {
+            Ok(config) => {
+                control(|control| control.prepare(&drive, config, settings.telemetry.decimation));
+            }
+            // They were checked, so this does not happen.
+            Err(_) => {
+                control(|control| control.device.report_fault(FaultCode::SettingsInvalid, 0));
+            }
+        }
+    }
+
     /// Gives a command to the next control tick and waits for its answer. The thread does nothing else meanwhile; the
     /// interrupts do.
     fn give(&mut self, command: Command) -> bool {
@@ -119,12 +153,8 @@ impl Device for Thread {
         wire::checked(settings, board::BOARD).map(|_| ())
     }
 
-    fn use_settings(&mut self, settings: &DeviceSettings) {
-        let drive = touchstone_drive::Settings::from(settings);
-        control(|control| {
-            control.settings = Some(drive);
-            control.decimation = settings.telemetry.decimation;
-        });
+    fn use_settings(&mut self, _settings: &DeviceSettings) {
+        self.new_settings = true;
     }
 
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {

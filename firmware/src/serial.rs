@@ -7,13 +7,12 @@ use embassy_stm32::usart;
 use embassy_stm32::usart::BufferedUart;
 use embassy_time::{Duration, Ticker};
 use embedded_io_async::{Read, Write};
-use heapless::spsc::Consumer;
 use static_cell::ConstStaticCell;
+use touchstone_protocol::FromDevice;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::session::Session;
-use touchstone_protocol::{FromDevice, Telemetry};
 
-use crate::requests::Thread;
+use crate::requests::{Thread, control};
 
 /// 115,200 would not carry the telemetry.
 pub const BAUD: u32 = 921_600;
@@ -41,9 +40,8 @@ pub fn config() -> usart::Config {
 #[embassy_executor::task]
 pub async fn link(
     mut port: BufferedUart<'static>,
-    mut session: Session,
+    session: &'static mut Session,
     mut device: Thread,
-    mut telemetry: Consumer<'static, Telemetry>,
 ) {
     let (frame, decoder) = (FRAME.take(), DECODER.take());
     let mut ticker = Ticker::every(Duration::from_millis(1));
@@ -56,28 +54,49 @@ pub async fn link(
             _ => 0,
         };
         for byte in received.iter().take(count) {
-            let errors = decoder.errors();
-            let answer = match decoder.push(*byte) {
-                Some(Ok(payload)) => match session.answer_payload(payload, errors, &mut device) {
-                    Some(answer) => answer,
-                    None => {
-                        decoder.count_error();
-                        continue;
-                    }
-                },
-                _ => continue,
-            };
-            send(&mut port, &answer, frame).await;
+            if let Some(length) = take(*byte, decoder, session, &mut device, frame) {
+                // Writing to this port cannot fail.
+                let _ = port.write_all(&frame[..length]).await;
+            }
         }
-        while let Some(record) = telemetry.dequeue() {
-            send(&mut port, &FromDevice::Telemetry(record), frame).await;
+        if device.has_new_settings() {
+            device.apply(session.settings());
+        }
+        while let Some(length) = next_record(frame) {
+            let _ = port.write_all(&frame[..length]).await;
         }
     }
 }
 
-async fn send(port: &mut BufferedUart<'static>, message: &FromDevice, buffer: &mut [u8]) {
-    if let Ok(frame) = frame::encode(message, buffer) {
-        // Writing to this port cannot fail.
-        let _ = port.write_all(frame).await;
+/// Takes a byte; the length of the answer's frame if it was the last of a request. Not a part of the task, so that its messages
+/// are on the stack only while they are needed.
+#[inline(never)]
+fn take(
+    byte: u8,
+    decoder: &mut Decoder,
+    session: &mut Session,
+    device: &mut Thread,
+    frame: &mut [u8],
+) -> Option<usize> {
+    let errors = decoder.errors();
+    let payload = decoder.push(byte)?.ok()?;
+    // Not moved out of the option: it is large.
+    match &session.answer_payload(payload, errors, device) {
+        Some(answer) => Some(frame::encode(answer, frame).ok()?.len()),
+        None => {
+            decoder.count_error();
+            None
+        }
     }
+}
+
+/// The next telemetry record's frame.
+#[inline(never)]
+fn next_record(frame: &mut [u8]) -> Option<usize> {
+    let record = control(|control| control.telemetry.pop_front()).flatten()?;
+    Some(
+        frame::encode(&FromDevice::Telemetry(record), frame)
+            .ok()?
+            .len(),
+    )
 }

@@ -167,6 +167,54 @@ impl<T> Guarded<T> {
     }
 }
 
+/// One value from a lower priority to a higher one, taken once.
+pub struct Slot<T> {
+    value: UnsafeCell<Option<T>>,
+    full: AtomicBool,
+}
+
+// SAFETY: `full` says who may touch the value: the giver while it is false, the taker while it is true.
+unsafe impl<T: Send> Sync for Slot<T> {}
+
+impl<T> Slot<T> {
+    /// Empty.
+    pub const fn new() -> Self {
+        Self {
+            value: UnsafeCell::new(None),
+            full: AtomicBool::new(false),
+        }
+    }
+
+    /// From one priority only. `false` if the last one was not taken yet, which then stays.
+    pub fn give(&self, value: T) -> bool {
+        if self.full.load(Ordering::Acquire) {
+            return false;
+        }
+        // SAFETY: the taker does not touch it before `full` is set, and there is one giver.
+        unsafe { *self.value.get() = Some(value) };
+        self.full.store(true, Ordering::Release);
+        true
+    }
+
+    /// From a higher priority than [`Self::give`]'s, one only.
+    #[inline]
+    pub fn take(&self) -> Option<T> {
+        if !self.full.load(Ordering::Acquire) {
+            return None;
+        }
+        // SAFETY: the giver does not touch it before `full` is cleared, and there is one taker.
+        let value = unsafe { (*self.value.get()).take() };
+        self.full.store(false, Ordering::Release);
+        value
+    }
+}
+
+impl<T> Default for Slot<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// A value that belongs to one interrupt, given to it before it is enabled.
 pub struct Owned<T>(UnsafeCell<Option<T>>);
 

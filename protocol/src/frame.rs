@@ -133,6 +133,8 @@ fn payload_length(frame: &mut [u8]) -> Result<usize, FrameError> {
 }
 
 /// The message in a payload. `None` if it is none, or is followed by more.
+// A function of its own: what it builds on its stack is gone before the message is worked on.
+#[inline(never)]
 #[must_use]
 pub fn message<'p, T: Deserialize<'p>>(payload: &'p [u8]) -> Option<T> {
     match postcard::take_from_bytes(payload) {

@@ -70,15 +70,19 @@ impl Session {
 
     /// Answers a whole frame's payload. A payload that is no request of this version is answered where its number can be
     /// read, as the frame was whole; `None` where not, to be counted.
+    #[inline(never)]
     pub fn answer_payload(
         &mut self,
         payload: &[u8],
         decode_errors: u32,
         device: &mut impl Device,
     ) -> Option<FromDevice> {
-        if let Some(ToDevice { id, request }) = frame::message(payload) {
-            let answer = self.answer(&request, decode_errors, device);
-            return Some(FromDevice::Answer { id, answer });
+        let message: Option<ToDevice<'_>> = frame::message(payload);
+        if let Some(ToDevice { id, request }) = &message {
+            return Some(FromDevice::Answer {
+                id: *id,
+                answer: self.answer(request, decode_errors, device),
+            });
         }
         payload.first().map(|&id| FromDevice::Answer {
             id,
@@ -90,11 +94,35 @@ impl Session {
     ///
     /// # Errors
     /// Why not; nothing is changed then.
+    // Not a part of its caller: see below.
+    #[inline(never)]
     pub fn answer(
         &mut self,
         request: &Request<'_>,
         decode_errors: u32,
         device: &mut impl Device,
+    ) -> Result<Reply, Refusal> {
+        match request {
+            Request::Set { .. }
+            | Request::SetAll(_)
+            | Request::Defaults
+            | Request::Save
+            | Request::Command(_)
+            | Request::Telemetry { .. } => self.act(request, device).map(|()| Reply::Done),
+            _ => self.tell(request, decode_errors, device),
+        }
+    }
+
+    // The following are functions of their own so that a device with a few kilobytes of stack has no more on it than it needs:
+    // one copy of the settings, and no reply while a request is carried out.
+
+    /// The requests that are told something.
+    #[inline(never)]
+    fn tell(
+        &self,
+        request: &Request<'_>,
+        decode_errors: u32,
+        device: &impl Device,
     ) -> Result<Reply, Refusal> {
         match request {
             Request::Hello => Ok(Reply::Identity(device.identity())),
@@ -109,61 +137,79 @@ impl Session {
                 let value = self.settings.get(path, &mut buffer).map_err(Refusal::Key)?;
                 Ok(Reply::Value(value.try_into().unwrap_or_default()))
             }
-            Request::Set { path, value } => {
-                let mut changed = self.settings.clone();
-                changed.set(path, value).map_err(Refusal::Key)?;
-                self.change(changed, device)
-            }
             Request::GetAll => Ok(Reply::Settings(self.settings.clone())),
-            Request::SetAll(settings) => self.change(settings.clone(), device),
-            Request::Defaults => {
-                self.change(DeviceSettings::defaults(device.identity().board), device)
-            }
-            Request::Save => self.save(device),
-            Request::Command(command) => {
-                if device.command(*command) {
-                    Ok(Reply::Done)
-                } else {
-                    Err(Refusal::NotNow(device.phase()))
-                }
-            }
             Request::Fault => Ok(Reply::Fault(device.fault())),
             Request::Ring { first } => match device.ring(*first) {
                 Some(chunk) => Ok(Reply::Ring(chunk)),
                 None => Err(Refusal::RingRuns),
             },
-            Request::Telemetry { decimation } => {
-                device.telemetry(*decimation);
-                Ok(Reply::Done)
-            }
             Request::Counters => Ok(Reply::Counters(Counters {
                 decode_errors,
                 ..device.counters()
             })),
+            // Nothing to tell: `act` has these.
+            Request::Set { .. }
+            | Request::SetAll(_)
+            | Request::Defaults
+            | Request::Save
+            | Request::Command(_)
+            | Request::Telemetry { .. } => Err(Refusal::NotUnderstood),
         }
     }
 
+    /// The requests that do something.
+    #[inline(never)]
+    fn act(&mut self, request: &Request<'_>, device: &mut impl Device) -> Result<(), Refusal> {
+        match request {
+            Request::Set { path, value } => self.set(path, value, device),
+            Request::SetAll(settings) => self.change(settings, device),
+            Request::Defaults => self.defaults(device),
+            Request::Save => self.save(device),
+            Request::Command(command) if device.command(*command) => Ok(()),
+            Request::Command(_) => Err(Refusal::NotNow(device.phase())),
+            Request::Telemetry { decimation } => {
+                device.telemetry(*decimation);
+                Ok(())
+            }
+            _ => Err(Refusal::NotUnderstood),
+        }
+    }
+
+    #[inline(never)]
+    fn set(&mut self, path: &str, value: &[u8], device: &mut impl Device) -> Result<(), Refusal> {
+        let mut changed = self.settings.clone();
+        changed.set(path, value).map_err(Refusal::Key)?;
+        self.change(&changed, device)
+    }
+
+    #[inline(never)]
+    fn defaults(&mut self, device: &mut impl Device) -> Result<(), Refusal> {
+        self.change(&DeviceSettings::defaults(device.identity().board), device)
+    }
+
     /// Takes settings, in the states in which no output depends on them.
+    #[inline(never)]
     fn change(
         &mut self,
-        settings: DeviceSettings,
+        settings: &DeviceSettings,
         device: &mut impl Device,
-    ) -> Result<Reply, Refusal> {
+    ) -> Result<(), Refusal> {
         match device.phase() {
             Phase::Boot | Phase::Ready | Phase::Stopped | Phase::Fault => {}
             phase @ (Phase::Calibrating | Phase::Armed) => return Err(Refusal::NotNow(phase)),
         }
-        device.check(&settings).map_err(Refusal::Invalid)?;
-        if settings != self.settings {
+        device.check(settings).map_err(Refusal::Invalid)?;
+        if *settings != self.settings {
             self.unsaved = true;
-            self.settings = settings;
+            self.settings.clone_from(settings);
         }
         device.use_settings(&self.settings);
-        Ok(Reply::Done)
+        Ok(())
     }
 
     /// Writes the settings. Not in `Ready`: the erase of a page stalls the processor for longer than a command to arm takes.
-    fn save(&mut self, device: &mut impl Device) -> Result<Reply, Refusal> {
+    #[inline(never)]
+    fn save(&mut self, device: &mut impl Device) -> Result<(), Refusal> {
         match device.phase() {
             Phase::Boot | Phase::Stopped | Phase::Fault => {}
             phase @ (Phase::Ready | Phase::Calibrating | Phase::Armed) => {
@@ -174,6 +220,6 @@ impl Session {
         let image = stored::encode(&self.settings, &mut buffer).map_err(|_| Refusal::Flash)?;
         device.save(image).map_err(|FlashError| Refusal::Flash)?;
         self.unsaved = false;
-        Ok(Reply::Done)
+        Ok(())
     }
 }

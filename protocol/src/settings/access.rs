@@ -43,6 +43,8 @@ impl DeviceSettings {
     ///
     /// # Errors
     /// No such leaf, or no such value; nothing is changed then.
+    // Its copy of the settings is gone before anything else is done with them: the stack of a device is small.
+    #[inline(never)]
     pub fn set(&mut self, path: &str, value: &[u8]) -> Result<(), KeyError> {
         let mut changed = self.clone();
         let rest = leaf::set_by_key(&mut changed, keys(path), de_flavors::Slice::new(value))

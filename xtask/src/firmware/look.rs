@@ -159,66 +159,68 @@ fn interrupt(program: &Program, handler: &str, wrong: &mut Vec<String>) {
     list("a call to where?", reach.unknown.clone());
 }
 
-/// The stack: what the thread needs, and on top of it one handler of each priority, each with an exception's frame.
+/// The function of the firmware that ends before the working interrupts are enabled.
+const START: &str = "touchstone_firmware3run5start";
+
+/// The stack: what the thread needs, and on top of it one handler of each priority, each with an exception's frame. At the start
+/// only the drivers' interrupts come.
 fn stack(program: &Program, report: &mut Report) {
     let mut depths = Depths::new(program);
     let Some(reset) = program.address("Reset") else {
         report.wrong.push("the program has no `Reset`".into());
         return;
     };
-    // The executor calls a task, a task its wakers or a formatter: two calls through registers inside each other.
+    // The executor calls a task, a task its wakers or a formatter: two calls through registers inside each other. A driver's
+    // handler calls a waker: one.
+    let starting = depths.nested(reset, 2);
+    let starting_path = depths.path(reset, 2);
+    depths.leave_out(START);
     let thread = depths.nested(reset, 2);
-    let mut levels = vec![("thread", thread)];
-    let working: Vec<&str> = PRIORITIES
-        .iter()
-        .flat_map(|row| row.iter().copied())
-        .collect();
-    // All other handlers have priority 6, below the three: drivers, which may wake tasks.
-    let mut drivers = 0;
-    for address in handlers(program) {
-        let is_driver = program.function_name(address).is_some_and(|name| {
-            !working.contains(&name)
-                && !["DefaultHandler", "HardFault", "NonMaskableInt", "Reset"]
-                    .iter()
-                    .any(|other| name.contains(other))
-        });
-        if is_driver {
-            drivers = drivers.max(depths.nested(address, 1));
-        }
-    }
-    levels.push(("drivers", drivers + EXCEPTION_FRAME));
+    let drivers = drivers(program)
+        .map(|address| depths.nested(address, 1) + EXCEPTION_FRAME)
+        .max()
+        .unwrap_or(0);
+    let mut levels = vec![("thread", thread), ("drivers", drivers)];
     for row in PRIORITIES.iter().rev() {
-        let deepest = row
-            .iter()
-            .filter_map(|name| Some(depths.nested(program.address(name)?, 0)))
-            .max()
-            .unwrap_or(0);
-        levels.push((row[0], deepest + EXCEPTION_FRAME));
+        let addresses = row.iter().filter_map(|name| program.address(name));
+        let deepest = addresses.map(|address| depths.nested(address, 0)).max();
+        levels.push((row[0], deepest.unwrap_or(0) + EXCEPTION_FRAME));
     }
     let shown: Vec<String> = levels
         .iter()
         .map(|(name, bytes)| format!("{name} {bytes}"))
         .collect();
-    println!("  stack: {}", shown.join(", "));
-    report.stack = levels.iter().map(|(_, bytes)| bytes).sum();
+    println!(
+        "  stack: start {}; then {}",
+        starting + drivers,
+        shown.join(", ")
+    );
+    let running: u32 = levels.iter().map(|(_, bytes)| bytes).sum();
+    report.stack = running.max(starting + drivers);
     for what in &depths.unbounded {
         println!("  stack, not bounded: {what}");
+        report.wrong.push(format!("the stack has no bound: {what}"));
     }
     if report.stack > report.stack_room {
-        for address in [reset].into_iter().chain(handlers(program)) {
-            let nested = if address == reset { 2 } else { 1 };
-            if depths.nested(address, nested) > 400 {
-                for (bytes, name) in depths.path(address, nested) {
-                    println!("    {bytes:>6} {name}");
-                }
-                println!();
-            }
+        for (bytes, name) in starting_path.iter().chain(&depths.path(reset, 2)) {
+            println!("    {bytes:>6} {name}");
         }
         report.wrong.push(format!(
             "the stack may need {} bytes and has {}",
             report.stack, report.stack_room
         ));
     }
+}
+
+/// The handlers of the drivers, all of priority 6: those of the vector table that are neither the processor's nor the firmware's.
+fn drivers(program: &Program) -> impl Iterator<Item = u32> {
+    const PROCESSOR: [&str; 4] = ["DefaultHandler", "HardFault", "NonMaskableInt", "Reset"];
+    let is_ours = |name: &str| PRIORITIES.iter().any(|row| row.contains(&name));
+    handlers(program).into_iter().filter(move |address| {
+        program.function_name(*address).is_some_and(|name| {
+            !is_ours(name) && !PROCESSOR.iter().any(|other| name.contains(other))
+        })
+    })
 }
 
 /// The handlers that the vector table names.

@@ -21,14 +21,17 @@ struct Frame {
     is_variable: bool,
 }
 
+/// A function, and how many calls through registers may be inside each other below it.
+type Question = (u32, u32);
+
 /// The deepest stack below functions.
 pub struct Depths<'p> {
     program: &'p Program,
     frames: BTreeMap<u32, Frame>,
     /// Functions whose address is taken.
     taken: BTreeSet<u32>,
-    /// Bytes below a function, and which function is next on the deepest path.
-    known: BTreeMap<(u32, u32), (u32, Option<(u32, u32)>)>,
+    /// Bytes below a question, and which one is next on the deepest path.
+    known: BTreeMap<Question, (u32, Option<Question>)>,
     /// What could not be bounded.
     pub unbounded: BTreeSet<String>,
 }
@@ -133,6 +136,10 @@ impl<'p> Depths<'p> {
         }
         // Words in data, and the constants between functions.
         for part in &program.parts {
+            // What the vector table names is called by the processor only.
+            if part.name == ".vector_table" {
+                continue;
+            }
             taken.extend(
                 (0..part.content.len())
                     .step_by(if part.is_code { 2 } else { 4 })
@@ -157,6 +164,17 @@ impl<'p> Depths<'p> {
     /// other.
     pub fn nested(&mut self, start: u32, nested: u32) -> u32 {
         self.below(start, nested, &mut Vec::new())
+    }
+
+    /// From now on without the functions whose name contains a text: they are over before what is asked for.
+    pub fn leave_out(&mut self, text: &str) {
+        let program = self.program;
+        self.frames.retain(|start, _| {
+            !program
+                .function(*start)
+                .is_some_and(|(name, _)| name.contains(text))
+        });
+        self.known.clear();
     }
 
     /// The deepest path below a function that was asked for: each function's own frame and name.
