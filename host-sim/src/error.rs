@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-/// A problem that the user can mend: says what, where and how. Printed on one line, exit code 2.
+/// A problem that the user can mend: says what, where and how. Printed on one line; exit code 1 where the world outside did not do
+/// its part, 2 where what was asked for cannot be done.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// Something in a file: scene, recording.
@@ -39,6 +40,40 @@ pub enum Error {
         /// How to mend it.
         fix: String,
     },
+    /// A device, its port or a program that reaches it.
+    #[error("{place}: {problem}; {fix}")]
+    Device {
+        /// The port, the device or the program.
+        place: String,
+        /// What is wrong.
+        problem: String,
+        /// How to mend it.
+        fix: String,
+    },
+}
+
+impl Error {
+    /// For the shell: 1 failed, 2 wrong usage.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Error::Device { .. } => 1,
+            Error::File { .. } | Error::Option { .. } | Error::Io { .. } => 2,
+        }
+    }
+
+    /// A problem with a device, its port or a program that reaches it.
+    pub fn device(
+        place: impl Into<String>,
+        problem: impl Into<String>,
+        fix: impl Into<String>,
+    ) -> Self {
+        Error::Device {
+            place: place.into(),
+            problem: problem.into(),
+            fix: fix.into(),
+        }
+    }
 }
 
 /// Result with [`enum@Error`].

@@ -5,6 +5,7 @@
 pub mod cli;
 pub mod error;
 pub mod identify;
+pub mod link;
 pub mod motor;
 pub mod plant;
 pub mod report;

@@ -1,7 +1,13 @@
-//! The command line: `touchstone [thesis | run | identify | scenes]`.
+//! The command line: `touchstone [thesis | run | identify | scenes | flash | monitor | config | device | doctor]`.
 
+mod config;
+mod device;
+mod doctor;
+mod flash;
 mod identify;
+mod monitor;
 mod out;
+mod port;
 mod run;
 mod thesis;
 
@@ -33,9 +39,19 @@ enum Command {
     Identify(identify::Options),
     /// Lists the scenes that come with the program.
     Scenes,
+    /// Writes the firmware into a board, through the program probe-rs.
+    Flash(flash::Options),
+    /// Shows what a device measures and does, live; keeps every control tick as CSV.
+    Monitor(monitor::Options),
+    /// Reads, changes and keeps a device's settings.
+    Config(config::Options),
+    /// Commands a device, and reads its state, its fault and the second before it.
+    Device(device::Options),
+    /// Looks for everything that a board needs, and says what is missing and how to get it.
+    Doctor(doctor::Options),
 }
 
-/// Runs the program. Exit codes: 0 done, 2 something to be mended by the user.
+/// Runs the program. Exit codes: 0 done, 1 a device or what it needs failed, 2 something to be mended by the user.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -47,12 +63,17 @@ pub fn main() -> ExitCode {
         Command::Run(options) => run::main(&options),
         Command::Identify(options) => identify::main(&options),
         Command::Scenes => scenes(),
+        Command::Flash(options) => flash::main(&options),
+        Command::Monitor(options) => monitor::main(&options),
+        Command::Config(options) => config::main(&options),
+        Command::Device(options) => device::main(&options),
+        Command::Doctor(options) => return doctor::main(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(2)
+            ExitCode::from(error.exit_code())
         }
     }
 }
@@ -122,8 +143,10 @@ fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
 
 /// The warning as a refusal: says which option asked for it.
 fn strictly(mut message: Error) -> Error {
-    let (Error::File { fix, .. } | Error::Option { fix, .. } | Error::Io { fix, .. }) =
-        &mut message;
+    let (Error::File { fix, .. }
+    | Error::Option { fix, .. }
+    | Error::Io { fix, .. }
+    | Error::Device { fix, .. }) = &mut message;
     fix.push_str(", or leave out --strict-passive");
     message
 }

@@ -36,6 +36,7 @@ pub use operator::{
 };
 pub use origin::Origin;
 pub use shipped::names;
+pub(crate) use unknown::{list, nearest};
 
 /// One experiment: a device, a wall, a law and a person.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
