@@ -4,6 +4,7 @@ pub mod bench;
 pub mod board;
 pub mod chip;
 pub mod cpu;
+pub mod fil;
 pub mod link;
 pub mod peripheral;
 pub mod world;

@@ -1,33 +1,50 @@
-//! Runs a firmware ELF for a while and says what happened.
-use touchstone_emulator::board::{Board, Encoder};
-use touchstone_emulator::chip::{Chip, ResetCause};
-use touchstone_emulator::cpu::{Machine, elf::Program};
-use touchstone_emulator::world::World;
-fn main() {
-    let path = std::env::args().nth(1).unwrap();
-    let ms: u64 = std::env::args().nth(2).unwrap().parse().unwrap();
-    let program = Program::read(std::path::Path::new(&path)).unwrap();
-    let chip = Chip::new(
-        Board::nucleo_g474re(Encoder::As5047p),
-        World::default(),
-        32_000,
-    );
-    let mut m = Machine::new(chip, &program).unwrap();
-    m.power_on(ResetCause::PowerOn);
-    let t = std::time::Instant::now();
-    let r = m.run_until(ms * 170_000);
-    println!("{r:?} {:?}", t.elapsed());
-    let c = m.chip();
-    println!(
-        "now {} us, spent {:?}, resets {:?}, faults {:?}",
-        c.core.now / 170,
-        c.core.spent,
-        m.resets,
-        c.faults
-    );
-    println!("unknown {:x?}", c.unknown);
-    for (n, h) in c.handlers.iter().enumerate().filter(|(_, h)| h.runs > 0) {
-        println!("{} {h:?}", n as i32 - 16);
-    }
-    println!("sysclk {}", c.sysclk_hz());
+//! The emulator's commands. `cargo xtask fil` and `cargo xtask cycles` build the firmware and call them.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use touchstone_emulator::cpu::elf::Program;
+use touchstone_emulator::fil;
+
+const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
+
+  fil ELF [--only TEXT]       boot, calibrate, arm, press, and all fault injections
+  noise ELF FRAMES            random frames at the serial port";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let (Some(command), Some(elf)) = (words.first(), words.get(1)) else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    let program = match Program::read(Path::new(elf)) {
+        Ok(program) => program,
+        Err(error) => {
+            eprintln!("emulator: {error}; build it with cargo xtask firmware");
+            return ExitCode::FAILURE;
+        }
+    };
+    let said = |result: Result<String, String>| match result {
+        Ok(text) => {
+            println!("{text}");
+            0
+        }
+        Err(error) => {
+            println!("WRONG: {error}");
+            1
+        }
+    };
+    ExitCode::from(match (*command, &words[2..]) {
+        ("fil", []) => fil::report::run(&program, None),
+        ("fil", ["--only", text]) => fil::report::run(&program, Some(text)),
+        ("noise", [frames]) => match frames.parse() {
+            Ok(frames) => said(fil::report::noise(&program, frames)),
+            Err(_) => 2,
+        },
+        _ => {
+            eprintln!("{USAGE}");
+            2
+        }
+    })
 }

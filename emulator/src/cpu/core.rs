@@ -99,6 +99,8 @@ pub struct Core {
     caches: [Cache; 2],
     /// Functions that are counted.
     pub watches: Vec<Watch>,
+    /// Where they begin, and where calls of them return to.
+    watch_points: Vec<u32>,
     /// Exceptions that run, and what each had cost at its start.
     pub depth: usize,
     /// What each level of exceptions (0 the thread) has spent.
@@ -126,6 +128,7 @@ impl Core {
             block_start: u32::MAX,
             caches: [cache(flash), cache(ram)],
             watches: Vec::new(),
+            watch_points: Vec::new(),
             depth: 0,
             by_depth: [Cost::default(); 8],
         }
@@ -134,6 +137,7 @@ impl Core {
     /// Counts the calls of a function.
     pub fn watch(&mut self, name: &str, start: u32) {
         let (name, call, worst) = (name.to_owned(), None, Cost::default());
+        self.watch_points.push(start);
         self.watches.push(Watch {
             name,
             start,
@@ -160,22 +164,23 @@ impl Core {
     #[must_use]
     #[inline]
     pub fn known(&self, address: u32) -> Option<Info> {
-        for cache in &self.caches {
-            let at = address.wrapping_sub(cache.base) as usize / 2;
-            if let Some(info) = cache.infos.get(at) {
-                return *info;
-            }
+        let [flash, ram] = &self.caches;
+        let cache = if address < ram.base { flash } else { ram };
+        let at = address.wrapping_sub(cache.base) as usize / 2;
+        match cache.infos.get(at) {
+            Some(info) => *info,
+            // Code elsewhere is not met.
+            None => Some(Info::SIMPLE),
         }
-        None
     }
 
     /// Remembers one.
     pub fn learn(&mut self, address: u32, info: Info) {
-        for cache in &mut self.caches {
-            let at = address.wrapping_sub(cache.base) as usize / 2;
-            if let Some(slot) = cache.infos.get_mut(at) {
-                *slot = Some(info);
-            }
+        let [flash, ram] = &mut self.caches;
+        let cache = if address < ram.base { flash } else { ram };
+        let at = address.wrapping_sub(cache.base) as usize / 2;
+        if let Some(slot) = cache.infos.get_mut(at) {
+            *slot = Some(info);
         }
     }
 
@@ -249,14 +254,11 @@ impl Core {
         false
     }
 
-    /// Whether a watched function begins here, or a call of one returns.
+    /// Whether a watched function may begin here, or a call of one return.
     #[inline]
     #[must_use]
-    pub fn is_watched(&self, address: u32) -> bool {
-        self.watches.iter().any(|watch| match &watch.call {
-            Some(call) => call.returns_to == address && call.depth == self.depth,
-            None => watch.start == address,
-        })
+    pub fn may_be_watched(&self, address: u32) -> bool {
+        self.watch_points.contains(&address)
     }
 
     /// Looks at the watched functions at an address, with the link register's value.
@@ -271,6 +273,9 @@ impl Core {
                     watch.call = None;
                 }
                 None if watch.start == address => {
+                    if !self.watch_points.contains(&(link & !1)) {
+                        self.watch_points.push(link & !1);
+                    }
                     watch.call = Some(Call {
                         depth,
                         returns_to: link & !1,

@@ -45,6 +45,11 @@ pub struct Info {
     pub kind: Kind,
 }
 
+impl Info {
+    /// One cycle, and nothing else.
+    pub const SIMPLE: Self = info(1, Kind::Plain);
+}
+
 const fn info(cycles: u32, kind: Kind) -> Info {
     Info {
         cycles: cycles as u8,

@@ -330,27 +330,53 @@ impl Machine {
 
 fn on_instruction(uc: &mut Unicorn<'_, Chip>, address: u64, size: u32) {
     let address = address as u32;
-    let info = match uc.get_data().core.known(address) {
-        Some(info) => info,
-        None => {
-            let mut bytes = [0; 20];
-            let _ = uc.mem_read(u64::from(address), &mut bytes);
-            let halves: Vec<u16> = bytes
-                .chunks_exact(2)
-                .map(|half| u16::from_le_bytes([half[0], half[1]]))
-                .collect();
-            let second = if is_wide(halves[0]) { halves[1] } else { 0 };
-            let info = with_block(decode(halves[0], second), &halves[1..]);
-            uc.get_data_mut().core.learn(address, info);
-            info
-        }
-    };
     let core: &mut Core = &mut uc.get_data_mut().core;
-    if core.is_watched(address) {
+    let Some(info) = core.known(address) else {
+        learn(uc, address);
+        return on_instruction(uc, u64::from(address), size);
+    };
+    let stops = if core.may_be_watched(address) {
         let link = uc.reg_read(RegisterARM::LR).unwrap_or(0) as u32;
-        uc.get_data_mut().core.watch_at(address, link);
-    }
-    if uc.get_data_mut().core.step(address, size, info) {
+        let core = &mut uc.get_data_mut().core;
+        core.watch_at(address, link);
+        core.step(address, size, info)
+    } else {
+        core.step(address, size, info)
+    };
+    if stops {
         let _ = uc.emu_stop();
+    }
+}
+
+/// Decodes an instruction that is met for the first time.
+#[cold]
+fn learn(uc: &mut Unicorn<'_, Chip>, address: u32) {
+    let mut bytes = [0; 20];
+    let _ = uc.mem_read(u64::from(address), &mut bytes);
+    let half = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+    let halves: Vec<u16> = (0..20).step_by(2).map(half).collect();
+    let second = if is_wide(halves[0]) { halves[1] } else { 0 };
+    let info = with_block(decode(halves[0], second), &halves[1..]);
+    uc.get_data_mut().core.learn(address, info);
+}
+
+impl Machine {
+    /// Runs until the handler of an exception runs (the thread for `None`), and lets it go on at another address.
+    ///
+    /// # Errors
+    /// It does not run within 50 ms.
+    pub fn divert(&mut self, exception: Option<usize>, address: u32) -> Result<(), String> {
+        let end = self.chip().core.now + 50_000 * 170;
+        while self.chip().core.now < end {
+            let here = self.chip().running.last().map(|running| running.exception);
+            if here == exception {
+                self.asleep = None;
+                self.set_register(RegisterARM::PC, address | 1);
+                return Ok(());
+            }
+            let next = self.chip().core.now + 20;
+            self.run_until(next).map_err(|halt| format!("{halt:?}"))?;
+        }
+        Err(format!("exception {exception:?} did not run"))
     }
 }

@@ -1,0 +1,285 @@
+//! Carries out injections, one after the other on the same device: each begins with the recovery from the one before.
+
+use touchstone::plant::MEDIUM;
+use touchstone_protocol::settings::{Decimal, EncoderKind};
+use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
+
+use super::fault::Fault;
+use super::list::{Expect, Injection, When};
+use crate::bench::{Bench, MS, Setup, US};
+use crate::board::Encoder;
+use crate::cpu::elf::Program;
+
+/// What became of an injection.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// From the injection to the outputs off, us; `None` where they were off already, or stayed on.
+    pub off_us: Option<f64>,
+    /// The latched code.
+    pub code: Option<FaultCode>,
+    /// What is wrong, if anything.
+    pub wrong: Option<String>,
+}
+
+/// A device under test.
+pub struct Campaign {
+    bench: Bench,
+    fresh: bool,
+}
+
+/// How long the device is watched after the outputs are off.
+const WATCHED: u64 = 30 * MS;
+
+impl Campaign {
+    /// Boots a device with an encoder, and tells it of the encoder and to calibrate fast.
+    ///
+    /// # Errors
+    /// It does not come up.
+    pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
+        let mut bench = Bench::new(program, setup)?;
+        bench.boot()?;
+        let kind = match setup.encoder {
+            Encoder::Incremental(_) => EncoderKind::Incremental,
+            Encoder::As5047p => EncoderKind::As5047p,
+            Encoder::Mt6701 => EncoderKind::Mt6701,
+        };
+        bench.configure(|settings| {
+            settings.encoder.kind = kind;
+            settings.calibration.electrical_turns_per_s = Decimal::lit("16");
+            settings.wall.surface_rad = Decimal::lit("0.3");
+        })?;
+        bench.demand(Request::Save)?;
+        Ok(Self { bench, fresh: true })
+    }
+
+    /// The bench.
+    pub fn bench(&mut self) -> &mut Bench {
+        &mut self.bench
+    }
+
+    /// One injection.
+    pub fn inject(&mut self, injection: &Injection) -> Outcome {
+        let mut outcome = Outcome {
+            off_us: None,
+            code: None,
+            wrong: None,
+        };
+        let result = self
+            .prepare(injection.when)
+            .map_err(|error| format!("before: {error}"))
+            .and_then(|()| self.carry_out(injection, &mut outcome));
+        if let Err(wrong) = result {
+            outcome.wrong.get_or_insert(wrong);
+        }
+        injection.fault.remove(&mut self.bench);
+        outcome
+    }
+
+    /// Brings the device into a state: whatever was before, by command only.
+    fn prepare(&mut self, when: When) -> Result<(), String> {
+        let bench = &mut self.bench;
+        bench.release();
+        let phase = bench.status()?.phase;
+        if !(self.fresh && phase == Phase::Boot) {
+            bench.demand(Request::Command(DeviceCommand::Stop))?;
+        }
+        self.fresh = false;
+        if when == When::Calibrating {
+            bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+            // Past the measurement of the offsets, when the field turns.
+            bench.run_until("the outputs on", 3_000 * MS, |bench| bench.is_on())?;
+            return bench.run(200 * MS);
+        }
+        bench.calibrate()?;
+        if when == When::Ready {
+            return Ok(());
+        }
+        bench.demand(Request::Command(DeviceCommand::Arm))?;
+        bench.wait_for(Phase::Armed, 100 * MS)?;
+        bench.run(250 * MS)?;
+        if when == When::Pressed {
+            bench.press(&MEDIUM, 0.1, 0.4, 100.0)?;
+            bench.run(500 * MS)?;
+            if bench
+                .link
+                .telemetry
+                .last()
+                .is_none_or(|record| record.force_n_m == 0)
+            {
+                return Err("the hand does not press".into());
+            }
+        }
+        Ok(())
+    }
+
+    fn carry_out(&mut self, injection: &Injection, outcome: &mut Outcome) -> Result<(), String> {
+        let bench = &mut self.bench;
+        bench.run(injection.moment_us * US)?;
+        let was_on = bench.is_on();
+        if was_on != (injection.when != When::Ready) {
+            return Err(format!("outputs on before: {was_on}"));
+        }
+        let (begin, resets) = (bench.now(), bench.machine.resets.len());
+        injection.fault.inject(bench)?;
+        // Code that is to be met has been met a little later.
+        let begin = match injection.fault {
+            Fault::Hang(_) | Fault::Undefined(_) => bench.now(),
+            _ => begin,
+        };
+        if let Some(time) = injection.fault.lasts() {
+            bench.run(time)?;
+            injection.fault.remove(bench);
+        }
+        match injection.expect {
+            Expect::GoesOn => self.goes_on(injection),
+            Expect::Off(limit, codes) | Expect::Reset(limit, codes) => {
+                let watched = begin + limit * US + WATCHED;
+                while self.bench.now() < watched
+                    && (self.bench.is_on() || self.bench.now() < begin + WATCHED)
+                {
+                    self.bench.run(MS)?;
+                }
+                self.bench.run(WATCHED)?;
+                self.is_off(begin, was_on, limit, outcome)?;
+                // A watchdog has bitten by now where nothing else can help.
+                if codes.contains(&FaultCode::Watchdog) {
+                    self.bench.run(150 * MS)?;
+                }
+                let must_reset = matches!(injection.expect, Expect::Reset(..))
+                    && !codes.contains(&FaultCode::DeadlineMiss);
+                if must_reset && self.bench.machine.resets.len() == resets {
+                    return Err("no reset".into());
+                }
+                self.is_latched(begin, injection, codes, outcome)
+            }
+        }
+    }
+
+    /// Outputs off in time, and never on again.
+    fn is_off(
+        &mut self,
+        begin: u64,
+        was_on: bool,
+        limit_us: u64,
+        outcome: &mut Outcome,
+    ) -> Result<(), String> {
+        let changes = &self.bench.machine.chip().bridge.changes;
+        let since: Vec<_> = changes.iter().filter(|(time, _)| *time >= begin).collect();
+        if !was_on {
+            return match since.is_empty() {
+                true => Ok(()),
+                false => Err("the outputs went on".into()),
+            };
+        }
+        let Some((time, false)) = since.first() else {
+            return Err("the outputs stay on".into());
+        };
+        let us = (time - begin) as f64 / US as f64;
+        outcome.off_us = Some(us);
+        if since.len() > 1 {
+            return Err(format!(
+                "the outputs went on again {} us later",
+                (since[1].0 - time) / US
+            ));
+        }
+        if us > limit_us as f64 {
+            return Err(format!("later than {limit_us} us"));
+        }
+        Ok(())
+    }
+
+    /// The fault is latched, and no command but `Stop` leaves it, nor does anything switch on.
+    fn is_latched(
+        &mut self,
+        begin: u64,
+        injection: &Injection,
+        codes: &[FaultCode],
+        outcome: &mut Outcome,
+    ) -> Result<(), String> {
+        let persistent_hang = matches!(injection.fault, Fault::Storm(..) | Fault::Slow(_));
+        if persistent_hang {
+            // As long as it lasts the device cannot answer.
+            injection.fault.remove(&mut self.bench);
+            self.bench.run(200 * MS)?;
+        }
+        let status = self.bench.status()?;
+        outcome.code = status.fault.and_then(|fault| fault.known());
+        if codes.is_empty() {
+            return match status.phase {
+                Phase::Boot => self.does_not_rearm(begin, &[DeviceCommand::Arm]),
+                other => Err(format!("{} after the reset", other.name())),
+            };
+        }
+        if status.phase != Phase::Fault {
+            return Err(format!("{} instead of fault", status.phase.name()));
+        }
+        match outcome.code {
+            Some(code) if codes.contains(&code) => {}
+            other => return Err(format!("{other:?} instead of {codes:?}")),
+        }
+        self.does_not_rearm(
+            begin,
+            &[
+                DeviceCommand::Arm,
+                DeviceCommand::Calibrate,
+                DeviceCommand::Disarm,
+            ],
+        )?;
+        let after = self.bench.fault()?.and_then(|fault| fault.known());
+        if after != outcome.code {
+            return Err(format!("{after:?} has replaced the first cause"));
+        }
+        // The cause is gone: still nothing happens by itself.
+        injection.fault.remove(&mut self.bench);
+        self.does_not_rearm(begin, &[DeviceCommand::Arm, DeviceCommand::Calibrate])?;
+        if !self.bench.command(DeviceCommand::Stop)? {
+            return Err("Stop was refused".into());
+        }
+        self.does_not_rearm(begin, &[DeviceCommand::Arm])
+    }
+
+    fn does_not_rearm(&mut self, begin: u64, commands: &[DeviceCommand]) -> Result<(), String> {
+        for command in commands {
+            if self.bench.command(*command)? {
+                return Err(format!("{command:?} was taken"));
+            }
+        }
+        self.bench.run(10 * MS)?;
+        let changes = &self.bench.machine.chip().bridge.changes;
+        match changes.iter().any(|(time, on)| *time >= begin && *on) {
+            true => Err("the outputs went on again".into()),
+            false => Ok(()),
+        }
+    }
+
+    /// Nothing happens but what must.
+    fn goes_on(&mut self, injection: &Injection) -> Result<(), String> {
+        let from = self.bench.link.telemetry.len();
+        let before = self.bench.now();
+        self.bench.run(50 * MS)?;
+        self.bench
+            .run_until("the line quiet", 5_000 * MS, |bench| {
+                bench.machine.chip_mut().link().on_the_line() == 0
+            })?;
+        // Ends whatever frame the noise has begun.
+        self.bench.send(&[0]);
+        self.bench.run(20 * MS)?;
+        let status = self.bench.status()?;
+        if status.phase != Phase::Armed || !self.bench.is_on() {
+            return Err(format!("{} with {:?}", status.phase.name(), status.fault));
+        }
+        let ticks = (self.bench.now() - before) / MS;
+        let records = self.bench.link.telemetry.len() - from;
+        if (records as u64) < ticks / 2 {
+            return Err(format!("{records} records in {ticks} ticks"));
+        }
+        if let Fault::Temperature(_) = injection.fault {
+            let records = &self.bench.link.telemetry[from + 20..];
+            let limited = records.iter().filter(|record| record.limits != 0).count();
+            if limited == 0 {
+                return Err("no record tells of the derating".into());
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,192 @@
+//! What can go wrong, and how it is made to.
+
+use touchstone_protocol::{DeviceCommand, Request};
+
+use crate::bench::{Bench, US};
+use crate::board::Source;
+use crate::chip::ResetCause;
+use crate::peripheral::spi::SlaveFault;
+
+/// Which code is made to hang.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// The thread.
+    Thread,
+    /// The handler of an interrupt, by its number.
+    Interrupt(usize),
+}
+
+/// The current loop, the control tick, and the serial port's handler.
+pub const CURRENT_LOOP: Level = Level::Interrupt(18);
+/// The control tick.
+pub const CONTROL_TICK: Level = Level::Interrupt(49);
+/// The serial port's handler.
+pub const SERIAL: Level = Level::Interrupt(91);
+
+/// Something that goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// A current sensor shows this many amperes.
+    Sensor(usize, f64),
+    /// The gate driver pulls the break input for this long, us; 0 for good.
+    Break(u64),
+    /// The bus has this voltage, for this long, us; 0 for good.
+    Bus(f64, u64),
+    /// Driver and motor have this temperature, degrees C.
+    Temperature(f64),
+    /// The thermistor's pin has this voltage.
+    Thermistor(f64),
+    /// The encoder on the bus.
+    Encoder(SlaveFault),
+    /// The encoder's frames never end.
+    BusHangs,
+    /// The incremental encoder counts no more.
+    TrackHeld,
+    /// The incremental encoder jumps by so many counts.
+    TrackJumps(i64),
+    /// Something turns the shaft, rad/s.
+    Turned(f64),
+    /// Every instruction takes this many times as long.
+    Slow(u64),
+    /// An interrupt is raised every so many microseconds by nobody.
+    Storm(u32, u64),
+    /// Code hangs in an endless loop.
+    Hang(Level),
+    /// Code comes to an instruction that there is not.
+    Undefined(Level),
+    /// The supply sags to this voltage, V, and comes back only with a reset.
+    Supply(f64),
+    /// The chip is reset.
+    Reset(ResetCause),
+    /// The desktop asks for a reset.
+    Reboot,
+    /// The serial line carries noise: this many random bytes, with framing errors or without.
+    Noise(usize, bool),
+}
+
+/// Where an endless loop and an undefined instruction are put: behind what the program's map uses.
+const SCRATCH: u32 = 0x2001_0000;
+
+impl Fault {
+    /// Makes it happen now.
+    ///
+    /// # Errors
+    /// The code that was to be met did not run.
+    pub fn inject(self, bench: &mut Bench) -> Result<(), String> {
+        let now = bench.now();
+        let chip = bench.machine.chip_mut();
+        let sensor = chip.board.current;
+        match self {
+            Self::Sensor(phase, amperes) => {
+                let volts = sensor.0 + sensor.1 * amperes;
+                chip.board.wiring.forced[0] = Some((Source::Current(phase), volts));
+            }
+            Self::Break(_) => {
+                chip.board.wiring.break_pulled = true;
+                chip.update_break(now);
+            }
+            Self::Bus(volts, _) => chip.world.bridge.bus_v = volts,
+            Self::Temperature(celsius) => chip.world.temperature_c = celsius,
+            Self::Thermistor(volts) => {
+                chip.board.wiring.forced[1] = Some((Source::Temperature, volts));
+            }
+            Self::Encoder(fault) => {
+                if let Some(slave) = &mut chip.spi3.slave {
+                    slave.set_fault(fault);
+                }
+            }
+            Self::BusHangs => chip.spi3.hangs = true,
+            Self::TrackHeld => {
+                let count = chip.board.encoder_count(&chip.world);
+                chip.board.wiring.encoder_held = Some(count);
+            }
+            Self::TrackJumps(counts) => chip.board.wiring.encoder_moved = counts,
+            Self::Turned(rad_per_s) => chip.world.force(rad_per_s),
+            Self::Slow(times) => chip.core.stretch = 256 * times,
+            Self::Storm(interrupt, us) => chip.storm = Some((interrupt, us * US, now)),
+            Self::Hang(level) => {
+                // b .
+                bench.machine.set_memory(SCRATCH, &[0xfe, 0xe7]);
+                return bench.machine.divert(level.exception(), SCRATCH);
+            }
+            Self::Undefined(level) => {
+                // udf #0
+                bench.machine.set_memory(SCRATCH + 4, &[0x00, 0xde]);
+                return bench.machine.divert(level.exception(), SCRATCH + 4);
+            }
+            Self::Supply(volts) => {
+                chip.pwr.supply_v = volts;
+                chip.update_break(now);
+            }
+            Self::Reset(cause) => chip.reset_request = Some(cause),
+            Self::Reboot => {
+                let (_, frame) = bench.link.ask(Request::Command(DeviceCommand::Reboot));
+                bench.send(&frame);
+            }
+            Self::Noise(bytes, framing_errors) => {
+                let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ bytes as u64);
+                let noise: Vec<u8> = (0..bytes).map(|_| random.byte()).collect();
+                let uart = chip.link();
+                uart.put_with_errors(&noise, framing_errors, now);
+            }
+        }
+        Ok(())
+    }
+
+    /// For how long it lasts, cycles; `None` until it is removed.
+    #[must_use]
+    pub fn lasts(self) -> Option<u64> {
+        match self {
+            Self::Break(us) | Self::Bus(_, us) if us > 0 => Some(us * US),
+            _ => None,
+        }
+    }
+
+    /// Makes everything right again, as far as it can be from outside.
+    pub fn remove(self, bench: &mut Bench) {
+        let now = bench.now();
+        let chip = bench.machine.chip_mut();
+        chip.board.wiring = Default::default();
+        chip.world.bridge.bus_v = 24.0;
+        chip.world.temperature_c = 25.0;
+        chip.spi3.hangs = false;
+        if let Some(slave) = &mut chip.spi3.slave {
+            slave.set_fault(SlaveFault::None);
+        }
+        chip.core.stretch = 256;
+        chip.storm = None;
+        chip.pwr.supply_v = 3.3;
+        if matches!(self, Self::Turned(_)) {
+            chip.world.force(0.0);
+            chip.world.release();
+        }
+        chip.update_break(now);
+    }
+}
+
+impl Level {
+    fn exception(self) -> Option<usize> {
+        match self {
+            Self::Thread => None,
+            Self::Interrupt(number) => Some(crate::cpu::nvic::FIRST + number),
+        }
+    }
+}
+
+/// xorshift64.
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next 64 bits.
+    pub fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// A byte.
+    pub fn byte(&mut self) -> u8 {
+        (self.next() >> 32) as u8
+    }
+}

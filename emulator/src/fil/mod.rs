@@ -1,0 +1,8 @@
+//! Firmware in the loop: boot, calibration, arming, the thesis' press to the bit, every fault.
+
+pub mod campaign;
+pub mod fault;
+pub mod list;
+pub mod press;
+pub mod report;
+pub mod storage;

@@ -1,0 +1,111 @@
+//! The thesis' press, played by a hand on the emulated device, and its forces compared with the law on this machine.
+
+use touchstone::plant::MEDIUM;
+use touchstone_control::{Controller, CountScale, Fixed32};
+use touchstone_drive::Settings;
+use touchstone_protocol::settings::Decimal;
+use touchstone_protocol::{DeviceCommand, Phase, Request, Telemetry};
+
+use crate::bench::{Bench, MS};
+
+/// What a press came to.
+#[derive(Debug, Clone)]
+pub struct Press {
+    /// Desired stiffness, N·m/rad.
+    pub k_desired: Decimal,
+    /// Control ticks compared.
+    pub compared: usize,
+    /// Of them in contact: with a force.
+    pub in_contact: usize,
+    /// Largest force, N·m.
+    pub max_force: f64,
+    /// Stiffness shown at the end of the hold: mean force over mean penetration, N·m/rad.
+    pub shown: f64,
+    /// Largest less smallest count over the last tenth of the hold.
+    pub moves: i32,
+}
+
+/// Changes the wall, calibrates, arms, presses for two seconds, and compares.
+///
+/// # Errors
+/// Whatever fails, or the first tick whose bits differ.
+pub fn press(bench: &mut Bench, k_desired: Decimal) -> Result<Press, String> {
+    bench.release();
+    let phase = bench.status()?.phase;
+    if phase != Phase::Boot {
+        bench.demand(Request::Command(DeviceCommand::Stop))?;
+    }
+    bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k_desired)?;
+    bench.calibrate()?;
+    let from = bench.link.telemetry.len();
+    bench.demand(Request::Command(DeviceCommand::Arm))?;
+    bench.wait_for(Phase::Armed, 100 * MS)?;
+    bench.run(250 * MS)?;
+    bench.press(&MEDIUM, 0.1, 0.6, 0.8)?;
+    bench.run(2_200 * MS)?;
+    let status = bench.status()?;
+    if status.phase != Phase::Armed {
+        return Err(format!("{} with {:?}", status.phase.name(), status.fault));
+    }
+    let settings = Settings::from(&bench.settings()?);
+    let gaps = bench.link.gaps(from);
+    if gaps > 0 {
+        return Err(format!("{gaps} records of telemetry are missing"));
+    }
+    let records = &bench.link.telemetry[from..];
+    let armed: Vec<&Telemetry> = records
+        .iter()
+        .filter(|record| record.phase == Phase::Armed)
+        .collect();
+    let compared = compare(&settings, &armed)?;
+    // The hand has pressed for 0.6 s and held for 0.8 s, a quarter of a second after the arming.
+    let hold = armed.get(1_500..1_600).unwrap_or_default();
+    let mean = |of: fn(&Telemetry) -> f64| {
+        hold.iter().map(|record| of(record)).sum::<f64>() / hold.len().max(1) as f64
+    };
+    let force = mean(|record| record.force_n_m.to_num());
+    let counts = hold.iter().map(|record| record.count);
+    Ok(Press {
+        k_desired,
+        compared,
+        in_contact: armed.iter().filter(|record| record.force_n_m != 0).count(),
+        max_force: armed
+            .iter()
+            .map(|record| record.force_n_m.to_num())
+            .fold(0.0, f64::max),
+        shown: force / mean(|record| record.penetration_rad.to_num()),
+        moves: counts.clone().max().unwrap_or(0) - counts.min().unwrap_or(0),
+    })
+}
+
+/// The law on this machine, given the counts that the device was given: penetration, force and offset equal to the bit.
+fn compare(settings: &Settings, armed: &[&Telemetry]) -> Result<usize, String> {
+    let refused = |error| format!("the settings are refused here: {error:?}");
+    let mut law = Controller::<Fixed32>::new(&settings.wall).map_err(refused)?;
+    let scale = CountScale::new(settings.encoder.counts_per_rev, settings.surface_rad)
+        .ok_or("the encoder's counts are refused here")?;
+    for record in armed {
+        let penetration = scale.penetration::<Fixed32>(i64::from(record.count));
+        let force = law.tick(penetration);
+        let here = (
+            penetration.0.to_bits(),
+            force.0.to_bits(),
+            law.view().offset.0.to_bits(),
+        );
+        let there = (
+            record.penetration_rad.to_bits(),
+            record.force_n_m.to_bits(),
+            record.offset_rad.to_bits(),
+        );
+        if here != there {
+            return Err(format!(
+                "tick {}: penetration, force, offset are {there:?} there and {here:?} here",
+                record.tick
+            ));
+        }
+    }
+    match armed.len() {
+        0 => Err("nothing to compare".into()),
+        count => Ok(count),
+    }
+}

@@ -1,0 +1,132 @@
+//! Settings in flash: damaged bits, and the power cut at each of the writes.
+
+use touchstone_protocol::settings::{Decimal, DeviceSettings};
+use touchstone_protocol::{Board, DeviceCommand, FaultCode, Phase, Request};
+
+use super::fault::Random;
+use crate::bench::{Bench, MS, Setup};
+use crate::chip::ResetCause;
+use crate::cpu::Halt;
+use crate::cpu::elf::Program;
+
+/// Where settings are, and how much is kept for them: `memory.x`.
+const SETTINGS: (u32, usize) = (0x0801_c000, 16 * 1024);
+
+/// Something to tell apart from the defaults, and from one another.
+fn changed(bench: &mut Bench, k: Decimal) -> Result<(), String> {
+    bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
+}
+
+fn k_of(bench: &mut Bench) -> Result<Decimal, String> {
+    Ok(bench.settings()?.wall.k_desired_n_m_per_rad)
+}
+
+fn restart(bench: &mut Bench) -> Result<(), String> {
+    bench.machine.power_on(ResetCause::PowerOn);
+    bench.halted = None;
+    bench.boot().map(|_| ())
+}
+
+/// Cuts the power at each change of the flash during `Save` until one is not cut any more; how many cuts there were. Each time the
+/// settings afterwards must be the old or the new ones, and the device must take and keep further ones.
+///
+/// # Errors
+/// What is wrong after which cut.
+pub fn power_cuts(program: &Program, at_most: u64) -> Result<u64, String> {
+    let (old, new) = (Decimal::lit("2"), Decimal::lit("3"));
+    let mut bench = Bench::new(program, &Setup::default())?;
+    bench.boot()?;
+    for cut in 0..at_most {
+        let said = |error: String| format!("cut at change {cut}: {error}");
+        changed(&mut bench, old)?;
+        bench.demand(Request::Save).map_err(said)?;
+        changed(&mut bench, new)?;
+        let flash = &mut bench.machine.chip_mut().flash;
+        flash.cut_at = Some(flash.count + cut);
+        let saved = bench.demand(Request::Save);
+        bench.machine.chip_mut().flash.cut_at = None;
+        match (saved, bench.halted.take()) {
+            // All its changes came before the cut.
+            (Ok(_), None) => return Ok(cut),
+            (Err(_), Some(Halt::PowerCut)) => {}
+            (Err(error), _) => return Err(said(error)),
+            (Ok(_), Some(halt)) => return Err(said(format!("{halt:?}"))),
+        }
+        restart(&mut bench).map_err(said)?;
+        let status = bench.status()?;
+        if status.phase != Phase::Boot {
+            return Err(said(format!(
+                "{} with {:?}",
+                status.phase.name(),
+                status.fault
+            )));
+        }
+        let k = k_of(&mut bench)?;
+        if k != old && k != new {
+            return Err(said(format!("k_desired is {}", k.0)));
+        }
+    }
+    Ok(at_most)
+}
+
+/// Damages the settings in flash in `ways` ways, one after the other: bits turned over in what was written. After each the
+/// device has the saved settings (another copy holds), or says `SettingsInvalid` and does not arm.
+///
+/// # Errors
+/// What is wrong after which damage. Else how many of them were noticed.
+pub fn damage(program: &Program, ways: usize) -> Result<usize, String> {
+    let mut bench = Bench::new(program, &Setup::default())?;
+    bench.boot()?;
+    let saved = Decimal::lit("2");
+    changed(&mut bench, saved)?;
+    bench.demand(Request::Save)?;
+    let clean = bench.machine.memory(SETTINGS.0, SETTINGS.1);
+    let written: Vec<usize> = (0..clean.len()).filter(|at| clean[*at] != 0xff).collect();
+    if written.is_empty() {
+        return Err("nothing was written to flash".into());
+    }
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let mut noticed = 0;
+    for way in 0..ways {
+        let mut bytes = clean.clone();
+        // From a single bit to sixteen of them.
+        let mut places = Vec::new();
+        for _ in 0..=(way % 16) {
+            let at = written[(random.next() % written.len() as u64) as usize];
+            let bit = random.next() % 8;
+            bytes[at] ^= 1 << bit;
+            places.push((at, bit));
+        }
+        bench.machine.set_memory(SETTINGS.0, &bytes);
+        restart(&mut bench)?;
+        noticed += usize::from(
+            is_safe(&mut bench, saved).map_err(|error| format!("bits {places:?}: {error}"))?,
+        );
+    }
+    bench.machine.set_memory(SETTINGS.0, &clean);
+    Ok(noticed)
+}
+
+/// Whether the damage was noticed.
+fn is_safe(bench: &mut Bench, saved: Decimal) -> Result<bool, String> {
+    let status = bench.status()?;
+    let code = status.fault.and_then(|fault| fault.known());
+    let settings = bench.settings()?;
+    match (status.phase, code) {
+        (Phase::Boot, None) if settings.wall.k_desired_n_m_per_rad == saved => Ok(false),
+        (Phase::Fault, Some(FaultCode::SettingsInvalid)) => {
+            if settings != DeviceSettings::defaults(Board::NucleoG474re) {
+                return Err("neither the saved settings nor the defaults".into());
+            }
+            bench.demand(Request::Command(DeviceCommand::Stop))?;
+            // A calibration with refused settings ends in the fault again.
+            let _ = bench.command(DeviceCommand::Calibrate)?;
+            bench.run(50 * MS)?;
+            if bench.command(DeviceCommand::Arm)? || bench.is_on() {
+                return Err("arms with refused settings".into());
+            }
+            Ok(true)
+        }
+        other => Err(format!("{other:?}")),
+    }
+}
