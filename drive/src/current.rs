@@ -143,6 +143,8 @@ pub struct CurrentConfig {
     pub gains: PiGains,
     /// Timer.
     pub modulator: Modulator,
+    /// [`Modulator::share`], which takes a division.
+    pub voltage_share: i32,
     /// A per code with 28 fractional bits; negative where the amplifier inverts.
     pub amps_per_code: i32,
     /// V of the bus per code.
@@ -384,12 +386,9 @@ impl CurrentLoop {
                 .max(limit.saturating_neg())
                 .saturating_sub(is)
         };
-        let longest = Volts::from_bits(product(
-            self.report.bus.to_bits(),
-            config.modulator.share(),
-            16,
-        ))
-        .max(Volts::ZERO);
+        let longest =
+            Volts::from_bits(product(self.report.bus.to_bits(), config.voltage_share, 16))
+                .max(Volts::ZERO);
         let (v_d, short_d) =
             self.d
                 .tick(&config.gains, error(command.current.d, current.d), longest);
@@ -416,42 +415,13 @@ fn other_side(length: Volts, side: Volts) -> Volts {
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));
     let (length, side) = (short(length), short(side));
     // Both below 2^16, so the squares fit.
-    let root = root((length * length).saturating_sub(side * side));
+    let root = (length * length).saturating_sub(side * side).isqrt();
     Volts::from_bits(clamp_i32(i64::from(root) << 6))
-}
-
-/// `floor(√x)`, bit by bit: 16 steps.
-const fn root(x: u32) -> u32 {
-    let (mut rest, mut root, mut bit) = (x, 0, 1 << 30);
-    while bit != 0 {
-        if rest >= root + bit {
-            rest -= root + bit;
-            root = (root >> 1) + bit;
-        } else {
-            root >>= 1;
-        }
-        bit >>= 2;
-    }
-    root
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_root_is_rounded_down() {
-        for x in (0..=u32::MAX)
-            .step_by(65_537)
-            .chain([u32::MAX, 0, 1, 2, 3, 4, 0xFFFE_0001])
-        {
-            let r = u64::from(root(x));
-            assert!(
-                r * r <= u64::from(x) && (r + 1) * (r + 1) > u64::from(x),
-                "{x}"
-            );
-        }
-    }
 
     #[test]
     fn the_sides_stay_in_the_circle() {

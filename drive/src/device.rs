@@ -164,6 +164,7 @@ impl CurrentConfig {
         Ok(Self {
             gains,
             modulator: hardware.modulator(),
+            voltage_share: hardware.modulator().share(),
             amps_per_code: hardware.amps_per_code_bits(),
             volts_per_code: narrow(hardware.volts_per_code),
             limit: narrow(motor.current_limit_a),

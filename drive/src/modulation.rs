@@ -5,7 +5,7 @@
 
 use crate::Volts;
 use crate::transform::AlphaBeta;
-use crate::units::clamp_i32;
+use crate::units::{clamp_i32, product};
 
 /// The timer and what the sampling of currents needs of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub struct Modulator {
 }
 
 /// `2^16 √3/2`, rounded.
-const HALF_ROOT_3: i64 = 56_756;
+const HALF_ROOT_3: i32 = 56_756;
 /// `2^16/√3`, rounded down.
 const ONE_OVER_ROOT_3: i64 = 37_837;
 
@@ -51,21 +51,25 @@ impl Modulator {
         if divisor <= 256 {
             return self.zero();
         }
-        let scale = i64::from((u32::from(self.top) << 15) / divisor);
-        let alpha = i64::from(v.alpha.to_bits());
-        let sideways = (i64::from(v.beta.to_bits()) * HALF_ROOT_3) >> 16;
-        let phases = [alpha, sideways - (alpha >> 1), -sideways - (alpha >> 1)];
-        let [a, b, c] = phases;
-        let common = (a.max(b).max(c) + a.min(b).min(c)) >> 1;
-        let half = i64::from(self.top) << 22;
+        // Below 2^31 / 2^8.
+        let scale = ((u32::from(self.top) << 15) / divisor).cast_signed();
+        // In halves, so that everything down to the products fits 32 bits: no phase exceeds 0.69 · 2^31.
+        let half_alpha = v.alpha.to_bits() >> 1;
+        let sideways = product(v.beta.to_bits(), HALF_ROOT_3, 17);
+        let a = half_alpha;
+        let b = sideways.wrapping_sub(half_alpha >> 1);
+        let c = sideways.wrapping_neg().wrapping_sub(half_alpha >> 1);
+        let common = (a.max(b).max(c) >> 1).wrapping_add(a.min(b).min(c) >> 1);
+        let middle = i64::from(self.top) << 21;
         let (least, most) = (
-            i64::from(self.top.saturating_sub(self.longest)),
-            i64::from(self.longest),
+            i32::from(self.top.saturating_sub(self.longest)),
+            i32::from(self.longest),
         );
-        phases.map(|phase| {
-            let count = (half + (phase - common) * scale + (1 << 22)) >> 23;
-            // Within u16 after the clamp, as `longest` is.
-            count.min(most).max(least).max(0) as u16
+        [a, b, c].map(|phase| {
+            let wide = i64::from(phase.wrapping_sub(common)) * i64::from(scale);
+            let count = clamp_i32((middle + wide + (1 << 21)) >> 22);
+            // Within u16, as `most` is.
+            count.min(most).max(least) as u16
         })
     }
 }
