@@ -205,13 +205,17 @@ pub struct Retreat<W: Word> {
 /// For every input with a force: `force·moved + rest = energy`. Without one, nothing moves.
 #[inline(always)]
 pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
-    // Further than the format reaches: to its end, which costs less than the energy.
-    let (moved, accounted) = force
-        .divides_within(energy)
-        .unwrap_or_else(|| (W::MAX_SIGNED, force.times(W::MAX_SIGNED)));
+    let (quotient, accounted) = force.divides(energy);
+    if quotient <= W::MAX_SIGNED.widen() {
+        return Retreat {
+            moved: W::narrow(quotient),
+            rest: W::minus(energy, accounted),
+        };
+    }
+    // Further than the format reaches: to its end, which costs less than the division accounted for.
     Retreat {
-        moved,
-        rest: W::minus(energy, accounted),
+        moved: W::MAX_SIGNED,
+        rest: W::minus(energy, force.times(W::MAX_SIGNED)),
     }
 }
 
