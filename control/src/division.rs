@@ -15,13 +15,23 @@ pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
     }
 }
 
-/// `floor(dividend / divisor)` where that is a word, that is for `dividend < divisor · 2^32`; for all else, any word.
+/// `floor(dividend / divisor)` where that is a word, that is for `dividend < divisor · 2^32`, with the part of the dividend that
+/// it accounts for; for all else, any words.
 #[inline(always)]
-pub fn short_quotient(dividend: u64, divisor: u32) -> u32 {
+pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
     if cfg!(target_pointer_width = "32") {
-        short_32(dividend, divisor)
+        let quotient = short_32(dividend, divisor);
+        (
+            quotient,
+            u64::from(quotient).wrapping_mul(u64::from(divisor)),
+        )
     } else {
-        dividend.checked_div(u64::from(divisor)).unwrap_or(0) as u32
+        // The product is of the quotient as it is, and the limit never binds: shapes that a solver follows.
+        let quotient = dividend.checked_div(u64::from(divisor)).unwrap_or(0);
+        (
+            quotient.min(u64::from(u32::MAX)) as u32,
+            quotient.wrapping_mul(u64::from(divisor)),
+        )
     }
 }
 
@@ -136,7 +146,8 @@ mod tests {
             assert_eq!(quotient(dividend, divisor), expected);
             if let Some(Ok(short)) = expected.map(u32::try_from) {
                 assert_eq!(short_32(dividend, divisor), short, "{dividend}/{divisor}");
-                assert_eq!(short_quotient(dividend, divisor), short);
+                let accounted = u64::from(short).wrapping_mul(u64::from(divisor));
+                assert_eq!(short_quotient(dividend, divisor), (short, accounted));
             }
         };
         let words = hard_words();

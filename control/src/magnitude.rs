@@ -88,8 +88,7 @@ macro_rules! word {
                 if wide >= <$wide>::from(self) << (Self::BITS - 1) {
                     return if self == 0 { Some((0, 0)) } else { None };
                 }
-                let quotient = $short(wide, self);
-                Some((quotient, quotient.times(self)))
+                Some($short(wide, self))
             }
             #[inline(always)]
             fn narrow(wide: $wide) -> Self {
@@ -132,14 +131,26 @@ word!(
     u16,
     divide_u8,
     |wide: u16, by: u8| wide.checked_div(by.into()),
-    |wide: u16, by: u8| wide.checked_div(by.into()).unwrap_or(0) as u8
+    |wide: u16, by: u8| {
+        let quotient = wide.checked_div(by.into()).unwrap_or(0);
+        (
+            <u8 as Word>::narrow(quotient),
+            quotient.wrapping_mul(by.into()),
+        )
+    }
 );
 word!(
     u16,
     u32,
     divide_u16,
     |wide: u32, by: u16| wide.checked_div(by.into()),
-    |wide: u32, by: u16| wide.checked_div(by.into()).unwrap_or(0) as u16
+    |wide: u32, by: u16| {
+        let quotient = wide.checked_div(by.into()).unwrap_or(0);
+        (
+            <u16 as Word>::narrow(quotient),
+            quotient.wrapping_mul(by.into()),
+        )
+    }
 );
 // Two or three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
 word!(

@@ -4,7 +4,7 @@
 use crate::format::Format;
 use crate::{assume, cover, property};
 use touchstone_control::magnitude::{self, Word};
-use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, Position, Tension};
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, Position, Stiffness, Tension};
 
 macro_rules! edges {
     ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, products $products:ident, bits $bits:ident) => {
@@ -65,20 +65,20 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1: the force that works a deficit off is the heart's quotient, and the largest over no displacement.
+                /// P1: the force that works a deficit off is the heart's quotient.
                 equation "|E / d| = heart(|E|, |d|)"
                 over "energy and displacement"
                 by $products fn p1_edge_per(s) {
                     let (energy, moved) = (N::any_energy(s), N::any_position(s));
+                    assume!(s, moved.0 != 0, "case; at rest there is nothing to work off over: tdpa::p1_exact_correction");
                     let force = energy.per_displacement(moved).0;
                     let heart = magnitude::quotient::<$word>(
                         energy.0.to_bits().unsigned_abs(),
                         moved.0.to_bits().unsigned_abs(),
                     );
                     assert!(force >= 0);
-                    assert!(force.to_bits().unsigned_abs() == if moved.0 == 0 { <$word>::MAX_SIGNED } else { heart });
+                    assert!(force.to_bits().unsigned_abs() == heart);
                     cover!(s, energy.0 < 0 && moved.0 < 0 && force > 0, "deficit, outward");
-                    cover!(s, moved.0 == 0, "at rest");
                 }
             }
             property! {
@@ -89,8 +89,9 @@ macro_rules! edges {
                     let (ratio, x) = (N::any_ratio(s), N::any_position(s));
                     assume!(s, ratio.0 >= 0, "validate");
                     let scaled = (ratio * x).0.to_bits();
+                    // The operands in the words of the code, as above.
                     let heart = magnitude::scale::<$word>(
-                        ratio.0.to_bits().unsigned_abs(),
+                        ratio.0.to_bits() as $word,
                         x.0.to_bits().unsigned_abs(),
                         N::SIGNAL_BITS,
                     );
@@ -103,16 +104,15 @@ macro_rules! edges {
             property! {
                 /// P6: the quotient keeps the sign of the tension and is the heart's quotient.
                 equation "|p / k| = heart(|p|, |k|), sign of p"
-                over "tension and stiffness >= 0"
+                over "tension and stiffness above 0"
                 by $products fn p6_edge_divide(s) {
                     let (tension, k) = (N::any_tension(s), N::any_stiffness(s));
-                    assume!(s, k.0 >= 0, "validate");
+                    assume!(s, k.0 > 0, "validate; by 0 it is 0: p3_total");
                     let x = tension.over(k).0.to_bits();
                     let heart = magnitude::quotient::<$word>(tension.0.unsigned_abs(), k.0.to_bits().unsigned_abs());
                     assert!(x.unsigned_abs() == heart);
                     assert!(x == 0 || (x < 0) == (tension.0 < 0));
                     cover!(s, x < 0, "negative");
-                    cover!(s, k.0 == 0, "no stiffness");
                 }
             }
             property! {
@@ -159,6 +159,7 @@ macro_rules! edges {
                     let _ = (d + e, d - e, d.per_displacement(a), N::half_energy_up(d.0));
                     let _ = N::passivity_step(d.0, a.0, b.0);
                     let _ = d.affordable(Force(a.0));
+                    assert!(p.over(Stiffness::zero()).0 == 0);
                     cover!(s, a.0 == N::LOWEST && d.0.to_bits() == $wide::MIN, "lowest values");
                 }
             }

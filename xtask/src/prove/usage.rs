@@ -1,9 +1,9 @@
 //! Memory and processor time of each harness: what the kernel counts for the checker and for the solvers that it starts.
 //!
 //! The checker's tools get the harness's file as an argument, so a process tells which harness it is for; a solver is known
-//! by its parent. While they run, the kernel's own counts are read twenty times a second: the highest memory so far (`VmHWM`)
+//! by its parent. While they run, the kernel's own counts are read ten times a second: the highest memory so far (`VmHWM`)
 //! and the processor time, of those that have ended as well. Both only grow, so that no more than what is added in the last
-//! twentieth of a second is missed. Without `/proc` nothing is measured.
+//! tenth of a second is missed. Without `/proc` nothing is measured.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -40,7 +40,7 @@ impl Watch {
                 let mut seen = Seen::new();
                 while !stop.load(Ordering::Relaxed) {
                     look(&folder, &mut seen);
-                    std::thread::sleep(Duration::from_millis(50));
+                    std::thread::sleep(Duration::from_millis(100));
                 }
                 seen
             }
