@@ -87,6 +87,8 @@ pub struct CurrentOutput {
     pub bridge: Bridge,
     /// A control tick is due: pend its interrupt.
     pub pend_control: bool,
+    /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
+    pub is_stale: bool,
     /// For the control tick.
     pub report: CurrentReport,
 }
@@ -300,8 +302,14 @@ impl CurrentLoop {
         CurrentOutput {
             bridge,
             pend_control,
+            is_stale: self.is_stale(),
             report: self.report,
         }
+    }
+
+    /// Whether the command is older than two control periods.
+    const fn is_stale(&self) -> bool {
+        self.age > 2 * self.config.periods_per_tick as u32
     }
 
     fn trip(&mut self, code: FaultCode, value: i32) {
@@ -362,7 +370,7 @@ impl CurrentLoop {
         if largest > config.trip || vector.square() > trip * trip {
             self.trip(FaultCode::OverCurrent, milli(largest));
         }
-        if self.age > 2 * u32::from(config.periods_per_tick) {
+        if self.is_stale() {
             self.trip(FaultCode::StaleCommand, clamp_i32(i64::from(self.age)));
         }
         if self.tripped {

@@ -87,6 +87,9 @@ fn ADC1_2() {
             pwm::outputs_on();
         }
     }
+    if output.is_stale {
+        analogue::off();
+    }
     REPORT.put(&output.report.to_words());
     if output.pend_control {
         DUE.store(begun, Relaxed);

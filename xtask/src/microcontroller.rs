@@ -20,6 +20,11 @@ pub fn build() -> Result<(Command, Vec<String>), Outcome> {
     })
 }
 
+/// `cargo clippy` of the first compiler that has one for the target, and its options.
+pub fn clippy() -> Option<(Command, Vec<String>)> {
+    compilers::find_for(TARGET)?.clippy()
+}
+
 fn find() -> Option<(Command, Vec<String>)> {
     let chosen = |compiler: Compiler| {
         println!("with {compiler}");

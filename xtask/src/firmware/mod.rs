@@ -6,6 +6,7 @@
 mod look;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::microcontroller::{self, TARGET};
 use crate::outcome::Outcome;
@@ -38,6 +39,10 @@ pub fn run(args: &[String]) -> Outcome {
             Ok(report) => report,
             Err(outcome) => return outcome,
         };
+        let linted = lint(board);
+        if linted.is_failure() {
+            return linted;
+        }
         lines.push(format!("{board}: {}", report.line()));
         wrong.extend(report.wrong.iter().map(|what| format!("{board}: {what}")));
     }
@@ -67,17 +72,7 @@ fn examine(board: &str, path: &Path) -> Result<look::Report, Outcome> {
 pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     let (mut cargo, options) = microcontroller::build()?;
     let folder = shell::target("firmware").join("build");
-    cargo
-        // Where its own `.cargo/config.toml` is.
-        .current_dir(shell::root().join("firmware"))
-        .args(["--release", "--target-dir"])
-        .arg(&folder)
-        .args(&options)
-        .args(["--no-default-features", "--features", board])
-        .args(["--bin", board])
-        .args(["--config", "build.warnings='deny'"])
-        .env_remove("RUSTFLAGS")
-        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    arguments(&mut cargo, board, &options);
     match shell::run(&mut cargo) {
         Outcome::Ok(_) => {}
         failed => return Err(failed),
@@ -88,4 +83,28 @@ pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     let copied = copied.and_then(|()| std::fs::copy(&built, &kept));
     copied.map_err(|error| Outcome::Failed(format!("{}: {error}", built.display())))?;
     Ok(kept)
+}
+
+/// Clippy on a board's program, warnings denied. Where no clippy knows the target, the compiler's own warnings are all there is.
+fn lint(board: &str) -> Outcome {
+    let Some((mut clippy, options)) = microcontroller::clippy() else {
+        return Outcome::Ok(String::new());
+    };
+    arguments(&mut clippy, board, &options);
+    shell::run(clippy.args(["--", "-D", "warnings"]))
+}
+
+/// What both commands are told.
+fn arguments(cargo: &mut Command, board: &str, options: &[String]) {
+    cargo
+        // Where its own `.cargo/config.toml` is.
+        .current_dir(shell::root().join("firmware"))
+        .args(["--release", "--target-dir"])
+        .arg(shell::target("firmware").join("build"))
+        .args(options)
+        .args(["--no-default-features", "--features", board])
+        .args(["--bin", board])
+        .args(["--config", "build.warnings='deny'"])
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
 }

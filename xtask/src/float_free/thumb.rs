@@ -85,11 +85,29 @@ impl fmt::Display for Compiler {
 impl Compiler {
     /// `cargo build` with it, and the options that belong to it.
     pub fn cargo(&self) -> (Command, Vec<String>) {
-        let mut cargo = match &self.origin {
-            Origin::Active => shell::cargo_locked("build"),
+        self.cargo_for("build")
+    }
+
+    /// `cargo clippy` with it, and the options that belong to it; `None` if it has none that knows the target.
+    pub fn clippy(&self) -> Option<(Command, Vec<String>)> {
+        let has_it = match &self.origin {
+            _ if self.from_source => false,
+            Origin::Active => setup::missing_component("clippy").is_none(),
             Origin::Toolchain(name) => {
                 let mut rustup = shell::program("rustup");
-                rustup.args(["run", name, "cargo", "build"]);
+                shell::capture(rustup.args(["run", name, "cargo", "clippy", "--version"])).is_some()
+            }
+            Origin::System => false,
+        };
+        has_it.then(|| self.cargo_for("clippy"))
+    }
+
+    fn cargo_for(&self, subcommand: &str) -> (Command, Vec<String>) {
+        let mut cargo = match &self.origin {
+            Origin::Active => shell::cargo_locked(subcommand),
+            Origin::Toolchain(name) => {
+                let mut rustup = shell::program("rustup");
+                rustup.args(["run", name, "cargo", subcommand]);
                 // They name the active toolchain's programs.
                 for key in ["RUSTUP_TOOLCHAIN", "RUSTC", "CARGO", "RUSTDOC"] {
                     rustup.env_remove(key);
@@ -97,7 +115,7 @@ impl Compiler {
                 rustup
             }
             Origin::System => {
-                let mut cargo = shell::cargo_locked("build");
+                let mut cargo = shell::cargo_locked(subcommand);
                 cargo.env("RUSTC", SYSTEM);
                 // The system package comes without Rust's own linker for it.
                 let target = self.target.to_uppercase().replace('-', "_");
