@@ -12,7 +12,7 @@ use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{FaultCode, flash};
 
 use crate::control::{CONTROL, Control};
-use crate::interrupts::{self, CONTROL_LIVES, CURRENT_LIVES};
+use crate::interrupts::{self, CONTROL_LIVES, CURRENT_LIVES, LATE_PERIODS};
 use crate::requests::Thread;
 use crate::serial::{self, LINK_LIVES};
 use crate::storage::{PAGES, Storage};
@@ -101,8 +101,17 @@ fn control(
 async fn supervise() -> ! {
     let mut ticker = Ticker::every(SUPERVISION);
     let stages = [&CURRENT_LIVES, &CONTROL_LIVES, &LINK_LIVES];
+    let mut late = 0;
     loop {
         ticker.next().await;
+        let now_late = LATE_PERIODS.load(Relaxed);
+        if now_late != late {
+            late = now_late;
+            defmt::warn!(
+                "{=u32} PWM periods in which the current loop came too late",
+                late
+            );
+        }
         if stages.iter().all(|stage| stage.load(Relaxed)) {
             stages.iter().for_each(|stage| stage.store(false, Relaxed));
             watchdog::feed();

@@ -17,6 +17,9 @@ use crate::requests::{Thread, control};
 /// 115,200 would not carry the telemetry.
 pub const BAUD: u32 = 921_600;
 
+/// Most telemetry records between two looks at what was received: 4 ms of the port.
+const RECORDS_A_ROUND: usize = 8;
+
 /// What waits to be sent: 8 ms of the port.
 pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
 /// What was received and not yet read: 5 ms of the port.
@@ -62,7 +65,11 @@ pub async fn link(
         if device.has_new_settings() {
             device.apply(session.settings());
         }
-        while let Some(length) = next_record(frame) {
+        // Not until there is none left: more may come than the port carries, and requests are to be read as well.
+        for _ in 0..RECORDS_A_ROUND {
+            let Some(length) = next_record(frame) else {
+                break;
+            };
             let _ = port.write_all(&frame[..length]).await;
         }
     }

@@ -22,7 +22,7 @@ use crate::pwm::{BreakInput, Bridge};
 use crate::run::Board;
 use crate::sense::{Raw, Readings};
 use crate::storage::Storage;
-use crate::{analogue, encoder, pwm, sense, serial};
+use crate::{encoder, pwm, sense, serial};
 
 /// As the desktop knows it.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::BG431bEsc1;
@@ -75,7 +75,6 @@ pub fn set_up(p: Peripherals) -> Board {
             ComplementaryPwmPin::new(p.PB15, OutputType::PushPull),
         ),
     );
-    analogue::start(p.DAC1);
     let mut tracks = (Flex::new(p.PB6), Flex::new(p.PB7));
     tracks.0.set_as_af_unchecked(2, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(2, AfType::input(Pull::Up));
@@ -167,6 +166,6 @@ pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
     EncoderReading::Silent
 }
 
-/// This board has no pin for an external amplifier's enable: the amplifier must take the middle of the range as rest.
+/// This board has no analogue output: its pin measures a phase's voltage.
 #[inline(always)]
 pub fn enable_amplifier(_on: bool) {}
