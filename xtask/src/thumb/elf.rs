@@ -49,6 +49,8 @@ pub struct Reach {
     pub float_unit: Vec<String>,
     /// Calls and jumps that lead nobody knows where.
     pub unknown: Vec<String>,
+    /// Where interrupts are held off.
+    pub masks: Vec<String>,
     /// Traps: where the compiler wants execution to stop.
     pub traps: Vec<String>,
 }
@@ -66,6 +68,8 @@ pub(super) enum Instruction {
     FloatUnit,
     /// `UDF`.
     Trap,
+    /// Holds interrupts off: `CPSID`, or a write to `PRIMASK`, `BASEPRI` or `FAULTMASK`.
+    Mask,
     Other,
 }
 
@@ -97,12 +101,16 @@ pub(super) fn decode(first: u32, second: u32) -> Instruction {
             // `MOV PC, register`.
             0x4687 => Instruction::JumpRegister,
             _ if first & 0xff00 == 0xde00 => Instruction::Trap,
+            _ if first & 0xfffc == 0xb670 => Instruction::Mask,
             _ => Instruction::Other,
         };
     }
     // `LDR PC, [..]` by another register than the stack pointer.
     if first & 0xff70 == 0xf850 && second >> 12 == 15 && first & 15 != 13 {
         return Instruction::JumpRegister;
+    }
+    if first & 0xfff0 == 0xf380 && matches!(second & 0xffff, 0x8810..=0x8813) {
+        return Instruction::Mask;
     }
     if first & 0xec00 == 0xec00 && second >> 9 & 7 == 0b101 {
         return Instruction::FloatUnit;
@@ -298,6 +306,7 @@ impl Program {
                 }
                 Instruction::FloatUnit => reach.float_unit.push(place()),
                 Instruction::Trap => reach.traps.push(place()),
+                Instruction::Mask => reach.masks.push(place()),
                 Instruction::Other => {}
             }
             is_known &= self.half(at).is_some();
@@ -325,6 +334,10 @@ mod tests {
             (0xf850, 0xf021, Instruction::JumpRegister),
             (0xf85d, 0xfb04, Instruction::Other),
             (0xdefe, 0, Instruction::Trap),
+            // cpsid i; msr basepri_max, r0; msr primask, r0
+            (0xb672, 0, Instruction::Mask),
+            (0xf380, 0x8812, Instruction::Mask),
+            (0xf380, 0x8810, Instruction::Mask),
             (0x4790, 0, Instruction::CallRegister),
             // bl to itself; bl forwards by 0x1000; b.w forwards by 8
             (0xf7ff, 0xfffe, Instruction::Branch(-4)),
