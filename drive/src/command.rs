@@ -177,3 +177,111 @@ impl Drive for AnyDrive {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fixed::types::I8F24;
+
+    fn torque(nm: f64) -> Force<Fixed32> {
+        Force(I8F24::from_num(nm))
+    }
+
+    const ROTOR: Rotor = Rotor {
+        tick: 7,
+        angle: Angle(0x1234),
+        advance: -5,
+        against: false,
+        derating: 1 << 16,
+    };
+
+    fn current(nm: f64, rotor: Rotor) -> (f64, Limits) {
+        let drive = ThreePhase::new(&Settings::default().motor).unwrap();
+        let (command, limits) = drive.command(torque(nm), &rotor);
+        let DriveCommand::Current(command) = command else {
+            panic!("{command:?}")
+        };
+        assert_eq!(
+            (command.tick, command.mode, command.current.d),
+            (7, CurrentMode::Drive, Amps::ZERO)
+        );
+        assert_eq!(
+            (command.angle, command.advance),
+            (rotor.angle, rotor.advance)
+        );
+        (command.current.q.to_num(), limits)
+    }
+
+    #[test]
+    fn a_torque_is_a_current_by_the_torque_constant_and_direction() {
+        // 0.25 N·m/A, at most 2 A.
+        for (nm, amps) in [(0.0, 0.0), (0.1, 0.4), (-0.1, -0.4), (0.49, 1.96)] {
+            let (q, limits) = current(nm, ROTOR);
+            assert!(
+                (q - amps).abs() < 1e-4 && limits == Limits::NONE,
+                "{nm}: {q}"
+            );
+            let (q, _) = current(
+                nm,
+                Rotor {
+                    against: true,
+                    ..ROTOR
+                },
+            );
+            assert!((q + amps).abs() < 1e-4, "{nm}: {q}");
+        }
+    }
+
+    #[test]
+    fn the_limit_and_what_the_temperature_leaves_of_it() {
+        let (q, limits) = current(-100.0, ROTOR);
+        assert!(q == -2.0 && limits.has(Limit::Current) && !limits.has(Limit::Temperature));
+        let warm = Rotor {
+            derating: 1 << 14,
+            ..ROTOR
+        };
+        let (q, limits) = current(0.4, warm);
+        assert!(q == 0.5 && limits.has(Limit::Current) && limits.has(Limit::Temperature));
+        let (q, limits) = current(0.05, warm);
+        assert!(
+            (q - 0.2).abs() < 1e-4 && !limits.has(Limit::Current) && limits.has(Limit::Temperature)
+        );
+        assert_eq!(
+            current(
+                0.4,
+                Rotor {
+                    derating: 0,
+                    ..ROTOR
+                }
+            )
+            .0,
+            0.0
+        );
+    }
+
+    #[test]
+    fn the_analogue_output_spans_its_full_scale_around_the_middle() {
+        // 1 N·m at the upper end.
+        let drive = Analogue::new(&Settings::default().analogue).unwrap();
+        for (nm, code) in [
+            (0.0, 2_048),
+            (1.0, 4_095),
+            (-1.0, 1),
+            (0.5, 3_072),
+            (0.000_1, 2_048),
+            (0.000_3, 2_049),
+        ] {
+            let (command, limits) = drive.command(torque(nm), &ROTOR);
+            assert_eq!(
+                (command, limits),
+                (DriveCommand::Analogue(DacCode(code)), Limits::NONE),
+                "{nm}"
+            );
+        }
+        for (nm, code) in [(1.1, 4_095), (-100.0, 1)] {
+            let (command, limits) = drive.command(torque(nm), &ROTOR);
+            assert_eq!(command, DriveCommand::Analogue(DacCode(code)));
+            assert!(limits.has(Limit::Current));
+        }
+    }
+}
