@@ -4,13 +4,14 @@
 //! the sampled form and the exhaustive 8-bit form on stable Rust.
 //!
 //! Read from the bottom: [`heart`] (unsigned magnitudes), [`edges`] (signed numbers around them), one file per law, the
-//! filter, settings, the encoder and the fault machine.
+//! filter, settings, the encoder and the fault machine, the drive's arithmetic.
 // Bodies name the checker's macros only under the checker.
 #![cfg_attr(kani, allow(missing_docs))]
 // The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
 #![allow(clippy::missing_panics_doc)]
 
 pub mod device;
+pub mod drive;
 pub mod edges;
 pub mod enhanced;
 pub mod facts;

@@ -12,7 +12,7 @@ use crate::{prove, shell};
 
 const LIST: &str = "proofs/mutants.toml";
 /// What the proofs are made of; nothing else has to build.
-const PARTS: [&str; 3] = ["control", "protocol", "proofs"];
+const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 /// Of all mutants, in per cent.
 const CAUGHT: usize = 95;
 const LEAST: usize = 30;
@@ -160,7 +160,7 @@ fn each(
 
 /// Each mutant against the proof that it names.
 pub fn by_proofs() -> Outcome {
-    let folder = shell::target("mutants");
+    let folder = shell::target("mutants-by-proofs");
     let target = folder.join("kani");
     each(
         &folder,
@@ -172,7 +172,7 @@ pub fn by_proofs() -> Outcome {
 
 /// Each mutant against the test that it names, without the checker.
 pub fn by_tests() -> Outcome {
-    let folder = shell::target("mutants");
+    let folder = shell::target("mutants-by-tests");
     let target = folder.join("tests");
     each(
         &folder,
