@@ -1,0 +1,261 @@
+//! `touchstone config`.
+
+use crate::fake::{Fake, Trouble};
+use crate::{folder, run};
+use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_protocol::{Board, Decimal, DeviceSettings, Event, Machine, State, stored};
+
+const STIFFNESS: &str = "wall.k_desired_n_m_per_rad";
+
+#[test]
+fn settings_are_shown_alone_by_table_and_all() {
+    let device = Fake::new();
+    let one = device.run(&["config", "get", STIFFNESS]).done();
+    assert_eq!(one, "wall.k_desired_n_m_per_rad = 5 N·m/rad\n");
+    let table = device.run(&["config", "get", "wall.filter"]).done();
+    assert_eq!(table.lines().count(), 4);
+    assert!(
+        table.contains("wall.filter.mass_kg_m2 = 0.000003 kg·m²"),
+        "{table}"
+    );
+    let all = device.run(&["config", "get"]).done();
+    assert_eq!(all.lines().count(), FIELDS.len());
+    let wrong = device.run(&["config", "get", "wall.k_desired_nm_per_rad"]);
+    wrong.failed(
+        2,
+        &[
+            "no such setting",
+            "did you mean wall.k_desired_n_m_per_rad?",
+        ],
+    );
+}
+
+#[test]
+fn a_setting_is_changed_exactly_and_kept_by_save() {
+    let device = Fake::new();
+    let said = device.run(&["config", "set", STIFFNESS, "1.5"]).done();
+    assert!(
+        said.contains("wall.k_desired_n_m_per_rad: 5 -> 1.5 N·m/rad"),
+        "{said}"
+    );
+    assert!(said.contains("touchstone config save"), "{said}");
+    let expected = {
+        let (session, world) = &*device.world();
+        assert_eq!(
+            session.settings().wall.k_desired_n_m_per_rad,
+            Decimal::lit("1.5")
+        );
+        assert_eq!(&world.used, session.settings());
+        assert_eq!(world.saved, None);
+        session.settings().clone()
+    };
+    assert_eq!(device.run(&["config", "save"]).done(), "saved\n");
+    let image = device.world().1.saved.clone().expect("saved");
+    assert_eq!(stored::decode(&image, &|_| Ok(())), Ok(expected));
+}
+
+#[test]
+fn words_flags_and_negative_numbers() {
+    let device = Fake::new();
+    device.run(&["config", "set", "wall.law", "tdpa"]).done();
+    device
+        .run(&["config", "set", "encoder.reversed", "true"])
+        .done();
+    device
+        .run(&["config", "set", "wall.surface_rad", "-0.25"])
+        .done();
+    let shown = device
+        .run(&[
+            "config",
+            "get",
+            "wall.law",
+            "encoder.reversed",
+            "wall.surface_rad",
+        ])
+        .done();
+    assert_eq!(
+        shown,
+        "wall.law = tdpa\nencoder.reversed = true\nwall.surface_rad = -0.25 rad\n"
+    );
+}
+
+#[test]
+fn what_is_no_value_is_refused_with_its_range_and_nothing_changes() {
+    let device = Fake::new();
+    for (path, value, parts) in [
+        (
+            STIFFNESS,
+            "10001",
+            &["10001 is outside 0 to 10000", "N·m/rad"][..],
+        ),
+        (STIFFNESS, "stiff", &["`stiff` is no decimal number"]),
+        ("motor.pole_pairs", "7.5", &["no whole number", "1 to 50"]),
+        ("wall.law", "tpda", &["did you mean tdpa?"]),
+        ("encoder.reversed", "yes", &["true or false"]),
+        ("motor.pole_pair", "7", &["did you mean motor.pole_pairs?"]),
+        (
+            "control.rate_hz",
+            "3000",
+            &["no whole fraction of 20000 Hz"],
+        ),
+        (
+            "wall.force_limit_n_m",
+            "0.6",
+            &["0.6 is outside 0.000001 to 0.5 N·m"],
+        ),
+        (
+            "limits.bus_min_v",
+            "40",
+            &["40 is outside 8 to 30 V", "config import"],
+        ),
+    ] {
+        device.run(&["config", "set", path, value]).failed(2, parts);
+    }
+    assert_eq!(
+        device.world().0.settings(),
+        &DeviceSettings::defaults(Board::NucleoG474re)
+    );
+}
+
+#[test]
+fn an_export_is_taken_back_and_shows_what_differs() {
+    let device = Fake::new();
+    let file = folder("export").join("settings.toml");
+    let name = file.to_str().unwrap();
+    device
+        .run(&["config", "set", STIFFNESS, "2.000000001"])
+        .done();
+    let before = device.world().0.settings().clone();
+    device.run(&["config", "export", name]).done();
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(
+        text.contains(
+            "# desired stiffness k_de; 0 to 10000 N·m/rad\nk_desired_n_m_per_rad = 2.0000000"
+        ),
+        "{text}"
+    );
+    assert_eq!(device.run(&["config", "export"]).done(), text);
+
+    let said = device.run(&["config", "defaults"]).done();
+    assert!(
+        said.contains(": 2.000000001 -> 5 N·m/rad") || said.contains("-> 5 N·m/rad"),
+        "{said}"
+    );
+    let dry = device.run(&["config", "import", name, "--dry-run"]).done();
+    assert!(
+        dry.contains("wall.k_desired_n_m_per_rad: 5 -> 2.0000000"),
+        "{dry}"
+    );
+    assert!(dry.contains("nothing was written"), "{dry}");
+    assert_eq!(
+        device.world().0.settings(),
+        &DeviceSettings::defaults(Board::NucleoG474re)
+    );
+    device.run(&["config", "import", name]).done();
+    assert_eq!(device.world().0.settings(), &before);
+    assert_eq!(
+        device.run(&["config", "import", name]).done(),
+        "nothing to change\n"
+    );
+}
+
+#[test]
+fn several_settings_that_need_each_other_come_in_one_import() {
+    let device = Fake::new();
+    let file = folder("together").join("bus.toml");
+    std::fs::write(&file, "[limits]\nbus_min_v = 32\nbus_max_v = 40\n").unwrap();
+    device
+        .run(&["config", "import", file.to_str().unwrap()])
+        .done();
+    assert_eq!(
+        device.world().0.settings().limits.bus_min_v,
+        Decimal::lit("32")
+    );
+}
+
+#[test]
+fn one_wrong_line_and_nothing_is_written() {
+    let device = Fake::new();
+    let file = folder("import").join("wrong.toml");
+    let name = file.to_str().unwrap();
+    for (text, parts) in [
+        (
+            "[wall]\nlaw = \"tdpa\"\nk_soft = 1\n",
+            &[":3: wall.k_soft: there is no such setting"][..],
+        ),
+        (
+            "[wall]\nlaw = \"tdpa\"\nk_soft_n_m_per_rad = \"1\"\n",
+            &[":3: wall.k_soft_n_m_per_rad", "0.01 to 10000"],
+        ),
+        ("[motor]\npole_pairs = 0x7\n", &[":2: motor.pole_pairs"]),
+        (
+            "[wall]\nlaw = \"tdpa\"\nforce_limit_n_m = 5\n",
+            &[
+                ":3: wall.force_limit_n_m",
+                "0.000001 to 0.5 N·m",
+                "nothing was changed",
+            ],
+        ),
+        ("[wall]\nlaw = tdpa\n", &[":2: TOML"]),
+        (
+            "[motor]\ncurrent_limit_a = 1\n",
+            &["wall.force_limit_n_m = 0.5 is outside"],
+        ),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        device.run(&["config", "import", name]).failed(2, parts);
+    }
+    device
+        .run(&["config", "import", "there-is-none.toml"])
+        .failed(2, &["there-is-none.toml"]);
+    assert_eq!(
+        device.world().0.settings(),
+        &DeviceSettings::defaults(Board::NucleoG474re)
+    );
+}
+
+#[test]
+fn an_armed_device_and_a_broken_flash_refuse() {
+    let device = Fake::with(Trouble {
+        flash_fails: true,
+        ..Trouble::default()
+    });
+    device
+        .run(&["config", "save"])
+        .failed(1, &["flash could not be written"]);
+    device.world().1.machine = Machine::at(State::Armed);
+    device
+        .run(&["config", "set", STIFFNESS, "1"])
+        .failed(1, &["state `armed`", "touchstone device disarm"]);
+    device
+        .run(&["config", "defaults"])
+        .failed(1, &["state `armed`"]);
+    device.world().1.machine = Machine::at(State::Ready);
+    device.run(&["config", "set", STIFFNESS, "1"]).done();
+    device
+        .run(&["config", "save"])
+        .failed(1, &["state `ready`", "touchstone device stop"]);
+    assert!(
+        device
+            .world()
+            .1
+            .machine
+            .take(Event::Command(touchstone_protocol::Command::Arm))
+    );
+}
+
+#[test]
+fn the_schema_needs_no_device() {
+    let text = run(&["config", "schema"]).done();
+    for field in FIELDS {
+        assert!(
+            text.contains(field.path) && text.contains(field.about),
+            "{}",
+            field.path
+        );
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&run(&["config", "schema", "--json"]).done()).unwrap();
+    assert_eq!(json.as_array().map(Vec::len), Some(FIELDS.len()));
+    assert_eq!(json[0]["path"], "control.rate_hz");
+}

@@ -1,0 +1,98 @@
+//! What may go wrong between the program and a device.
+
+use crate::fake::{Fake, Trouble};
+use crate::run;
+use std::time::{Duration, Instant};
+
+#[test]
+fn no_port_and_nobody_behind_it() {
+    // A port that was free a moment ago.
+    let free = std::net::TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap();
+    let address = format!("tcp:{free}");
+    run(&["device", "status", "--port", &address]).failed(1, &[&address, "cannot be reached"]);
+    run(&["device", "status", "--port", "/dev/there-is-none"])
+        .failed(1, &["/dev/there-is-none", "cannot be opened"]);
+    // Not a port at all: the command line itself is wrong.
+    let said = run(&["device", "status", "--port", "tcp:nowhere"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("HOST:PORT"), "{}", said.err);
+}
+
+#[test]
+fn a_device_of_another_version_is_named_and_left_alone() {
+    let device = Fake::with(Trouble {
+        version: Some(77),
+        ..Trouble::default()
+    });
+    device
+        .run(&["config", "get"])
+        .failed(1, &["version 77", "touchstone flash"]);
+}
+
+#[test]
+fn a_silent_device_is_given_up_soon() {
+    let device = Fake::with(Trouble {
+        silent: true,
+        ..Trouble::default()
+    });
+    let begun = Instant::now();
+    device
+        .run(&["device", "status"])
+        .failed(1, &["no answer", "touchstone doctor"]);
+    assert!(begun.elapsed() < Duration::from_secs(10));
+}
+
+#[test]
+fn a_command_whose_answer_is_damaged_is_not_given_twice() {
+    // Answer 0 is the hello.
+    let device = Fake::with(Trouble {
+        damages: Some(1),
+        ..Trouble::default()
+    });
+    device.run(&["device", "reboot"]).failed(
+        1,
+        &[
+            "it may have been carried out or not",
+            "touchstone device status",
+        ],
+    );
+    let world = &device.world().1;
+    assert!(world.rebooted);
+    assert_eq!(world.answers, 2);
+}
+
+#[test]
+fn a_damaged_answer_is_asked_for_again() {
+    let device = Fake::with(Trouble {
+        damaged: 2,
+        ..Trouble::default()
+    });
+    assert_eq!(
+        device.run(&["config", "get", "motor.pole_pairs"]).done(),
+        "motor.pole_pairs = 7\n"
+    );
+    let device = Fake::with(Trouble {
+        damaged: 1000,
+        ..Trouble::default()
+    });
+    device
+        .run(&["device", "status"])
+        .failed(1, &["no answer (3 frames came in damaged)"]);
+}
+
+#[test]
+fn a_connection_that_is_cut_is_named() {
+    // Answer 0 is the hello.
+    for at in 0..3 {
+        let device = Fake::with(Trouble {
+            closes_at: Some(at),
+            ..Trouble::default()
+        });
+        device
+            .run(&["device", "status"])
+            .failed(1, &["the connection is gone"]);
+    }
+}

@@ -1,0 +1,318 @@
+//! A device on a TCP socket: session, fault machine and frames are the firmware's own; only the board around them is made up.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+use touchstone_drive::wire::checked;
+use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
+use touchstone_protocol::session::{Device, FlashError, Session};
+use touchstone_protocol::settings::Invalid;
+use touchstone_protocol::telemetry::RING_CHUNK;
+use touchstone_protocol::{
+    Board, Command, Context, Counters, Decimal, DeviceCommand, DeviceSettings, Event, Fault,
+    FaultCode, FromDevice, Identity, Machine, PROTOCOL_VERSION, Phase, ResetReason, RingChunk,
+    RingRecord, State, Telemetry, stored,
+};
+
+/// What may be wrong with it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Trouble {
+    /// It answers nothing.
+    pub silent: bool,
+    /// It speaks this version.
+    pub version: Option<u16>,
+    /// So many of its answers have a flipped bit.
+    pub damaged: usize,
+    /// Its answer of this number has a flipped bit.
+    pub damages: Option<usize>,
+    /// It closes the connection instead of its answer of this number.
+    pub closes_at: Option<usize>,
+    /// Its flash cannot be written.
+    pub flash_fails: bool,
+    /// Every record of this number is dropped, and counted.
+    pub drops_every: Option<u32>,
+    /// Its telemetry ends after so many records.
+    pub records: Option<u32>,
+    /// Its calibration ends with a fault.
+    pub calibration_fails: bool,
+}
+
+/// Ticks between two looks at the socket, and how long one takes.
+const TICKS: u32 = 5;
+const LOOK: Duration = Duration::from_millis(5);
+/// A calibration takes so many ticks.
+const CALIBRATION: u32 = 400;
+
+/// The board around the talk.
+pub struct World {
+    pub machine: Machine,
+    pub saved: Option<Vec<u8>>,
+    pub used: DeviceSettings,
+    pub rebooted: bool,
+    trouble: Trouble,
+    board: Board,
+    tick: u32,
+    calibrated_at: Option<u32>,
+    decimation: u16,
+    dropped: u32,
+    /// Requests that came in.
+    pub answers: usize,
+    records: u32,
+}
+
+/// A running device.
+pub struct Fake {
+    pub address: String,
+    both: Arc<Mutex<(Session, World)>>,
+}
+
+impl Fake {
+    /// A device without troubles.
+    pub fn new() -> Self {
+        Self::with(Trouble::default())
+    }
+
+    /// A device with troubles.
+    pub fn with(trouble: Trouble) -> Self {
+        let board = Board::NucleoG474re;
+        let settings = DeviceSettings::defaults(board);
+        let world = World {
+            machine: Machine::new(),
+            saved: None,
+            used: settings.clone(),
+            rebooted: false,
+            trouble,
+            board,
+            tick: 0,
+            calibrated_at: None,
+            decimation: 1,
+            dropped: 0,
+            answers: 0,
+            records: 0,
+        };
+        let both = Arc::new(Mutex::new((Session::new(settings, true), world)));
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = format!("tcp:{}", listener.local_addr().unwrap());
+        let shared = Arc::clone(&both);
+        // Ends with the test's process.
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                // A connection that breaks is the other side's right.
+                let _ = serve(stream, &shared);
+            }
+        });
+        Self { address, both }
+    }
+
+    /// The program, spoken to this device.
+    pub fn run(&self, arguments: &[&str]) -> super::Said {
+        super::run(&[arguments, &["--port", &self.address]].concat())
+    }
+
+    /// A look into the device.
+    pub fn world(&self) -> MutexGuard<'_, (Session, World)> {
+        self.both.lock().unwrap()
+    }
+
+    /// A fault strikes.
+    pub fn fault(&self, code: FaultCode, value: i32) {
+        let (_, world) = &mut *self.world();
+        let tick = world.tick;
+        world
+            .machine
+            .take(Event::Fault(Context { code, tick, value }));
+    }
+}
+
+/// Serves one connection until it ends.
+fn serve(mut stream: TcpStream, shared: &Mutex<(Session, World)>) -> std::io::Result<()> {
+    stream.set_read_timeout(Some(LOOK))?;
+    let mut decoder = Decoder::new();
+    let mut bytes = [0; 1024];
+    loop {
+        let count = match stream.read(&mut bytes) {
+            Ok(0) => return Ok(()),
+            Ok(count) => count,
+            Err(error) => match error.kind() {
+                ErrorKind::WouldBlock | ErrorKind::TimedOut => 0,
+                _ => return Err(error),
+            },
+        };
+        let mut out = Vec::new();
+        let (session, world) = &mut *shared.lock().unwrap();
+        for &byte in &bytes[..count] {
+            let errors = decoder.errors();
+            if let Some(Ok(payload)) = decoder.push(byte) {
+                if world.trouble.closes_at == Some(world.answers) {
+                    return Ok(());
+                }
+                world.answers += 1;
+                let answer = session.answer_payload(payload, errors, world);
+                if !world.trouble.silent
+                    && let Some(answer) = answer
+                {
+                    out.extend(world.frame(&answer));
+                }
+            }
+        }
+        for _ in 0..TICKS {
+            out.extend(world.tick());
+        }
+        stream.write_all(&out)?;
+    }
+}
+
+impl World {
+    /// An answer's frame, damaged if that is its trouble.
+    fn frame(&mut self, message: &FromDevice) -> Vec<u8> {
+        let mut buffer = [0; FRAME_MAX];
+        let mut frame = frame::encode(message, &mut buffer).unwrap().to_vec();
+        // Answers are counted from 0, and this one is counted already.
+        let this_one = self
+            .trouble
+            .damages
+            .is_some_and(|at| at + 1 == self.answers);
+        if this_one || self.trouble.damaged > 0 {
+            self.trouble.damaged = self.trouble.damaged.saturating_sub(1);
+            frame[2] ^= 0x10;
+        }
+        frame
+    }
+
+    /// One control tick: the telemetry record's frame, if one is due.
+    fn tick(&mut self) -> Vec<u8> {
+        self.tick += 1;
+        if self.calibrated_at.take_if(|at| *at <= self.tick).is_some() {
+            if self.trouble.calibration_fails {
+                let (code, tick) = (FaultCode::CalibrationFailed, self.tick);
+                self.machine.take(Event::Fault(Context {
+                    code,
+                    tick,
+                    value: 3,
+                }));
+            } else {
+                self.machine.take(Event::Calibrated);
+            }
+        }
+        let due = self.decimation > 0 && self.tick.is_multiple_of(u32::from(self.decimation));
+        if !due
+            || self
+                .trouble
+                .records
+                .is_some_and(|records| self.records >= records)
+        {
+            return Vec::new();
+        }
+        self.records += 1;
+        if self
+            .trouble
+            .drops_every
+            .is_some_and(|every| self.records.is_multiple_of(every))
+        {
+            self.dropped += 1;
+            return Vec::new();
+        }
+        let record = Telemetry {
+            tick: self.tick,
+            count: 7,
+            penetration_rad: fixed::types::I8F24::from_bits(self.tick.cast_signed() % 1000),
+            force_n_m: fixed::types::I8F24::from_bits(1),
+            offset_rad: fixed::types::I8F24::ZERO,
+            energy_j: Decimal::lit("0.001"),
+            phase: self.phase(),
+            fault: self.fault().map_or(0, |fault| fault.code),
+            limits: 0,
+            cycles: 2500,
+            lateness_cycles: 12,
+            current_q_ma: -250,
+        };
+        let mut buffer = [0; FRAME_MAX];
+        let message = FromDevice::Telemetry(record);
+        frame::encode(&message, &mut buffer).unwrap().to_vec()
+    }
+}
+
+impl Device for World {
+    fn identity(&self) -> Identity {
+        Identity {
+            protocol_version: self.trouble.version.unwrap_or(PROTOCOL_VERSION),
+            settings_version: stored::LAYOUT_VERSION,
+            firmware_version: "0.1.0".try_into().unwrap(),
+            board: self.board,
+            unique_id: [0xab; 12],
+            reset_reason: ResetReason::PowerOn,
+            build_hash: 0x1234,
+        }
+    }
+    fn phase(&self) -> Phase {
+        self.machine.state().into()
+    }
+    fn fault(&self) -> Option<Fault> {
+        self.machine.fault().map(Fault::from)
+    }
+    fn tick(&self) -> u32 {
+        self.tick
+    }
+    fn counters(&self) -> Counters {
+        Counters {
+            telemetry_dropped: self.dropped,
+            ticks: self.tick,
+            tick_cycles_max: 2_600,
+            ..Counters::default()
+        }
+    }
+    fn ring(&self, first: u16) -> Option<RingChunk> {
+        matches!(self.machine.state(), State::Fault(_)).then(|| {
+            let rest = (first..1000).take(RING_CHUNK);
+            let records = rest.map(|index| RingRecord {
+                tick: index,
+                count: i32::from(index) - 500,
+                force: 2048,
+                current_q: -512,
+                lateness_64: 2,
+                limits: 0,
+                phase: if index == 999 { 4 } else { 3 },
+            });
+            RingChunk {
+                first,
+                total: 1000,
+                records: records.collect(),
+            }
+        })
+    }
+    fn check(&self, settings: &DeviceSettings) -> Result<(), Invalid> {
+        checked(settings, self.board).map(|_| ())
+    }
+    fn use_settings(&mut self, settings: &DeviceSettings) {
+        self.used = settings.clone();
+    }
+    fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {
+        if self.trouble.flash_fails {
+            return Err(FlashError);
+        }
+        self.saved = Some(image.to_vec());
+        Ok(())
+    }
+    fn command(&mut self, command: DeviceCommand) -> bool {
+        let event = match command {
+            DeviceCommand::Calibrate => {
+                let taken = self.machine.take(Event::Command(Command::Calibrate));
+                self.calibrated_at = taken.then_some(self.tick + CALIBRATION);
+                return taken;
+            }
+            DeviceCommand::Arm => Command::Arm,
+            DeviceCommand::Disarm => Command::Disarm,
+            DeviceCommand::Stop => Command::Stop,
+            DeviceCommand::Zero => return self.phase() != Phase::Armed,
+            DeviceCommand::Reboot => {
+                self.rebooted = true;
+                return true;
+            }
+        };
+        self.machine.take(Event::Command(event))
+    }
+    fn telemetry(&mut self, decimation: u16) {
+        self.decimation = decimation;
+    }
+}

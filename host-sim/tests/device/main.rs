@@ -1,0 +1,90 @@
+//! The program against a device that is not there: a TCP socket behind which the device's own code of the protocol answers.
+
+mod config;
+mod doctor;
+mod failures;
+mod fake;
+mod flash;
+mod lifecycle;
+mod monitor;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// What the program said and how it ended.
+pub struct Said {
+    /// Exit code.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        Said {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+impl Said {
+    /// It ended well.
+    #[track_caller]
+    pub fn done(self) -> String {
+        assert_eq!(
+            (self.code, self.err.as_str()),
+            (Some(0), ""),
+            "{}",
+            self.out
+        );
+        self.out
+    }
+
+    /// It ended with this code and one line that has all these parts.
+    #[track_caller]
+    pub fn failed(self, code: i32, parts: &[&str]) {
+        let Said { err, .. } = &self;
+        assert_eq!(self.code, Some(code), "{err}");
+        assert_eq!(err.lines().count(), 1, "one line: {err}");
+        assert!(
+            err.starts_with("error: ") && err.contains("; "),
+            "problem; fix: {err}"
+        );
+        for part in parts {
+            assert!(err.contains(part), "{err:?} does not name {part:?}");
+        }
+    }
+}
+
+/// The program, not yet run.
+pub fn program(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
+    command.args(arguments);
+    command
+}
+
+/// Runs the program.
+pub fn run(arguments: &[&str]) -> Said {
+    program(arguments).output().unwrap().into()
+}
+
+/// A folder of its own for a test, empty at the start.
+pub fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("device-{test}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Writes a program for the shell.
+#[cfg(unix)]
+pub fn script(folder: &Path, name: &str, text: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.join(name);
+    std::fs::write(&path, format!("#!/bin/sh\n{text}\n")).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+}
