@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator: its force is a function of the counts
-//! since the tick that armed, and of nothing else. What holds the force back (fading in, current limit, temperature) comes after it.
+//! since the tick that armed, and of nothing else. What holds the force back (fading in, current limit, temperature) comes
+//! after it.
 
 use crate::angle::{Angle, ElectricalScale};
 use crate::calibration::{Alignment, Calibration, CalibrationConfig, Progress};

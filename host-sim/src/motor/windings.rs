@@ -6,8 +6,8 @@
 //! L di/dt = v - R i - j ω λ e^{jθ}          torque = 3/2 p λ Im(i e^{-jθ})
 //! ```
 //!
-//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`, and the torque's mean
-//! over the interval follows in closed form.
+//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`, and the torque's
+//! mean over the interval follows in closed form.
 
 use nalgebra::Complex;
 
@@ -166,8 +166,8 @@ impl Windings {
 
     /// Crosses one interval with all switches open: the current flows on through the diodes, against the bus, and ends.
     ///
-    /// The diodes hold the vector at `-2/3 (bus + 2 drops)` along the current; the back-EMF is neglected against that. Without current nothing
-    /// flows, which is right as long as the back-EMF between two phases is below the bus: faster motors would brake.
+    /// The diodes hold the vector at `-2/3 (bus + 2 drops)` along the current; the back-EMF is neglected against that. Without
+    /// current nothing flows, which is right as long as the back-EMF between two phases is below the bus: faster motors would brake.
     pub fn freewheel(&mut self, bus_v: f64, diode_v: f64, angle_rad: f64) -> f64 {
         let size = self.current.norm();
         if size == 0.0 {
