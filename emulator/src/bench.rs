@@ -267,14 +267,34 @@ impl Bench {
         hold_s: f64,
     ) -> Result<(), String> {
         let settings = self.settings()?;
+        let counts = f64::from(settings.encoder.counts_per_rev);
+        let surface = number(settings.wall.surface_rad);
+        let stiffness = number(settings.wall.k_desired_n_m_per_rad);
+        self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
+    }
+
+    /// The same, where the settings are known: the surface, rad, the counts of a turn, the stiffness, N·m/rad.
+    ///
+    /// # Errors
+    /// There was no telemetry to tell where the wall is.
+    #[allow(clippy::too_many_arguments)]
+    pub fn press_at(
+        &mut self,
+        hand: &Hand,
+        torque_n_m: f64,
+        ramp_s: f64,
+        hold_s: f64,
+        surface_rad: f64,
+        counts: f64,
+        stiffness: f64,
+    ) -> Result<(), String> {
         let record = self.link.telemetry.last().ok_or("no telemetry")?;
-        let turn = std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev);
+        let turn = std::f64::consts::TAU / counts;
         let world = &mut self.machine.chip_mut().world;
         let here = world.angle_rad();
         // The shaft's angle at the surface, by what the device says of where it is.
-        let surface = here - f64::from(record.count) * turn + number(settings.wall.surface_rad);
+        let surface = here - f64::from(record.count) * turn + surface_rad;
         let give = 1.0 / hand.pad_stiffness_n_m_per_rad + 1.0 / hand.stiffness_n_m_per_rad;
-        let stiffness = number(settings.wall.k_desired_n_m_per_rad);
         let inside = surface + torque_n_m * (give + 1.0 / stiffness);
         world.hold(hand, move |time| {
             let out = (time - ramp_s - hold_s) / ramp_s;

@@ -472,6 +472,16 @@ impl Chip {
         self.update_break(now);
     }
 
+    /// The processor has locked up: with SYSCFG_CFGR2.CLL that pulls the break of TIM1.
+    pub fn lock_up(&mut self) {
+        let now = self.core.now;
+        if self.plain[2].get(0x18) & 1 != 0 {
+            self.drive_world();
+            self.bridge.pull_break(now);
+            self.drive_world();
+        }
+    }
+
     /// The break input as the board drives it now.
     pub fn update_break(&mut self, now: u64) {
         let (pin, comparators) = self.board.break_input(&self.world);

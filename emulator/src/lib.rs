@@ -3,8 +3,10 @@
 pub mod bench;
 pub mod board;
 pub mod chip;
+pub mod count;
 pub mod cpu;
 pub mod fil;
 pub mod link;
 pub mod peripheral;
+pub mod serve;
 pub mod world;

@@ -4,12 +4,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use touchstone_emulator::cpu::elf::Program;
-use touchstone_emulator::fil;
+use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
   fil ELF [--only TEXT]       boot, calibrate, arm, press, and all fault injections
-  noise ELF FRAMES            random frames at the serial port";
+  cycles ELF                  instructions and table cycles of law, control interrupt, current loop; the stack
+  noise ELF FRAMES            random frames at the serial port
+  serve ELF --tcp HOST:PORT [--hand] [--for SECONDS]
+                              the serial port on a socket, in real time; --hand: a hand presses now and then";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -38,6 +41,19 @@ fn main() -> ExitCode {
     ExitCode::from(match (*command, &words[2..]) {
         ("fil", []) => fil::report::run(&program, None),
         ("fil", ["--only", text]) => fil::report::run(&program, Some(text)),
+        ("cycles", []) => count::run(&program),
+        ("serve", ["--tcp", address, more @ ..]) => {
+            let hand = more.contains(&"--hand");
+            let at = more.iter().position(|word| *word == "--for");
+            let for_s = at.and_then(|at| more.get(at + 1)?.parse().ok());
+            match serve::serve(&program, address, hand, for_s) {
+                Ok(()) => 0,
+                Err(error) => {
+                    eprintln!("emulator: {error}");
+                    1
+                }
+            }
+        }
         ("noise", [frames]) => match frames.parse() {
             Ok(frames) => said(fil::report::noise(&program, frames)),
             Err(_) => 2,

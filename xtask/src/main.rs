@@ -2,7 +2,10 @@
 //! in seconds.
 
 mod bench;
+mod cycles;
 mod doc;
+mod emulator;
+mod fil;
 mod firmware;
 mod float_free;
 mod fmt;
@@ -86,6 +89,18 @@ const COMMANDS: &[Command] = &[
         about: "both boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
         in_test: true,
         run: firmware::run,
+    },
+    Command {
+        name: "fil",
+        about: "the firmware's program on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`",
+        in_test: true,
+        run: fil::run,
+    },
+    Command {
+        name: "cycles",
+        about: "instructions and table cycles of law, control interrupt and current loop in that program; its stack",
+        in_test: true,
+        run: cycles::run,
     },
     Command {
         name: "bench",

@@ -91,6 +91,17 @@ const TOOLS: &[Tool] = &[
         packages: &["python3-venv"],
     },
     Tool {
+        name: "clang",
+        required: false,
+        purpose: "fil, cycles: builds the emulator, with libclang and cmake",
+        version: || {
+            let version = first_line(&["clang", "--version"]);
+            version.filter(|_| crate::emulator::is_there())
+        },
+        hint: "apt-get install clang libclang-dev cmake",
+        packages: &crate::emulator::PACKAGES,
+    },
+    Tool {
         name: "kani",
         required: false,
         purpose: "prove: the harnesses",

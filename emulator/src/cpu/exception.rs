@@ -89,6 +89,17 @@ impl Machine {
     }
 
     fn enter(&mut self, exception: usize) {
+        let stack = self.register(RegisterARM::SP);
+        if self
+            .memory(stack.wrapping_sub(EXTENDED_BYTES + 4), 4)
+            .is_empty()
+        {
+            // The frame cannot be stacked, nor that of the fault which this is.
+            self.lock_up(format!(
+                "exception {exception} with the stack at 0x{stack:08x}"
+            ));
+            return;
+        }
         let value = self.push_frame();
         self.chip_mut().core.spend_cycles(EXCEPTION);
         self.start_handler(exception, value);
@@ -160,7 +171,7 @@ impl Machine {
             || value & 0xffff_ff00 != 0xffff_ff00
             || value & 0xf == 0xd
         {
-            return Err(Halt::LockUp(format!("a return to 0x{value:08x}")));
+            return Err(Halt::BadReturn(format!("a return to 0x{value:08x}")));
         }
         self.set_register(RegisterARM::FAULTMASK, 0);
         // Tail-chaining: the next handler is entered with the frame as it is.
@@ -210,13 +221,8 @@ impl Machine {
     pub(super) fn fault(&mut self, pc: u32, what: &str) -> Result<(), Halt> {
         let name = format!("{what} at 0x{pc:08x}");
         if self.chip().nvic.is_active(HARD_FAULT) {
-            return Err(Halt::LockUp(name));
-        }
-        let stack = self.register(RegisterARM::SP);
-        if !(super::RAM - 0x4000 + EXTENDED_BYTES..=super::RAM + super::RAM_BYTES as u32)
-            .contains(&stack)
-        {
-            return Err(Halt::LockUp(format!("{name}, stack at 0x{stack:08x}")));
+            self.lock_up(name);
+            return Ok(());
         }
         self.chip_mut().faults.push(name);
         self.enter(HARD_FAULT);

@@ -35,8 +35,8 @@ pub const UNTOUCHED: u8 = 0xa5;
 /// Why a run ended before its time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Halt {
-    /// A fault inside of the fault handler, or before it can be entered.
-    LockUp(String),
+    /// A return from an exception that does not run: the emulator or the program is beside itself.
+    BadReturn(String),
     /// The power was cut at a write to flash, as asked for.
     PowerCut,
     /// Something that is not modelled.
@@ -47,6 +47,8 @@ pub enum Halt {
 pub struct Machine {
     pub(crate) unicorn: Unicorn<'static, Chip>,
     asleep: Option<Stop>,
+    /// A fault that could not be handled stopped the processor: only a reset helps.
+    locked: bool,
     /// Resets since power came on: when, and why.
     pub resets: Vec<(u64, ResetCause)>,
 }
@@ -126,6 +128,7 @@ impl Machine {
         Ok(Self {
             unicorn,
             asleep: None,
+            locked: false,
             resets: Vec::new(),
         })
     }
@@ -206,6 +209,7 @@ impl Machine {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);
         self.asleep = None;
+        self.locked = false;
         let (stack, start) = (self.word(flash::BASE), self.word(flash::BASE + 4));
         for register in exception::GENERAL {
             self.set_register(register, 0xdead_beef);
@@ -247,6 +251,12 @@ impl Machine {
         if chip.flash.busy_until() > chip.core.now {
             // Fetches from the bank that is written wait, and so does everything else.
             chip.core.now = next.min(chip.flash.busy_until());
+            return Ok(());
+        }
+        if self.locked {
+            let chip = self.chip_mut();
+            let next = chip.next_event().min(until);
+            chip.core.now = next.max(chip.core.now + 1);
             return Ok(());
         }
         self.deliver();
@@ -361,6 +371,19 @@ fn learn(uc: &mut Unicorn<'_, Chip>, address: u32) {
 }
 
 impl Machine {
+    /// Puts the thread's stack at its end: what comes next overflows it.
+    pub fn exhaust_stack(&mut self) {
+        self.set_register(RegisterARM::SP, RAM + 8);
+    }
+
+    /// Stops the processor for good, and tells what the chip has for that: the break of TIM1, where the program asked for it.
+    pub(crate) fn lock_up(&mut self, what: String) {
+        self.locked = true;
+        let chip = self.chip_mut();
+        chip.faults.push(format!("lockup: {what}"));
+        chip.lock_up();
+    }
+
     /// Runs until the handler of an exception runs (the thread for `None`), and lets it go on at another address.
     ///
     /// # Errors
@@ -374,6 +397,7 @@ impl Machine {
                 self.set_register(RegisterARM::PC, address | 1);
                 return Ok(());
             }
+            // In steps that are shorter than any handler.
             let next = self.chip().core.now + 20;
             self.run_until(next).map_err(|halt| format!("{halt:?}"))?;
         }

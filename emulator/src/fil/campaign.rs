@@ -80,7 +80,7 @@ impl Campaign {
         let bench = &mut self.bench;
         bench.release();
         let phase = bench.status()?.phase;
-        if !(self.fresh && phase == Phase::Boot) {
+        if phase != Phase::Stopped && !(self.fresh && phase == Phase::Boot) {
             bench.demand(Request::Command(DeviceCommand::Stop))?;
         }
         self.fresh = false;

@@ -54,6 +54,8 @@ pub enum Fault {
     Hang(Level),
     /// Code comes to an instruction that there is not.
     Undefined(Level),
+    /// The stack is used up.
+    StackOverflow,
     /// The supply sags to this voltage, V, and comes back only with a reset.
     Supply(f64),
     /// The chip is reset.
@@ -114,6 +116,7 @@ impl Fault {
                 bench.machine.set_memory(SCRATCH + 4, &[0x00, 0xde]);
                 return bench.machine.divert(level.exception(), SCRATCH + 4);
             }
+            Self::StackOverflow => bench.machine.exhaust_stack(),
             Self::Supply(volts) => {
                 chip.pwr.supply_v = volts;
                 chip.update_break(now);

@@ -310,7 +310,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         Ready,
         130,
         Fault::Encoder(SlaveFault::Jump(0x0a00)),
-        Off(TICK, &[EncoderJump]),
+        Off(TICK, &[EncoderJump, OverSpeed]),
     ),
     row(
         "encoder stuck",
@@ -355,18 +355,18 @@ pub const WITH_AS5047P: &[Injection] = &[
         Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
     ),
     row(
-        "processor 4 times slower",
+        "processor 10 times slower",
         Pressed,
         150,
-        Fault::Slow(4),
-        Off(3_000, &[DeadlineMiss, StaleCommand]),
+        Fault::Slow(10),
+        Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
     ),
     row(
-        "processor 4 times slower",
+        "processor 25 times slower",
         Calibrating,
         420,
-        Fault::Slow(4),
-        Off(3_000, &[DeadlineMiss, StaleCommand]),
+        Fault::Slow(25),
+        Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
     ),
     row(
         "storm of interrupts, serial port",
@@ -437,6 +437,13 @@ pub const WITH_AS5047P: &[Injection] = &[
         35,
         Fault::Undefined(CURRENT_LOOP),
         Reset(TICK, &[Panic]),
+    ),
+    row(
+        "stack overflows",
+        Pressed,
+        410,
+        Fault::StackOverflow,
+        Reset(TICK, &[Panic, Watchdog]),
     ),
     row(
         "supply sags to 2.5 V",
@@ -563,6 +570,6 @@ pub const WITH_TRACKS: &[Injection] = &[
         Free,
         860,
         Fault::TrackJumps(-700),
-        Off(TICK, &[EncoderJump]),
+        Off(TICK, &[EncoderJump, OverSpeed]),
     ),
 ];

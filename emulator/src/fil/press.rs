@@ -32,7 +32,7 @@ pub struct Press {
 pub fn press(bench: &mut Bench, k_desired: Decimal) -> Result<Press, String> {
     bench.release();
     let phase = bench.status()?.phase;
-    if phase != Phase::Boot {
+    if phase != Phase::Boot && phase != Phase::Stopped {
         bench.demand(Request::Command(DeviceCommand::Stop))?;
     }
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k_desired)?;

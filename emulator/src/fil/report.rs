@@ -28,6 +28,7 @@ struct Tally {
 
 impl Tally {
     fn check(&mut self, what: &str, result: Result<String, String>) {
+        eprintln!("{what}: {result:?}");
         match result {
             Ok(text) => self.lines.push(format!("{what}: {text}")),
             Err(error) => {
@@ -44,7 +45,7 @@ impl Tally {
     }
 }
 
-/// Runs everything whose name contains `only`; the exit code.
+/// Runs everything whose name contains `only`; the exit code. Progress goes to standard error, the table to standard output.
 #[must_use]
 pub fn run(program: &Program, only: Option<&str>) -> u8 {
     let started = Instant::now();
@@ -185,10 +186,13 @@ fn row(tally: &mut Tally, injection: &Injection, outcome: &Outcome) {
         .as_ref()
         .map_or(String::new(), |wrong| format!("  WRONG: {wrong}"));
     let state = format!("{:?}", injection.when).to_lowercase();
-    tally.lines.push(format!(
+    let line = format!(
         "{:<38}{state:<13}{:>6}{off:>14}{limit:>12}  {code}{wrong}",
         injection.name, injection.moment_us
-    ));
+    );
+    // Two threads take minutes: who watches sees them work.
+    eprintln!("{line}");
+    tally.lines.push(line);
     if !wrong.is_empty() {
         tally.wrong.push(format!(
             "{}, {state}:{}",

@@ -104,6 +104,14 @@ impl Bridge {
         self.look_at_break(now);
     }
 
+    /// A source inside of the chip pulls the break.
+    pub fn pull_break(&mut self, now: u64) {
+        if self.registers.get(BDTR) & BKE != 0 {
+            self.status |= BIF;
+            self.set_main_output(false, now);
+        }
+    }
+
     fn break_is_active(&self) -> bool {
         let bdtr = self.registers.get(BDTR);
         let sources = self.registers.get(AF1);

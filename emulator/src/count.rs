@@ -1,0 +1,210 @@
+//! What the program costs: instructions and table cycles of the law, of the control interrupt, of the current loop; the stack.
+
+use touchstone::plant::{FIRM, Hand, MEDIUM};
+use touchstone_protocol::settings::{Decimal, DeviceSettings};
+use touchstone_protocol::{DeviceCommand, Phase, Request};
+
+use crate::bench::{Bench, MS, Setup};
+use crate::cpu::core::Cost;
+use crate::cpu::elf::Program;
+use crate::cpu::exception::Handler;
+use crate::cpu::nvic::FIRST;
+
+/// Most instructions that each may take.
+const LAW: u64 = 600;
+const CONTROL: u64 = 3_000;
+const CURRENT: u64 = 900;
+
+const CURRENT_LOOP: usize = FIRST + 18;
+const CONTROL_TICK: usize = FIRST + 49;
+
+/// A piece of work.
+struct Case {
+    name: &'static str,
+    settings: fn(&mut DeviceSettings),
+    hand: Hand,
+    torque_n_m: f64,
+    ramp_s: f64,
+}
+
+const CASES: &[Case] = &[
+    Case {
+        name: "press, 1 N·m/rad",
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("1"),
+        hand: MEDIUM,
+        torque_n_m: 0.1,
+        ramp_s: 0.5,
+    },
+    Case {
+        name: "press, 5 N·m/rad",
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("5"),
+        hand: MEDIUM,
+        torque_n_m: 0.1,
+        ramp_s: 0.5,
+    },
+    Case {
+        name: "tap, 5 N·m/rad",
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("5"),
+        hand: FIRM,
+        torque_n_m: 0.15,
+        ramp_s: 0.06,
+    },
+    Case {
+        name: "hard press, 20 N·m/rad",
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("20"),
+        hand: FIRM,
+        torque_n_m: 0.3,
+        ramp_s: 0.2,
+    },
+    Case {
+        name: "press, all steps at their largest",
+        settings: |settings| {
+            settings.wall.step_of_ideal = Decimal::lit("1");
+            settings.wall.limit_of_force = Decimal::lit("1");
+            settings.wall.limit_of_penetration = Decimal::lit("1");
+        },
+        hand: FIRM,
+        torque_n_m: 0.3,
+        ramp_s: 0.2,
+    },
+    Case {
+        name: "press, strictly passive",
+        settings: |settings| settings.wall.energy_credit_j = Decimal::lit("0"),
+        hand: MEDIUM,
+        torque_n_m: 0.1,
+        ramp_s: 0.3,
+    },
+    Case {
+        name: "press, 2 kHz",
+        settings: |settings| settings.control.rate_hz = 2_000,
+        hand: MEDIUM,
+        torque_n_m: 0.1,
+        ramp_s: 0.3,
+    },
+];
+
+/// What was counted.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counted {
+    law: Cost,
+    control: Handler,
+    current: Handler,
+}
+
+/// Runs all cases and prints the table; the exit code.
+#[must_use]
+pub fn run(program: &Program) -> u8 {
+    let mut bench = match Bench::new(program, &Setup::default()) {
+        Ok(bench) => bench,
+        Err(error) => {
+            println!("WRONG: {error}");
+            return 1;
+        }
+    };
+    for (start, _, name) in program.functions(&["touchstone_drive", "law_tick"]) {
+        bench.machine.chip_mut().core.watch(name, start);
+    }
+    let is_law_seen = !bench.machine.chip().core.watches.is_empty();
+    println!(
+        "{:<36}{:>18}{:>22}{:>20}",
+        "instructions (table cycles), worst", "law", "control interrupt", "current loop"
+    );
+    let mut worst = Counted::default();
+    let mut wrong = Vec::new();
+    let booted = bench.boot().map(|_| ());
+    let mut case = |name: &str, result: Result<(), String>, bench: &mut Bench| {
+        let counted = take(bench);
+        let show = |cost: Cost| format!("{} ({})", cost.instructions, cost.cycles);
+        let law = if counted.law.instructions > 0 {
+            show(counted.law)
+        } else {
+            "-".into()
+        };
+        let (control, current) = (show(counted.control.worst), show(counted.current.worst));
+        println!("{name:<36}{law:>18}{control:>22}{current:>20}");
+        worst.law = worst.law.worst(counted.law);
+        worst.control.worst = worst.control.worst.worst(counted.control.worst);
+        worst.current.worst = worst.current.worst.worst(counted.current.worst);
+        if let Err(error) = result {
+            println!("WRONG: {name}: {error}");
+            wrong.push(error);
+        }
+    };
+    case("start", booted, &mut bench);
+    for item in CASES {
+        let calibrated = calibrate(&mut bench, item);
+        case("  calibration and fading in", calibrated, &mut bench);
+        let played = play(&mut bench, item);
+        case(item.name, played, &mut bench);
+    }
+    let top = program.symbol("_stack_start").unwrap_or(0);
+    let size = top - program.symbol("_stack_end").unwrap_or(top);
+    let used = bench.machine.stack_used(top);
+    let deep = format!("stack: {used} of {size} bytes were used");
+    println!("{deep}");
+    let mut over = Vec::new();
+    for (name, cost, budget) in [
+        ("law", worst.law, LAW),
+        ("control interrupt", worst.control.worst, CONTROL),
+        ("current loop", worst.current.worst, CURRENT),
+    ] {
+        let count = cost.instructions;
+        let within = if count > budget { "OVER" } else { "within" };
+        println!(
+            "{name}: at most {count} instructions, {within} the budget of {budget}; {} cycles",
+            cost.cycles
+        );
+        if count > budget {
+            over.push(name);
+        }
+    }
+    if !is_law_seen {
+        println!(
+            "the law is not a function of its own in this program: it is counted with the control interrupt"
+        );
+    }
+    println!(
+        "Cycles by the table of the Cortex-M4's manual, each class at its upper value, along the paths that ran; zero wait states \
+         assumed. Handlers without what interrupted them; entry and return, 12 cycles each, on top."
+    );
+    u8::from(!wrong.is_empty() || !over.is_empty() || used > size)
+}
+
+/// What was counted since the last call.
+fn take(bench: &mut Bench) -> Counted {
+    let chip = bench.machine.chip_mut();
+    let mut counted = Counted::default();
+    for watch in &mut chip.core.watches {
+        counted.law = counted.law.worst(std::mem::take(&mut watch.worst));
+    }
+    counted.control = std::mem::take(&mut chip.handlers[CONTROL_TICK]);
+    counted.current = std::mem::take(&mut chip.handlers[CURRENT_LOOP]);
+    counted
+}
+
+fn calibrate(bench: &mut Bench, case: &Case) -> Result<(), String> {
+    bench.release();
+    let phase = bench.status()?.phase;
+    if phase != Phase::Boot && phase != Phase::Stopped {
+        bench.demand(Request::Command(DeviceCommand::Stop))?;
+    }
+    bench.demand(Request::Defaults)?;
+    bench.configure(|settings| {
+        settings.calibration.electrical_turns_per_s = Decimal::lit("16");
+        settings.wall.surface_rad = Decimal::lit("0.2");
+        (case.settings)(settings);
+    })?;
+    bench.arm()?;
+    bench.run(250 * MS)
+}
+
+fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
+    bench.press(&case.hand, case.torque_n_m, case.ramp_s, 0.3)?;
+    let time = (2.0 * case.ramp_s + 0.4) * 1e3;
+    bench.run(time as u64 * MS)?;
+    let status = bench.status()?;
+    match status.phase {
+        Phase::Armed => Ok(()),
+        other => Err(format!("{} with {:?}", other.name(), status.fault)),
+    }
+}

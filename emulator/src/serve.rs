@@ -1,0 +1,96 @@
+//! The device's serial port on a socket, in real time: for the desktop's programs, without a board.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpListener;
+use std::time::{Duration, Instant};
+
+use touchstone::plant::MEDIUM;
+use touchstone_protocol::Phase;
+
+use crate::bench::{Bench, MS, Setup};
+use crate::cpu::elf::Program;
+
+/// Serves one client after the other; the device runs on between them. With `hand`, a hand presses into the wall every four
+/// seconds while the device is armed. `for_s` ends it after that time.
+///
+/// # Errors
+/// The address cannot be had, or the machine halted.
+pub fn serve(
+    program: &Program,
+    address: &str,
+    hand: bool,
+    for_s: Option<u64>,
+) -> Result<(), String> {
+    let listener = TcpListener::bind(address).map_err(|error| format!("{address}: {error}"))?;
+    listener
+        .set_nonblocking(true)
+        .map_err(|error| error.to_string())?;
+    let local = listener.local_addr().map_err(|error| error.to_string())?;
+    println!("the serial port is at tcp:{local}");
+    let mut bench = Bench::new(program, &Setup::default())?;
+    let mut client = None;
+    let (started, mut told, mut pressed) = (Instant::now(), Instant::now(), 0);
+    let mut buffer = [0; 4_096];
+    loop {
+        let time = started.elapsed();
+        if for_s.is_some_and(|limit| time > Duration::from_secs(limit)) {
+            return Ok(());
+        }
+        if let Ok((stream, peer)) = listener.accept() {
+            stream
+                .set_nonblocking(true)
+                .map_err(|error| error.to_string())?;
+            println!("{peer} is connected");
+            client = Some(stream);
+        }
+        if let Some(stream) = &mut client {
+            match stream.read(&mut buffer) {
+                Ok(0) => client = None,
+                Ok(count) => bench.send(&buffer[..count]),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(_) => client = None,
+            }
+        }
+        let until = bench.now() + MS;
+        let ran = bench.machine.run_until(until);
+        let sent = std::mem::take(&mut bench.machine.chip_mut().link().sent);
+        // Looked at on its way, for the hand.
+        bench.link.take(&sent);
+        let excess = bench.link.telemetry.len().saturating_sub(10);
+        bench.link.telemetry.drain(..excess);
+        ran.map_err(|halt| format!("the machine halted: {halt:?}"))?;
+        if let Some(stream) = &mut client
+            && let Err(error) = stream.write_all(&sent)
+            && error.kind() != ErrorKind::WouldBlock
+        {
+            client = None;
+        }
+        if hand && bench.now() / (4_000 * MS) > pressed {
+            pressed = bench.now() / (4_000 * MS);
+            let is_armed = bench
+                .link
+                .telemetry
+                .last()
+                .is_some_and(|record| record.phase == Phase::Armed);
+            if is_armed {
+                let _ = bench.press_at(&MEDIUM, 0.1, 0.6, 0.8, 1.0, 16_384.0, 5.0);
+            } else {
+                bench.release();
+            }
+        }
+        let device = Duration::from_millis(bench.now() / MS);
+        match device.checked_sub(started.elapsed()) {
+            Some(ahead) => std::thread::sleep(ahead),
+            None if started.elapsed() - device > Duration::from_secs(1)
+                && told.elapsed() > Duration::from_secs(10) =>
+            {
+                println!(
+                    "slower than real time: {:.1} s behind",
+                    (started.elapsed() - device).as_secs_f64()
+                );
+                told = Instant::now();
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Building and calling the emulator, for `cargo xtask fil` and `cargo xtask cycles`.
+
+use std::path::{Path, PathBuf};
+
+use crate::outcome::Outcome;
+use crate::{firmware, setup, shell};
+
+/// The board whose program is emulated.
+const BOARD: &str = "nucleo-g474re";
+
+/// What Unicorn and its bindings are built with.
+const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
+
+/// Debian's packages of them; the second has no program to be found by.
+pub const PACKAGES: [&str; 3] = ["clang", "libclang-dev", "cmake"];
+
+/// Builds the firmware and the emulator, calls the emulator with a command and the program; what it said last.
+pub fn call(command: &str, words: &[String]) -> Outcome {
+    match built() {
+        Ok((emulator, program)) => {
+            let mut last = String::new();
+            let mut call = shell::program(&emulator);
+            call.arg(command).arg(&program).args(words);
+            let outcome = shell::run_reading(&mut call, |line| {
+                if !line.trim().is_empty() {
+                    last = line.trim().to_owned();
+                }
+            });
+            match outcome {
+                Outcome::Ok(_) => Outcome::Ok(last),
+                Outcome::Failed(_) => Outcome::Failed(last),
+                other => other,
+            }
+        }
+        Err(outcome) => outcome,
+    }
+}
+
+/// The emulator's own tests.
+pub fn test() -> Outcome {
+    if let Some(outcome) = missing() {
+        return outcome;
+    }
+    let mut cargo = shell::cargo_locked("test");
+    cargo
+        .args([
+            "--release",
+            "--lib",
+            "--manifest-path",
+            "emulator/Cargo.toml",
+        ])
+        .arg("--target-dir")
+        .arg(shell::target("emulator"));
+    shell::run(&mut cargo)
+}
+
+/// Where emulator and program are.
+fn built() -> Result<(PathBuf, PathBuf), Outcome> {
+    if let Some(outcome) = missing() {
+        return Err(outcome);
+    }
+    let program = firmware::build(BOARD)?;
+    let folder = shell::target("emulator");
+    let mut cargo = shell::cargo_locked("build");
+    cargo
+        .args(["--release", "--manifest-path", "emulator/Cargo.toml"])
+        .arg("--target-dir")
+        .arg(&folder);
+    match shell::run(&mut cargo) {
+        Outcome::Ok(_) => Ok((folder.join("release/touchstone-emulator"), program)),
+        failed => Err(failed),
+    }
+}
+
+/// Why the emulator cannot be built here, if it cannot.
+fn missing() -> Option<Outcome> {
+    if !is_there() {
+        setup::apt_get(&PACKAGES);
+    }
+    (!is_there()).then(|| {
+        let packages = PACKAGES.join(" ");
+        Outcome::NotRun(format!(
+            "the emulator cannot be built: apt-get install {packages}"
+        ))
+    })
+}
+
+/// Whether all that the build needs is there.
+pub fn is_there() -> bool {
+    let runs = |(program, _): &(&str, &str)| {
+        shell::capture(shell::program(program).arg("--version")).is_some()
+    };
+    TOOLS.iter().all(runs) && has_libclang()
+}
+
+/// bindgen loads libclang while it runs: from the folders of the system, of LLVM's versions, or where it is told to.
+fn has_libclang() -> bool {
+    let folders = [
+        "/usr/lib",
+        "/usr/lib64",
+        "/usr/lib/x86_64-linux-gnu",
+        "/usr/lib/aarch64-linux-gnu",
+    ];
+    let holds = |folder: &Path| {
+        std::fs::read_dir(folder).is_ok_and(|entries| {
+            entries
+                .flatten()
+                .any(|entry| entry.file_name().to_string_lossy().starts_with("libclang"))
+        })
+    };
+    let llvm = || {
+        let versions = std::fs::read_dir("/usr/lib")
+            .into_iter()
+            .flatten()
+            .flatten();
+        let mut folders =
+            versions.filter(|entry| entry.file_name().to_string_lossy().starts_with("llvm-"));
+        folders.any(|entry| holds(&entry.path().join("lib")))
+    };
+    std::env::var_os("LIBCLANG_PATH").is_some()
+        || folders.iter().any(|folder| holds(Path::new(folder)))
+        || llvm()
+}
