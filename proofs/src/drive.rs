@@ -20,7 +20,7 @@ property! {
     over "timer, voltage vector, bus voltage"
     by kissat fn p4_duties32(s) {
         let timer = Modulator { top: s.u16(), longest: s.u16() };
-        assume!(s, timer.longest <= timer.top && timer.top - timer.longest <= timer.longest, "the boards' constants");
+        assume!(s, timer.longest <= timer.top && timer.top - timer.longest <= timer.longest, "the boards' constants: a test");
         let vector = AlphaBeta { alpha: any_value(s), beta: any_value(s) };
         let bus = any_value(s);
         let duties = timer.duties(vector, bus);
@@ -98,5 +98,20 @@ property! {
         assert!(mode == CurrentMode::Off || words[1] >> 16 == 1 || words[1] >> 16 == 2);
         cover!(s, mode == CurrentMode::Drive, "on");
         cover!(s, mode == CurrentMode::Off && words[1] >> 16 == u32::from(u16::MAX), "unknown");
+    }
+}
+
+#[cfg(all(test, not(kani)))]
+mod tests {
+    use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1};
+
+    /// What `p4_duties32` assumes of a timer; a zero voltage is within its range as well.
+    #[test]
+    fn p4_the_boards_are_as_assumed() {
+        for board in [IHM08M1, B_G431B_ESC1] {
+            let timer = board.modulator();
+            assert!(timer.longest <= timer.top && timer.top - timer.longest <= timer.longest);
+            assert!(timer.longest < timer.top);
+        }
     }
 }
