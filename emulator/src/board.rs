@@ -37,7 +37,7 @@ impl Encoder {
 /// What goes to a converter's pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// Current of phase 0 or 1.
+    /// Current of a phase, 0 to 2.
     Current(usize),
     /// The bus voltage.
     Bus,
@@ -106,6 +106,31 @@ impl Board {
             ],
             current: (1.55, 0.01 * 5.18),
             bus_divider: 1.0 / 19.17,
+            wiring: Wiring::default(),
+        }
+    }
+
+    /// B-G431B-ESC1 with an incremental encoder.
+    #[must_use]
+    pub fn b_g431b_esc1() -> Self {
+        Self {
+            name: "b-g431b-esc1",
+            encoder: Encoder::Incremental(16_384),
+            chip_select: None,
+            link_is_usart2: true,
+            // One bank, read protection off.
+            option_bytes: 0xffef_f8aa & !(1 << 22),
+            device_id: 0x2003_6468,
+            // The amplifiers' outputs inside the chip, PA0, PB14.
+            pins: &[
+                (0, 13, Source::Current(0)),
+                (1, 16, Source::Current(1)),
+                (1, 18, Source::Current(2)),
+                (0, 1, Source::Bus),
+                (0, 5, Source::Temperature),
+            ],
+            current: (16.0 * 0.9 / 7.0, 0.003 * 64.0 / 7.0),
+            bus_divider: 1.0 / 10.39,
             wiring: Wiring::default(),
         }
     }

@@ -167,7 +167,20 @@ pub fn run(program: &Program) -> u8 {
         "Cycles by the table of the Cortex-M4's manual, each class at its upper value, along the paths that ran; zero wait states \
          assumed. Handlers without what interrupted them; entry and return, 12 cycles each, on top."
     );
-    u8::from(!wrong.is_empty() || !over.is_empty() || used > size)
+    println!("{}", summary(&worst, &over, used, size));
+    // A budget that is exceeded is said, loudly; it is a wish, and a stack that is exceeded is a fault.
+    u8::from(!wrong.is_empty() || used > size)
+}
+
+fn summary(worst: &Counted, over: &[&str], used: u32, size: u32) -> String {
+    let over = match over {
+        [] => "all within their budgets".to_owned(),
+        over => format!("OVER their budgets: {}", over.join(", ")),
+    };
+    format!(
+        "law {}, control interrupt {}, current loop {} instructions, {over}; stack {used} of {size} bytes",
+        worst.law.instructions, worst.control.worst.instructions, worst.current.worst.instructions
+    )
 }
 
 /// What was counted since the last call.

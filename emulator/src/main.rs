@@ -3,12 +3,14 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use touchstone_emulator::board::{Board, Encoder};
 use touchstone_emulator::cpu::elf::Program;
 use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
   fil ELF [--only TEXT]       boot, calibrate, arm, press, and all fault injections
+  boot ELF [b-g431b-esc1]     boot, calibrate, arm, press; on the other board with its program
   cycles ELF                  instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS]
@@ -41,6 +43,11 @@ fn main() -> ExitCode {
     ExitCode::from(match (*command, &words[2..]) {
         ("fil", []) => fil::report::run(&program, None),
         ("fil", ["--only", text]) => fil::report::run(&program, Some(text)),
+        ("boot", []) => said(fil::report::boot(
+            &program,
+            Board::nucleo_g474re(Encoder::As5047p),
+        )),
+        ("boot", ["b-g431b-esc1"]) => said(fil::report::boot(&program, Board::b_g431b_esc1())),
         ("cycles", []) => count::run(&program),
         ("serve", ["--tcp", address, more @ ..]) => {
             let hand = more.contains(&"--hand");

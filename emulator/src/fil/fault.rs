@@ -48,7 +48,7 @@ pub enum Fault {
     Turned(f64),
     /// Every instruction takes this many times as long.
     Slow(u64),
-    /// An interrupt is raised every so many microseconds by nobody.
+    /// An interrupt is raised every so many cycles by nobody.
     Storm(u32, u64),
     /// Code hangs in an endless loop.
     Hang(Level),
@@ -105,7 +105,7 @@ impl Fault {
             Self::TrackJumps(counts) => chip.board.wiring.encoder_moved = counts,
             Self::Turned(rad_per_s) => chip.world.force(rad_per_s),
             Self::Slow(times) => chip.core.stretch = 256 * times,
-            Self::Storm(interrupt, us) => chip.storm = Some((interrupt, us * US, now)),
+            Self::Storm(interrupt, cycles) => chip.storm = Some((interrupt, cycles, now)),
             Self::Hang(level) => {
                 // b .
                 bench.machine.set_memory(SCRATCH, &[0xfe, 0xe7]);

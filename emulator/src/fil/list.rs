@@ -372,14 +372,14 @@ pub const WITH_AS5047P: &[Injection] = &[
         "storm of interrupts, serial port",
         Free,
         10,
-        Fault::Storm(91, 1),
+        Fault::Storm(91, 60),
         Reset(WATCHDOG, &[Watchdog]),
     ),
     row(
         "storm of interrupts, time driver",
         Pressed,
         730,
-        Fault::Storm(50, 1),
+        Fault::Storm(50, 60),
         Reset(WATCHDOG, &[Watchdog]),
     ),
     row(

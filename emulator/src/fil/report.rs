@@ -9,7 +9,7 @@ use super::fault::Random;
 use super::list::{Expect, Injection, WITH_AS5047P, WITH_MT6701, WITH_TRACKS};
 use super::{press, storage};
 use crate::bench::{Bench, MS, Setup};
-use crate::board::Encoder;
+use crate::board::{Board, Encoder};
 use crate::cpu::elf::Program;
 use touchstone_protocol::{Reply, Request};
 
@@ -286,6 +286,27 @@ pub fn noise(program: &Program, frames: u64) -> Result<String, String> {
     Ok(format!(
         "{frames} frames, {} counted errors, nothing else",
         counters.decode_errors
+    ))
+}
+
+/// Boots the program of a board, calibrates, arms, presses; what the device said, line by line.
+///
+/// # Errors
+/// What fails.
+pub fn boot(program: &Program, board: Board) -> Result<String, String> {
+    let mut bench = Bench::on(board, program, &Setup::default())?;
+    println!("{:?}", bench.boot()?);
+    let pressed = press::press(&mut bench, Decimal::lit("5"))?;
+    println!("{:?}", bench.demand(Request::Counters)?);
+    println!(
+        "not modelled, but used: {:x?}",
+        bench.machine.chip().unknown
+    );
+    Ok(format!(
+        "{} ticks equal to the bit; {:.1} s of the device; SYSCLK {} Hz",
+        pressed.compared,
+        seconds(&bench),
+        bench.machine.chip().sysclk_hz()
     ))
 }
 
