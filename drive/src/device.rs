@@ -262,6 +262,17 @@ impl Device {
         self.settings_refused = false;
     }
 
+    /// The position of the last tick is zero from now on, until the next calibration. `false`, and nothing changes, while the
+    /// outputs may be on: a wall must not jump at a hand.
+    pub fn zero_here(&mut self) -> bool {
+        if !self.may_configure() {
+            return false;
+        }
+        self.zero = self.zero.saturating_add(self.record.count);
+        self.record.count = 0;
+        true
+    }
+
     /// Coefficients of the current loop.
     #[must_use]
     pub const fn current_config(&self) -> CurrentConfig {
@@ -488,8 +499,41 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
         _ => DriveCommand::Off,
     }
 }
+
 /// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
 #[inline(never)]
 fn law_tick(law: &mut Controller<Fixed32>, penetration: Position<Fixed32>) -> Force<Fixed32> {
     law.tick(penetration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encoder::EncoderKind;
+    use crate::hardware::IHM08M1;
+
+    #[test]
+    fn the_present_position_becomes_zero_while_nothing_may_move() {
+        let mut settings = Settings::default();
+        settings.encoder.kind = EncoderKind::Incremental;
+        let mut device = Device::new(&settings, &IHM08M1).unwrap();
+        let count = |device: &mut Device, counter| {
+            let input = ControlInput {
+                encoder: EncoderReading::Counter32(counter),
+                current: CurrentReport::default(),
+                command: None,
+                hardware_break: false,
+                gate_driver_error: false,
+                timing: TickTiming::default(),
+            };
+            device.tick(&input).record.count
+        };
+        let first = count(&mut device, 1_000);
+        assert_eq!(count(&mut device, 1_007), first + 7);
+        assert!(device.zero_here());
+        assert_eq!(count(&mut device, 1_007), 0);
+        assert_eq!(count(&mut device, 1_004), -3);
+        device.machine = Machine::at(State::Armed);
+        assert!(!device.zero_here());
+    }
 }

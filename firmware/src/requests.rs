@@ -167,7 +167,7 @@ impl Device for Thread {
             DeviceCommand::Arm => self.give(Command::Arm),
             DeviceCommand::Disarm => self.give(Command::Disarm),
             DeviceCommand::Stop => self.give(Command::Stop),
-            DeviceCommand::Zero => false,
+            DeviceCommand::Zero => control(|control| control.device.zero_here()).unwrap_or(false),
             DeviceCommand::Reboot => {
                 pwm::outputs_off();
                 analogue::off();
