@@ -181,7 +181,7 @@ pub struct Random(pub u64);
 
 impl Random {
     /// The next 64 bits.
-    pub fn next(&mut self) -> u64 {
+    pub fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -190,6 +190,6 @@ impl Random {
 
     /// A byte.
     pub fn byte(&mut self) -> u8 {
-        (self.next() >> 32) as u8
+        (self.bits() >> 32) as u8
     }
 }

@@ -259,7 +259,7 @@ pub fn noise(program: &Program, frames: u64) -> Result<String, String> {
     for _ in 0..frames.div_ceil(50) {
         let mut bytes = Vec::new();
         for _ in 0..50 {
-            let length = 1 + random.next() % 24;
+            let length = 1 + random.bits() % 24;
             bytes.extend((0..length).map(|_| random.byte().max(1)));
             bytes.push(0);
         }

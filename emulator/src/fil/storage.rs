@@ -92,8 +92,8 @@ pub fn damage(program: &Program, ways: usize) -> Result<usize, String> {
         // From a single bit to sixteen of them.
         let mut places = Vec::new();
         for _ in 0..=(way % 16) {
-            let at = written[(random.next() % written.len() as u64) as usize];
-            let bit = random.next() % 8;
+            let at = written[(random.bits() % written.len() as u64) as usize];
+            let bit = random.bits() % 8;
             bytes[at] ^= 1 << bit;
             places.push((at, bit));
         }

@@ -41,6 +41,8 @@ const KNOB: Device = Device {
 /// The rest point of a hand, rad, by the time since it took hold, s.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
+// One of them exists, and it is never moved.
+#[allow(clippy::large_enum_variant)]
 enum Grip {
     Free(BareCoulomb, State<2>),
     Held {
