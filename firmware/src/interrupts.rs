@@ -24,6 +24,9 @@ pub static REPORT: Up<{ size_of::<ReportWords>() / 4 }> = Up::new();
 pub static BREAK: AtomicBool = AtomicBool::new(false);
 /// The supply has sagged, and that was not cleared by command since.
 pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);
+/// The current loop has switched the outputs on, and not off since. Whoever else switches off leaves the current loop with a
+/// reason to do so too, in the same or the next period.
+static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// Cycle counter when the control tick became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
 /// Most cycles that the current loop has taken.
@@ -81,10 +84,21 @@ fn ADC1_2() {
         command: CurrentCommand::from_words(&COMMAND.get()),
     });
     match output.bridge {
-        Bridge::Off => pwm::outputs_off(),
+        Bridge::Off => {
+            pwm::outputs_off();
+            SWITCHED_ON.store(false, Relaxed);
+        }
         Bridge::On(duty) => {
             pwm::set_duty(duty);
-            pwm::outputs_on();
+            // Once, and not in every period: a break that comes and goes between the look at it above and here has switched off,
+            // and would be undone (the emulator found it, with a break of 2 us). After the one time it is looked at again.
+            if !SWITCHED_ON.load(Relaxed) {
+                SWITCHED_ON.store(true, Relaxed);
+                pwm::outputs_on();
+                if pwm::is_broken() {
+                    pwm::outputs_off();
+                }
+            }
         }
     }
     if output.is_stale {
