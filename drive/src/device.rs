@@ -390,16 +390,18 @@ impl Device {
             self.calibration = None;
             return false;
         }
-        let next = self.next_config.take();
-        if let Some(config) = next {
-            self.config = config;
+        // Copied once, in place: `take` would copy all the coefficients twice.
+        let is_new = self.next_config.is_some();
+        if let Some(config) = &self.next_config {
+            self.config = *config;
             self.supervisor = self.supervisor.restarted();
+            self.next_config = None;
         }
         self.calibration = self
             .config
             .aligns()
             .then(|| Calibration::new(self.config.calibration));
-        next.is_some()
+        is_new
     }
 
     /// What telemetry shows in every state.

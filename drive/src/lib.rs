@@ -29,6 +29,7 @@ pub mod command;
 pub mod current;
 pub mod device;
 pub mod encoder;
+pub mod exchange;
 pub mod hardware;
 pub mod mailbox;
 pub mod modulation;

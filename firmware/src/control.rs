@@ -4,7 +4,6 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use heapless::Deque;
 use touchstone_drive::device::Config;
-use touchstone_drive::mailbox::ReportWords;
 use touchstone_drive::{
     ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DriveCommand, EncoderKind,
     Ring, Settings, TickTiming,
@@ -21,7 +20,7 @@ pub const QUEUED: usize = 16;
 /// What an interrupt reads for a tick, beside the encoder.
 pub struct Readings {
     /// The current loop's mailbox.
-    pub report: ReportWords,
+    pub report: CurrentReport,
     /// The timer's break has pulled.
     pub hardware_break: bool,
     /// The supply has sagged.
@@ -98,7 +97,7 @@ impl Control {
         let command = self.command.take();
         let output = self.device.tick(&ControlInput {
             encoder: encoder::read(self.encoder),
-            current: CurrentReport::from_words(&readings.report),
+            current: readings.report,
             command,
             hardware_break: readings.hardware_break,
             gate_driver_error: false,
@@ -146,7 +145,7 @@ impl Control {
                 ..CurrentCommand::default()
             },
         };
-        COMMAND.put(&command.to_words());
+        COMMAND.put(&command);
         if command.mode != CurrentMode::Drive {
             pwm::outputs_off();
         }

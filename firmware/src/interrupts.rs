@@ -9,17 +9,17 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use touchstone_drive::mailbox::{CommandWords, ReportWords};
-use touchstone_drive::{Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentSample};
+use touchstone_drive::exchange::{CommandBox, ReportBox};
+use touchstone_drive::{Bridge, CurrentConfig, CurrentLoop, CurrentSample};
 
 use crate::control::{CONTROL, Readings};
-use crate::shared::{Down, Owned, Slot, Up, raise};
+use crate::shared::{Owned, Slot, raise};
 use crate::{analogue, board, cycles, pwm, sense, supply};
 
 /// From the control tick to the current loop.
-pub static COMMAND: Down<{ size_of::<CommandWords>() / 4 }> = Down::new();
+pub static COMMAND: CommandBox = CommandBox::new();
 /// From the current loop to the control tick.
-pub static REPORT: Up<{ size_of::<ReportWords>() / 4 }> = Up::new();
+pub static REPORT: ReportBox = ReportBox::new();
 /// The timer's break has pulled, and was not cleared by command since.
 pub static BREAK: AtomicBool = AtomicBool::new(false);
 /// The supply has sagged, and that was not cleared by command since.
@@ -81,7 +81,7 @@ fn ADC1_2() {
         bus: readings.bus,
         temperature: readings.temperature,
         hardware_break: is_broken,
-        command: CurrentCommand::from_words(&COMMAND.get()),
+        command: COMMAND.get(),
     });
     match output.bridge {
         Bridge::Off => {
@@ -104,7 +104,7 @@ fn ADC1_2() {
     if output.is_stale {
         analogue::off();
     }
-    REPORT.put(&output.report.to_words());
+    REPORT.put(&output.report);
     if output.pend_control {
         DUE.store(begun, Relaxed);
         NVIC::pend(interrupt::LPTIM1);

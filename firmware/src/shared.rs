@@ -1,9 +1,7 @@
 //! What passes between priorities.
 //!
-//! The current loop (priority 0) shares words in atomics with the control tick (priority 2), [`Down`] and [`Up`], and neither
-//! ever waits. On one core a higher priority is never interrupted by a lower one, so two shapes are enough: the writer may be
-//! interrupted by its reader, or the reader by its writer. The control tick shares everything else with the thread, which holds
-//! it off for a few microseconds to look at it: [`Guarded`].
+//! What the current loop (priority 0) and the control tick (priority 2) exchange in every tick is in `touchstone_drive::exchange`.
+//! The control tick shares everything else with the thread, which holds it off for a few microseconds to look at it: [`Guarded`].
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, compiler_fence};
@@ -12,122 +10,6 @@ use cortex_m::register::{basepri, basepri_max};
 
 /// Masks the control interrupt, priority 2, and all below it.
 const CONTROL_MASK: u8 = 2 << 4;
-
-type Words<const N: usize> = [AtomicU32; N];
-
-const fn zeros<const N: usize>() -> Words<N> {
-    [const { AtomicU32::new(0) }; N]
-}
-
-fn store<const N: usize>(words: &Words<N>, values: &[u32; N]) {
-    for (word, value) in words.iter().zip(values) {
-        word.store(*value, Ordering::Relaxed);
-    }
-}
-
-fn load<const N: usize>(words: &Words<N>) -> [u32; N] {
-    let mut values = [0; N];
-    for (value, word) in values.iter_mut().zip(words) {
-        *value = word.load(Ordering::Relaxed);
-    }
-    values
-}
-
-/// From a lower priority to a higher one. The reader never sees half of a value: it is published by one store.
-pub struct Down<const N: usize> {
-    first: Words<N>,
-    second: Words<N>,
-    use_second: AtomicBool,
-}
-
-impl<const N: usize> Down<N> {
-    /// All zeros.
-    pub const fn new() -> Self {
-        Self {
-            first: zeros(),
-            second: zeros(),
-            use_second: AtomicBool::new(false),
-        }
-    }
-
-    /// From one priority only.
-    #[inline]
-    pub fn put(&self, values: &[u32; N]) {
-        let second = !self.use_second.load(Ordering::Relaxed);
-        store(if second { &self.second } else { &self.first }, values);
-        // On one core the order of the instructions is what an interrupt sees.
-        compiler_fence(Ordering::SeqCst);
-        self.use_second.store(second, Ordering::Relaxed);
-    }
-
-    /// From a higher priority than [`Self::put`]'s.
-    #[inline]
-    pub fn get(&self) -> [u32; N] {
-        load(if self.use_second.load(Ordering::Relaxed) {
-            &self.second
-        } else {
-            &self.first
-        })
-    }
-}
-
-/// From a higher priority to a lower one. The reader reads again if it was interrupted by the writer.
-pub struct Up<const N: usize> {
-    words: Words<N>,
-    writes: AtomicU32,
-}
-
-/// The writer comes once a PWM period at most, and a read takes a hundredth of it: a second try always succeeds.
-const TRIES: usize = 3;
-
-impl<const N: usize> Up<N> {
-    /// All zeros.
-    pub const fn new() -> Self {
-        Self {
-            words: zeros(),
-            writes: AtomicU32::new(0),
-        }
-    }
-
-    /// From one priority only.
-    #[inline]
-    pub fn put(&self, values: &[u32; N]) {
-        store(&self.words, values);
-        compiler_fence(Ordering::SeqCst);
-        self.writes.store(
-            self.writes.load(Ordering::Relaxed).wrapping_add(1),
-            Ordering::Relaxed,
-        );
-    }
-
-    /// From a lower priority than [`Self::put`]'s.
-    #[inline]
-    pub fn get(&self) -> [u32; N] {
-        let mut values = [0; N];
-        for _ in 0..TRIES {
-            let before = self.writes.load(Ordering::Relaxed);
-            compiler_fence(Ordering::SeqCst);
-            values = load(&self.words);
-            compiler_fence(Ordering::SeqCst);
-            if self.writes.load(Ordering::Relaxed) == before {
-                break;
-            }
-        }
-        values
-    }
-}
-
-impl<const N: usize> Default for Down<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<const N: usize> Default for Up<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
 
 /// A value of the control tick's that the thread may look at, by holding the control tick off for as long.
 pub struct Guarded<T>(UnsafeCell<T>);

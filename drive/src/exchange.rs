@@ -1,0 +1,201 @@
+//! What passes between current loop and control tick in every tick: words in atomics, and neither side ever waits.
+//!
+//! On one core a higher priority is never interrupted by a lower one, so two shapes are enough: the writer may be interrupted by
+//! its reader ([`CommandBox`]), or the reader by its writer ([`ReportBox`]). Functions of this crate and not of the firmware's, as
+//! this crate is compiled for speed.
+
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, compiler_fence};
+
+use crate::current::{CurrentCommand, CurrentReport};
+use crate::mailbox::{CommandWords, ReportWords};
+
+const COMMAND_WORDS: usize = size_of::<CommandWords>() / 4;
+const REPORT_WORDS: usize = size_of::<ReportWords>() / 4;
+
+/// From the control tick to the current loop, which may interrupt the writing and then sees the command before.
+#[derive(Debug)]
+pub struct CommandBox(Down<COMMAND_WORDS>);
+
+impl CommandBox {
+    /// The default command: off.
+    #[must_use]
+    #[allow(clippy::new_without_default, reason = "for a static")]
+    pub const fn new() -> Self {
+        Self(Down::new())
+    }
+
+    /// By the control tick only.
+    #[inline(never)]
+    pub fn put(&self, command: &CurrentCommand) {
+        self.0.put(&command.to_words());
+    }
+
+    /// By the current loop only.
+    #[inline(never)]
+    #[must_use]
+    pub fn get(&self) -> CurrentCommand {
+        CurrentCommand::from_words(&self.0.get())
+    }
+}
+
+/// From the current loop to the control tick, which reads again if it was interrupted by the writing.
+#[derive(Debug)]
+pub struct ReportBox(Up<REPORT_WORDS>);
+
+impl ReportBox {
+    /// The default report.
+    #[must_use]
+    #[allow(clippy::new_without_default, reason = "for a static")]
+    pub const fn new() -> Self {
+        Self(Up::new())
+    }
+
+    /// By the current loop only.
+    #[inline(never)]
+    pub fn put(&self, report: &CurrentReport) {
+        self.0.put(&report.to_words());
+    }
+
+    /// By the control tick only.
+    #[inline(never)]
+    #[must_use]
+    pub fn get(&self) -> CurrentReport {
+        CurrentReport::from_words(&self.0.get())
+    }
+}
+
+type Words<const N: usize> = [AtomicU32; N];
+
+const fn zeros<const N: usize>() -> Words<N> {
+    [const { AtomicU32::new(0) }; N]
+}
+
+#[inline(always)]
+fn store<const N: usize>(words: &Words<N>, values: &[u32; N]) {
+    for (word, value) in words.iter().zip(values) {
+        word.store(*value, Ordering::Relaxed);
+    }
+}
+
+#[inline(always)]
+fn load<const N: usize>(words: &Words<N>) -> [u32; N] {
+    let mut values = [0; N];
+    for (value, word) in values.iter_mut().zip(words) {
+        *value = word.load(Ordering::Relaxed);
+    }
+    values
+}
+
+/// From a lower priority to a higher one. The reader never sees half of a value: it is published by one store.
+#[derive(Debug)]
+struct Down<const N: usize> {
+    first: Words<N>,
+    second: Words<N>,
+    use_second: AtomicBool,
+}
+
+impl<const N: usize> Down<N> {
+    /// All zeros.
+    const fn new() -> Self {
+        Self {
+            first: zeros(),
+            second: zeros(),
+            use_second: AtomicBool::new(false),
+        }
+    }
+
+    /// From one priority only.
+    #[inline(always)]
+    fn put(&self, values: &[u32; N]) {
+        let second = !self.use_second.load(Ordering::Relaxed);
+        store(if second { &self.second } else { &self.first }, values);
+        // On one core the order of the instructions is what an interrupt sees.
+        compiler_fence(Ordering::SeqCst);
+        self.use_second.store(second, Ordering::Relaxed);
+    }
+
+    /// From a higher priority than [`Self::put`]'s.
+    #[inline(always)]
+    fn get(&self) -> [u32; N] {
+        load(if self.use_second.load(Ordering::Relaxed) {
+            &self.second
+        } else {
+            &self.first
+        })
+    }
+}
+
+/// From a higher priority to a lower one. The reader reads again if it was interrupted by the writer.
+#[derive(Debug)]
+struct Up<const N: usize> {
+    words: Words<N>,
+    writes: AtomicU32,
+}
+
+/// The writer comes once a PWM period at most, and a read takes a hundredth of it: a second try always succeeds.
+const TRIES: usize = 3;
+
+impl<const N: usize> Up<N> {
+    /// All zeros.
+    const fn new() -> Self {
+        Self {
+            words: zeros(),
+            writes: AtomicU32::new(0),
+        }
+    }
+
+    /// From one priority only.
+    #[inline(always)]
+    fn put(&self, values: &[u32; N]) {
+        store(&self.words, values);
+        compiler_fence(Ordering::SeqCst);
+        self.writes.store(
+            self.writes.load(Ordering::Relaxed).wrapping_add(1),
+            Ordering::Relaxed,
+        );
+    }
+
+    /// From a lower priority than [`Self::put`]'s.
+    #[inline(always)]
+    fn get(&self) -> [u32; N] {
+        let mut values = [0; N];
+        for _ in 0..TRIES {
+            let before = self.writes.load(Ordering::Relaxed);
+            compiler_fence(Ordering::SeqCst);
+            values = load(&self.words);
+            compiler_fence(Ordering::SeqCst);
+            if self.writes.load(Ordering::Relaxed) == before {
+                break;
+            }
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::current::CurrentMode;
+
+    #[test]
+    fn what_is_put_is_what_comes_out_and_the_last_counts() {
+        let (commands, reports) = (CommandBox::new(), ReportBox::new());
+        assert_eq!(commands.get(), CurrentCommand::default());
+        assert_eq!(reports.get(), CurrentReport::default());
+        for tick in 1..=3 {
+            let command = CurrentCommand {
+                tick,
+                mode: CurrentMode::Drive,
+                ..CurrentCommand::default()
+            };
+            commands.put(&command);
+            assert_eq!(commands.get(), command);
+            let report = CurrentReport {
+                periods: 20 * tick,
+                ..CurrentReport::default()
+            };
+            reports.put(&report);
+            assert_eq!(reports.get(), report);
+        }
+    }
+}
