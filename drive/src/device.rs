@@ -8,24 +8,23 @@
 //! since the tick that armed, and of nothing else. What holds the force back (fading in, current limit, temperature) comes
 //! after it.
 
-use crate::angle::{Angle, ElectricalScale};
-use crate::calibration::{Alignment, Calibration, CalibrationConfig, Progress};
-use crate::command::{AnyDrive, DacCode, Drive, DriveCommand, Rotor};
+use crate::angle::Angle;
+use crate::calibration::{Alignment, Calibration, Progress};
+use crate::command::{DacCode, Drive, DriveCommand, Rotor};
+use crate::config::{Config, Configs};
 use crate::current::{CurrentCommand, CurrentConfig, CurrentReport};
 use crate::encoder::EncoderReading;
 use crate::hardware::Hardware;
-use crate::pi::PiGains;
 use crate::record::Record;
 use crate::reset::ResetReason;
-use crate::settings::{DriveKind, Field, Settings, SettingsError};
+use crate::settings::{Settings, SettingsError};
 use crate::supervisor::power::Power;
-use crate::supervisor::{Found, Supervisor, SupervisorConfig};
-use crate::thermistor::Thermistor;
+use crate::supervisor::{Found, Supervisor};
 use crate::timing::TickTiming;
-use crate::units::{clamp_i32, narrow, quotient};
+use crate::units::clamp_i32;
 use fixed::types::I8F24;
 use touchstone_control::law::Contact;
-use touchstone_control::{Controller, CountScale, Fixed32, Force, Number, Position, Si};
+use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, Outputs, State,
 };
@@ -88,99 +87,10 @@ impl ControlOutput {
     }
 }
 
-/// What settings are computed into.
-#[derive(Debug, Clone, Copy)]
-pub struct Config {
-    current: CurrentConfig,
-    supervisor: SupervisorConfig,
-    calibration: CalibrationConfig,
-    drive: AnyDrive,
-    /// The law at its beginning.
-    law: Controller<Fixed32>,
-    force_limit: I8F24,
-    scale: CountScale,
-    electrical: ElectricalScale,
-    thermistor: Thermistor,
-    /// By how much the torque's share grows in a tick while it fades in, 2^-32.
-    fade_step: u32,
-}
-
-impl Config {
-    /// Validates and computes.
-    ///
-    /// # Errors
-    /// As [`Settings::validate`], and coefficients that do not fit their formats.
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
-        settings.validate(hardware)?;
-        let motor = &settings.motor;
-        let rate = Si::saturating_from_num(settings.wall.rate_hz);
-        let ticks = settings.limits.fade_in_s.saturating_mul(rate);
-        // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
-        // Rounded up, so that the last of these ticks has all of it.
-        let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
-            .unwrap_or(u32::MAX)
-            .saturating_add(1);
-        let counts = settings.encoder.counts_per_rev;
-        Ok(Self {
-            current: CurrentConfig::new(settings, hardware)?,
-            supervisor: SupervisorConfig::new(settings, hardware),
-            calibration: CalibrationConfig::new(settings, hardware),
-            drive: AnyDrive::new(settings)?,
-            law: Controller::new(&settings.wall)?,
-            force_limit: Fixed32::saturating_signal(settings.wall.force_limit),
-            scale: CountScale::new(counts, settings.surface_rad).ok_or(
-                SettingsError::Coefficient {
-                    field: Field::CountsPerRev,
-                    value: Si::ZERO,
-                },
-            )?,
-            electrical: ElectricalScale::new(motor.pole_pairs, counts),
-            thermistor: hardware.thermistor,
-            fade_step,
-        })
-    }
-
-    /// Whether there is a motor to be aligned.
-    const fn aligns(&self) -> bool {
-        matches!(self.drive, AnyDrive::ThreePhase(_))
-    }
-}
-
-impl CurrentConfig {
-    /// The current loop's coefficients.
-    ///
-    /// # Errors
-    /// Gains that do not fit. For an analogue drive they are not used and never refused.
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
-        let motor = &settings.motor;
-        let gains = match settings.drive {
-            DriveKind::ThreePhase => PiGains::new(
-                motor.resistance_ohm,
-                motor.inductance_h,
-                motor.current_bandwidth_hz,
-                Si::saturating_from_num(hardware.pwm_hz),
-            )?,
-            DriveKind::Analogue => PiGains::NONE,
-        };
-        Ok(Self {
-            gains,
-            modulator: hardware.modulator(),
-            voltage_share: hardware.modulator().share(),
-            amps_per_code: hardware.amps_per_code_bits(),
-            volts_per_code: narrow(hardware.volts_per_code),
-            limit: narrow(motor.current_limit_a),
-            trip: narrow(settings.limits.trip_current_a),
-            periods_per_tick: settings.periods_per_tick(hardware),
-        })
-    }
-}
-
 /// The device: settings made into coefficients, and everything that a control tick remembers.
 #[derive(Debug, Clone)]
 pub struct Device {
-    config: Config,
-    /// For the next calibration.
-    next_config: Option<Config>,
+    configs: Configs,
     machine: Machine,
     supervisor: Supervisor,
     calibration: Option<Calibration>,
@@ -205,8 +115,7 @@ impl Device {
     pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let config = Config::new(settings, hardware)?;
         Ok(Self {
-            config,
-            next_config: None,
+            configs: Configs::new(config),
             machine: Machine::new(),
             supervisor: Supervisor::new(),
             calibration: None,
@@ -258,7 +167,7 @@ impl Device {
 
     /// As [`Device::configure`], with coefficients that were computed before: takes no time, needs no stack.
     pub fn prepare(&mut self, config: Config) {
-        self.next_config = Some(config);
+        self.configs.prepare(config);
         self.settings_refused = false;
     }
 
@@ -276,7 +185,7 @@ impl Device {
     /// Coefficients of the current loop.
     #[must_use]
     pub const fn current_config(&self) -> CurrentConfig {
-        self.config.current
+        self.configs.now().current
     }
 
     /// Where the device stands.
@@ -312,7 +221,7 @@ impl Device {
         let driven = before == State::Armed && self.record.law_ran;
         let verdict = self
             .supervisor
-            .look(&self.config.supervisor, input, watched, driven);
+            .look(&self.configs.now().supervisor, input, watched, driven);
 
         let refused = (self.settings_refused && watched).then_some((FaultCode::SettingsInvalid, 0));
         let found = self.reported.take().or(verdict.fault).or(refused);
@@ -383,24 +292,21 @@ impl Device {
             self.zero = count;
         }
         if after == State::Armed {
-            self.law = self.config.law;
+            self.law = self.configs.now().law;
             self.fade = 0;
         }
         if after != State::Calibrating {
             self.calibration = None;
             return false;
         }
-        // Copied once, in place: `take` would copy all the coefficients twice.
-        let is_new = self.next_config.is_some();
-        if let Some(config) = &self.next_config {
-            self.config = *config;
+        let is_new = self.configs.turn();
+        if is_new {
             self.supervisor = self.supervisor.restarted();
-            self.next_config = None;
         }
-        self.calibration = self
-            .config
+        let config = self.configs.now();
+        self.calibration = config
             .aligns()
-            .then(|| Calibration::new(self.config.calibration));
+            .then(|| Calibration::new(config.calibration));
         is_new
     }
 
@@ -410,11 +316,11 @@ impl Device {
         let record = &mut self.record;
         if let Some(count) = count {
             record.count = count.saturating_sub(self.zero);
-            record.penetration = self.config.scale.penetration(record.count);
+            record.penetration = self.configs.now().scale.penetration(record.count);
         }
         record.tick = tick;
-        record.speed_rad_per_s = shaft.speed(self.config.supervisor.shaft());
-        record.temperature = Power::temperature(&self.config.thermistor, &input.current);
+        record.speed_rad_per_s = shaft.speed(self.configs.now().supervisor.shaft());
+        record.temperature = Power::temperature(&self.configs.now().thermistor, &input.current);
         record.current = input.current.current;
         record.bus = input.current.bus;
         record.timing = input.timing;
@@ -432,7 +338,7 @@ impl Device {
         let force = law_tick(&mut self.law, self.record.penetration);
         let view = self.law.view();
         let fading = self.fade < u32::MAX;
-        self.fade = self.fade.saturating_add(self.config.fade_step);
+        self.fade = self.fade.saturating_add(self.configs.now().fade_step);
         // Out of the wall is against x. The share is at most 1 - 2^-32, and 1 when the fading is over.
         let wide = i64::from(force.0.to_bits());
         let share = i64::from(self.fade >> 1);
@@ -440,8 +346,12 @@ impl Device {
         let torque = Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())));
 
         let shaft = self.supervisor.shaft();
-        let advance = shaft.advance(self.config.supervisor.shaft());
-        let turned = self.config.electrical.angle(count.unwrap_or_default());
+        let advance = shaft.advance(self.configs.now().supervisor.shaft());
+        let turned = self
+            .configs
+            .now()
+            .electrical
+            .angle(count.unwrap_or_default());
         let against = self.alignment.against;
         let rotor = Rotor {
             tick,
@@ -458,7 +368,7 @@ impl Device {
             against,
             derating,
         };
-        let (drive, limits) = self.config.drive.command(torque, &rotor);
+        let (drive, limits) = self.configs.now().drive.command(torque, &rotor);
         let record = &mut self.record;
         record.law_ran = true;
         record.force = force;
@@ -466,7 +376,7 @@ impl Device {
         record.offset = view.offset;
         record.energy = view.energy;
         record.contact = view.contact;
-        let full = force.modulus().0 >= self.config.force_limit;
+        let full = force.modulus().0 >= self.configs.now().force_limit;
         (
             drive,
             limits.with(Limit::FadeIn, fading).with(Limit::Force, full),

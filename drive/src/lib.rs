@@ -26,6 +26,7 @@
 pub mod angle;
 pub mod calibration;
 pub mod command;
+pub mod config;
 pub mod current;
 pub mod device;
 pub mod encoder;
@@ -49,11 +50,12 @@ pub mod wire;
 pub use angle::Angle;
 pub use calibration::{Calibration, Reason};
 pub use command::{DacCode, DriveCommand};
+pub use config::Config;
 pub use current::{
     Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentOutput, CurrentReport,
     CurrentSample, Trip,
 };
-pub use device::{Config, ControlInput, ControlOutput, Device};
+pub use device::{ControlInput, ControlOutput, Device};
 pub use encoder::{EncoderError, EncoderKind, EncoderReading};
 pub use hardware::Hardware;
 pub use record::Record;

@@ -3,7 +3,7 @@
 use core::sync::atomic::Ordering::Relaxed;
 
 use heapless::Deque;
-use touchstone_drive::device::Config;
+use touchstone_drive::config::Config;
 use touchstone_drive::{
     ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DriveCommand, EncoderKind,
     Ring, Settings, TickTiming,

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::Ordering::Relaxed;
 
-use touchstone_drive::device::Config;
+use touchstone_drive::config::Config;
 use touchstone_drive::{CompactRecord, wire};
 use touchstone_protocol::session::{Device, FlashError};
 use touchstone_protocol::settings::{DeviceSettings, Invalid};

@@ -1,0 +1,148 @@
+//! What settings are computed into, once, and how a calibration changes over to other ones.
+
+use crate::angle::ElectricalScale;
+use crate::calibration::CalibrationConfig;
+use crate::command::AnyDrive;
+use crate::current::CurrentConfig;
+use crate::hardware::Hardware;
+use crate::pi::PiGains;
+use crate::settings::{DriveKind, Field, Settings, SettingsError};
+use crate::supervisor::SupervisorConfig;
+use crate::thermistor::Thermistor;
+use crate::units::{narrow, quotient};
+use fixed::types::I8F24;
+use touchstone_control::{Controller, CountScale, Fixed32, Number, Si};
+
+/// What settings are computed into.
+#[derive(Debug, Clone, Copy)]
+pub struct Config {
+    pub(crate) current: CurrentConfig,
+    pub(crate) supervisor: SupervisorConfig,
+    pub(crate) calibration: CalibrationConfig,
+    pub(crate) drive: AnyDrive,
+    /// The law at its beginning.
+    pub(crate) law: Controller<Fixed32>,
+    pub(crate) force_limit: I8F24,
+    pub(crate) scale: CountScale,
+    pub(crate) electrical: ElectricalScale,
+    pub(crate) thermistor: Thermistor,
+    /// By how much the torque's share grows in a tick while it fades in, 2^-32.
+    pub(crate) fade_step: u32,
+}
+
+impl Config {
+    /// Validates and computes.
+    ///
+    /// # Errors
+    /// As [`Settings::validate`], and coefficients that do not fit their formats.
+    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
+        settings.validate(hardware)?;
+        let motor = &settings.motor;
+        let rate = Si::saturating_from_num(settings.wall.rate_hz);
+        let ticks = settings.limits.fade_in_s.saturating_mul(rate);
+        // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
+        // Rounded up, so that the last of these ticks has all of it.
+        let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
+            .unwrap_or(u32::MAX)
+            .saturating_add(1);
+        let counts = settings.encoder.counts_per_rev;
+        Ok(Self {
+            current: CurrentConfig::new(settings, hardware)?,
+            supervisor: SupervisorConfig::new(settings, hardware),
+            calibration: CalibrationConfig::new(settings, hardware),
+            drive: AnyDrive::new(settings)?,
+            law: Controller::new(&settings.wall)?,
+            force_limit: Fixed32::saturating_signal(settings.wall.force_limit),
+            scale: CountScale::new(counts, settings.surface_rad).ok_or(
+                SettingsError::Coefficient {
+                    field: Field::CountsPerRev,
+                    value: Si::ZERO,
+                },
+            )?,
+            electrical: ElectricalScale::new(motor.pole_pairs, counts),
+            thermistor: hardware.thermistor,
+            fade_step,
+        })
+    }
+
+    /// Whether there is a motor to be aligned.
+    pub(crate) const fn aligns(&self) -> bool {
+        matches!(self.drive, AnyDrive::ThreePhase(_))
+    }
+}
+
+impl CurrentConfig {
+    /// The current loop's coefficients.
+    ///
+    /// # Errors
+    /// Gains that do not fit. For an analogue drive they are not used and never refused.
+    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
+        let motor = &settings.motor;
+        let gains = match settings.drive {
+            DriveKind::ThreePhase => PiGains::new(
+                motor.resistance_ohm,
+                motor.inductance_h,
+                motor.current_bandwidth_hz,
+                Si::saturating_from_num(hardware.pwm_hz),
+            )?,
+            DriveKind::Analogue => PiGains::NONE,
+        };
+        Ok(Self {
+            gains,
+            modulator: hardware.modulator(),
+            voltage_share: hardware.modulator().share(),
+            amps_per_code: hardware.amps_per_code_bits(),
+            volts_per_code: narrow(hardware.volts_per_code),
+            limit: narrow(motor.current_limit_a),
+            trip: narrow(settings.limits.trip_current_a),
+            periods_per_tick: settings.periods_per_tick(hardware),
+        })
+    }
+}
+
+/// The coefficients in use, and room for the next ones: a calibration changes over by a flag, as copying them all would be the
+/// longest thing that a control tick ever does.
+#[derive(Debug, Clone)]
+pub(crate) struct Configs {
+    first: Config,
+    second: Config,
+    use_second: bool,
+    has_next: bool,
+}
+
+impl Configs {
+    pub(crate) const fn new(config: Config) -> Self {
+        Self {
+            first: config,
+            second: config,
+            use_second: false,
+            has_next: false,
+        }
+    }
+
+    pub(crate) const fn now(&self) -> &Config {
+        if self.use_second {
+            &self.second
+        } else {
+            &self.first
+        }
+    }
+
+    /// For the next turn.
+    pub(crate) const fn prepare(&mut self, config: Config) {
+        if self.use_second {
+            self.first = config;
+        } else {
+            self.second = config;
+        }
+        self.has_next = true;
+    }
+
+    /// Changes over to what was prepared; whether there was anything.
+    pub(crate) const fn turn(&mut self) -> bool {
+        let turns = self.has_next;
+        self.use_second ^= turns;
+        self.has_next = false;
+        turns
+    }
+}
