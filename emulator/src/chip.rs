@@ -195,8 +195,9 @@ impl Chip {
             uart.sent = sent;
         }
         let before = std::mem::replace(&mut self.spi3, Spi::new(SPI3));
+        let hangs = before.hangs();
         self.spi3.slave = before.slave;
-        self.spi3.hangs = before.hangs;
+        self.spi3.set_hangs(hangs, self.core.now);
         self.iwdg = Iwdg::new(self.lsi_hz);
         let (count, cut_at) = (self.flash.count, self.flash.cut_at);
         self.flash = Flash::new(self.board.option_bytes);

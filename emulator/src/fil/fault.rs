@@ -97,7 +97,7 @@ impl Fault {
                     slave.set_fault(fault);
                 }
             }
-            Self::BusHangs => chip.spi3.hangs = true,
+            Self::BusHangs => chip.spi3.set_hangs(true, now),
             Self::TrackHeld => {
                 let count = chip.board.encoder_count(&chip.world);
                 chip.board.wiring.encoder_held = Some(count);
@@ -152,7 +152,7 @@ impl Fault {
         chip.board.wiring = Default::default();
         chip.world.bridge.bus_v = 24.0;
         chip.world.temperature_c = 25.0;
-        chip.spi3.hangs = false;
+        chip.spi3.set_hangs(false, now);
         if let Some(slave) = &mut chip.spi3.slave {
             slave.set_fault(SlaveFault::None);
         }

@@ -54,8 +54,7 @@ pub struct Spi {
     /// At the other end.
     pub slave: Option<Box<dyn Slave>>,
     selected: bool,
-    /// The bus hangs: a frame that has begun never ends.
-    pub hangs: bool,
+    hangs: bool,
 }
 
 impl Spi {
@@ -65,6 +64,24 @@ impl Spi {
         Self {
             interrupt,
             ..Self::default()
+        }
+    }
+
+    /// Whether the bus hangs.
+    #[must_use]
+    pub fn hangs(&self) -> bool {
+        self.hangs
+    }
+
+    /// The bus hangs from now on: a frame that begins, or has begun, never ends. Or no more: then that frame begins over.
+    pub fn set_hangs(&mut self, hangs: bool, now: u64) {
+        if self.hangs == hangs {
+            return;
+        }
+        self.hangs = hangs;
+        let time = self.end_of_frame(now);
+        if let Some((ends, _)) = &mut self.shifting {
+            *ends = time;
         }
     }
 
@@ -87,17 +104,20 @@ impl Spi {
         u64::from(self.bits()) * (2 << (self.registers.get(CR1) >> 3 & 7))
     }
 
+    /// When a frame that begins now ends.
+    fn end_of_frame(&self, now: u64) -> u64 {
+        match self.hangs {
+            true => NEVER,
+            false => now + self.frame_time(),
+        }
+    }
+
     fn begin(&mut self, now: u64) {
         if self.shifting.is_none()
             && self.registers.get(CR1) & SPE != 0
             && let Some(frame) = self.transmit.pop_front()
         {
-            let time = if self.hangs {
-                NEVER
-            } else {
-                now + self.frame_time()
-            };
-            self.shifting = Some((time, frame));
+            self.shifting = Some((self.end_of_frame(now), frame));
         }
     }
 }
