@@ -301,7 +301,7 @@ impl Device {
         }
         let is_new = self.configs.turn();
         if is_new {
-            self.supervisor = self.supervisor.restarted();
+            self.supervisor.restart();
         }
         let config = self.configs.now();
         self.calibration = config

@@ -107,14 +107,9 @@ impl Supervisor {
     }
 
     /// For another configuration: the shaft is new, what the current loop counts goes on.
-    #[must_use]
-    pub const fn restarted(&self) -> Self {
-        Self {
-            trips: self.trips,
-            missed: self.missed,
-            watched: self.watched,
-            ..Self::new()
-        }
+    pub const fn restart(&mut self) {
+        self.shaft = Shaft::new();
+        self.stuck = Stuck::new();
     }
 
     /// The shaft's motion.
