@@ -64,7 +64,7 @@ const fn row(
 
 /// One control tick at 1 kHz, and the time of a PWM period until the next sample, us.
 const TICK: u64 = 1_050;
-/// One control tick, from the moment at which the third bad reading is there.
+/// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
 /// The independent watchdog at its slowest, and the longest time without a feeding before it counts (docs/firmware.md).
 const WATCHDOG: u64 = 112_000;
