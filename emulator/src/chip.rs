@@ -85,6 +85,8 @@ const ADC1_2: u32 = 18;
 const SPI3: u32 = 51;
 const USART2: u32 = 38;
 const LPUART1: u32 = 91;
+/// Offset of the register with CLL: a lockup of the processor pulls the break of TIM1.
+const SYSCFG_CFGR2: u32 = 0x1c;
 
 /// What is not the processor.
 pub struct Chip {
@@ -476,7 +478,7 @@ impl Chip {
     /// The processor has locked up: with SYSCFG_CFGR2.CLL that pulls the break of TIM1.
     pub fn lock_up(&mut self) {
         let now = self.core.now;
-        if self.plain[2].get(0x18) & 1 != 0 {
+        if self.plain[2].get(SYSCFG_CFGR2) & 1 != 0 {
             self.drive_world();
             self.bridge.pull_break(now);
             self.drive_world();

@@ -371,9 +371,15 @@ fn learn(uc: &mut Unicorn<'_, Chip>, address: u32) {
 }
 
 impl Machine {
-    /// Puts the thread's stack at its end: what comes next overflows it.
-    pub fn exhaust_stack(&mut self) {
+    /// Puts the thread's stack at its end: what comes next overflows it. While the thread runs or sleeps: a handler whose stack is
+    /// moved would return to wherever the words there lead, which no overflow does.
+    ///
+    /// # Errors
+    /// The thread does not run within 50 ms.
+    pub fn exhaust_stack(&mut self) -> Result<(), String> {
+        self.run_to(None)?;
         self.set_register(RegisterARM::SP, RAM + 8);
+        Ok(())
     }
 
     /// Stops the processor for good, and tells what the chip has for that: the break of TIM1, where the program asked for it.
@@ -389,12 +395,18 @@ impl Machine {
     /// # Errors
     /// It does not run within 50 ms.
     pub fn divert(&mut self, exception: Option<usize>, address: u32) -> Result<(), String> {
+        self.run_to(exception)?;
+        self.asleep = None;
+        self.set_register(RegisterARM::PC, address | 1);
+        Ok(())
+    }
+
+    /// Runs until the handler of an exception runs, or the thread.
+    fn run_to(&mut self, exception: Option<usize>) -> Result<(), String> {
         let end = self.chip().core.now + 50_000 * 170;
         while self.chip().core.now < end {
             let here = self.chip().running.last().map(|running| running.exception);
             if here == exception {
-                self.asleep = None;
-                self.set_register(RegisterARM::PC, address | 1);
                 return Ok(());
             }
             // In steps that are shorter than any handler.

@@ -116,7 +116,7 @@ impl Fault {
                 bench.machine.set_memory(SCRATCH + 4, &[0x00, 0xde]);
                 return bench.machine.divert(level.exception(), SCRATCH + 4);
             }
-            Self::StackOverflow => bench.machine.exhaust_stack(),
+            Self::StackOverflow => return bench.machine.exhaust_stack(),
             Self::Supply(volts) => {
                 chip.pwr.supply_v = volts;
                 chip.update_break(now);
