@@ -50,9 +50,13 @@ fn main() -> ExitCode {
         ("boot", ["b-g431b-esc1"]) => said(fil::report::boot(&program, Board::b_g431b_esc1())),
         ("cycles", []) => count::run(&program),
         ("serve", ["--tcp", address, more @ ..]) => {
-            let hand = more.contains(&"--hand");
-            let at = more.iter().position(|word| *word == "--for");
-            let for_s = at.and_then(|at| more.get(at + 1)?.parse().ok());
+            let (hand, for_s) = match serve_options(more) {
+                Ok(options) => options,
+                Err(error) => {
+                    eprintln!("emulator: {error}");
+                    return ExitCode::from(2);
+                }
+            };
             match serve::serve(&program, address, hand, for_s) {
                 Ok(()) => 0,
                 Err(error) => {
@@ -63,11 +67,37 @@ fn main() -> ExitCode {
         }
         ("noise", [frames]) => match frames.parse() {
             Ok(frames) => said(fil::report::noise(&program, frames)),
-            Err(_) => 2,
+            Err(_) => {
+                eprintln!(
+                    "emulator: noise needs how many frames, as in noise ELF 1000000, not `{frames}`"
+                );
+                2
+            }
         },
         _ => {
             eprintln!("{USAGE}");
             2
         }
     })
+}
+
+/// `--hand` and `--for SECONDS`, in any order.
+fn serve_options(words: &[&str]) -> Result<(bool, Option<u64>), String> {
+    let (mut hand, mut for_s) = (false, None);
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        match *word {
+            "--hand" => hand = true,
+            "--for" => {
+                let seconds = words.next().and_then(|seconds| seconds.parse().ok());
+                for_s = Some(seconds.ok_or("--for needs whole seconds, as in --for 60")?);
+            }
+            other => {
+                return Err(format!(
+                    "serve takes --hand and --for SECONDS, not `{other}`"
+                ));
+            }
+        }
+    }
+    Ok((hand, for_s))
 }

@@ -2,10 +2,8 @@
 //! value latched, and no way back to armed but through stop and calibration.
 
 use touchstone::motor::{Drive, GIMBAL};
-use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
-    ControlInput, CurrentSample, Device, EncoderReading, ResetFlags, ResetReason, Settings, Si,
-    TickTiming,
+    ControlInput, CurrentSample, EncoderReading, ResetFlags, ResetReason, Settings, Si, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::knob::{Knob, Tamper};
@@ -484,56 +482,4 @@ fn what_the_start_tells() {
         assert_eq!(fault, expected, "{flags:?}");
         assert_eq!(knob.acting, Drive::Off);
     }
-}
-
-#[test]
-fn refused_settings_do_not_calibrate_until_there_are_others() {
-    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, touchstone_tests::knob::Honest);
-    knob.device.report_fault(FaultCode::SettingsInvalid, 0);
-    knob.tick();
-    assert_eq!(knob.fault(), Some(FaultCode::SettingsInvalid));
-    knob.ask(Command::Stop);
-    knob.tick();
-    assert_eq!(knob.device.state(), State::Stopped);
-    knob.ask(Command::Calibrate);
-    knob.tick();
-    assert_eq!(
-        (knob.fault(), knob.acting),
-        (Some(FaultCode::SettingsInvalid), Drive::Off)
-    );
-    knob.ask(Command::Stop);
-    knob.tick();
-    assert!(knob.device.may_configure());
-    knob.device.configure(&settings(), &IHM08M1).unwrap();
-    assert_eq!(knob.calibrate(), State::Ready);
-}
-
-#[test]
-fn settings_count_from_the_next_calibration_on() {
-    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, touchstone_tests::knob::Honest);
-    assert_eq!(knob.calibrate(), State::Ready);
-    let mut others = settings();
-    others.motor.current_bandwidth_hz = Si::lit("300");
-    knob.device.configure(&others, &IHM08M1).unwrap();
-    assert_eq!(
-        knob.device.current_config(),
-        Device::new(&settings(), &IHM08M1).unwrap().current_config()
-    );
-    knob.ask(Command::Stop);
-    knob.tick();
-    knob.ask(Command::Calibrate);
-    knob.tick();
-    assert!(knob.output.unwrap().reconfigure);
-    assert_eq!(
-        knob.device.current_config(),
-        Device::new(&others, &IHM08M1).unwrap().current_config()
-    );
-    while knob.device.state() == State::Calibrating {
-        knob.tick();
-        assert!(!knob.output.unwrap().reconfigure);
-    }
-    assert_eq!(knob.device.state(), State::Ready);
-    let mut wrong = settings();
-    wrong.motor.pole_pairs = 0;
-    assert!(knob.device.configure(&wrong, &IHM08M1).is_err());
 }

@@ -1,76 +1,12 @@
-//! The injections: what, in which state, at which moment, and what must become of it.
+//! With the AS5047P on the bus: everything, and the encoder's own faults.
 
-use touchstone_protocol::FaultCode as Code;
-use touchstone_protocol::FaultCode::*;
-
-use super::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
+use super::Expect::{GoesOn, Off, Reset};
+use super::When::{Calibrating, Free, Pressed, Ready};
+use super::{Injection, OFF_AT_FIRST_BAD, TICK, WATCHDOG, row};
 use crate::chip::ResetCause;
+use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use crate::peripheral::spi::SlaveFault;
-
-/// In which state it happens.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum When {
-    /// Calibrated, outputs off.
-    Ready,
-    /// The field turns the shaft.
-    Calibrating,
-    /// Armed, outside of the wall.
-    Free,
-    /// Armed, a hand presses into the wall.
-    Pressed,
-}
-
-/// What must become of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Expect {
-    /// Outputs off within this many microseconds; one of these codes is latched.
-    Off(u64, &'static [Code]),
-    /// A reset: outputs off within this many microseconds, then `Boot`, or `Fault` with one of these codes.
-    Reset(u64, &'static [Code]),
-    /// Nothing: it goes on.
-    GoesOn,
-}
-
-/// An injection.
-#[derive(Debug, Clone, Copy)]
-pub struct Injection {
-    /// For people.
-    pub name: &'static str,
-    /// In which state.
-    pub when: When,
-    /// Microseconds later than a round time: the moment within the PWM and the control period.
-    pub moment_us: u64,
-    /// What.
-    pub fault: Fault,
-    /// What must become of it.
-    pub expect: Expect,
-}
-
-const fn row(
-    name: &'static str,
-    when: When,
-    moment_us: u64,
-    fault: Fault,
-    expect: Expect,
-) -> Injection {
-    Injection {
-        name,
-        when,
-        moment_us,
-        fault,
-        expect,
-    }
-}
-
-/// One control tick at 1 kHz, and the time of a PWM period until the next sample, us.
-const TICK: u64 = 1_050;
-/// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
-const OFF_AT_FIRST_BAD: u64 = TICK;
-/// The independent watchdog at its slowest, and the longest time without a feeding before it counts (docs/firmware.md).
-const WATCHDOG: u64 = 112_000;
-
-use Expect::{GoesOn, Off, Reset};
-use When::{Calibrating, Free, Pressed, Ready};
+use touchstone_protocol::FaultCode::*;
 
 /// With the AS5047P on the bus.
 pub const WITH_AS5047P: &[Injection] = &[
@@ -493,83 +429,5 @@ pub const WITH_AS5047P: &[Injection] = &[
         66,
         Fault::Noise(4_000, true),
         GoesOn,
-    ),
-];
-
-/// With an MT6701 on the bus.
-pub const WITH_MT6701: &[Injection] = &[
-    row(
-        "encoder's check sum, bit 0",
-        Free,
-        12,
-        Fault::Encoder(SlaveFault::FlipBit(0)),
-        Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
-    ),
-    row(
-        "encoder's check sum, bit 15",
-        Pressed,
-        345,
-        Fault::Encoder(SlaveFault::FlipBit(15)),
-        Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
-    ),
-    row(
-        "encoder's check sum, bit 23",
-        Calibrating,
-        678,
-        Fault::Encoder(SlaveFault::FlipBit(23)),
-        Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
-    ),
-    row(
-        "encoder's line high",
-        Free,
-        910,
-        Fault::Encoder(SlaveFault::High),
-        Off(OFF_AT_FIRST_BAD, &[EncoderCheck, EncoderStatus]),
-    ),
-    row(
-        "encoder loses its track",
-        Pressed,
-        150,
-        Fault::Encoder(SlaveFault::SaysError),
-        Off(OFF_AT_FIRST_BAD, &[EncoderStatus]),
-    ),
-    row(
-        "encoder's bus hangs",
-        Free,
-        520,
-        Fault::BusHangs,
-        Off(OFF_AT_FIRST_BAD, &[EncoderSilent]),
-    ),
-    row(
-        "encoder jumps a quarter turn",
-        Pressed,
-        33,
-        Fault::Encoder(SlaveFault::Jump(0x4000)),
-        Off(TICK, &[EncoderJump]),
-    ),
-];
-
-/// With an incremental encoder at the timer.
-pub const WITH_TRACKS: &[Injection] = &[
-    row(
-        "encoder held",
-        Calibrating,
-        200,
-        Fault::TrackHeld,
-        Off(8_000_000, &[EncoderStuck, CalibrationFailed]),
-    ),
-    row(
-        "encoder jumps a quarter turn",
-        Pressed,
-        460,
-        Fault::TrackJumps(4_096),
-        Off(TICK, &[EncoderJump]),
-    ),
-    row(
-        "encoder jumps back by 700",
-        Free,
-        860,
-        Fault::TrackJumps(-700),
-        Off(TICK, &[EncoderJump, OverSpeed]),
     ),
 ];

@@ -1,4 +1,7 @@
-//! The chip: which registers are where, what is connected to what inside, and the time.
+//! The chip: what is connected to what inside, and the time.
+
+mod map;
+mod system;
 
 use crate::board::Board;
 use crate::cpu::core::Core;
@@ -19,65 +22,11 @@ use crate::peripheral::timer::general::Timer;
 use crate::peripheral::uart::Uart;
 use crate::peripheral::{NEVER, Peripheral};
 use crate::world::World;
+use map::{Block, MAP};
 
 /// Processor, buses and timers, Hz: what the firmware sets up. Times of the world follow from it; before the PLL runs, the
 /// chip is slower than modelled.
 pub const CORE_HZ: u64 = 170_000_000;
-
-/// A block of registers by its place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Block {
-    Timer(usize),
-    Iwdg,
-    Spi3,
-    Usart2,
-    Pwr,
-    Lpuart1,
-    Syscfg,
-    Analog,
-    Exti,
-    Tim1,
-    Dma,
-    Rcc,
-    Flash,
-    Port(usize),
-    Adc(usize),
-    AdcCommon,
-    Dac,
-    Other,
-}
-
-/// RM0440, table 3: the part that the firmware uses.
-const MAP: &[(u32, u32, Block)] = &[
-    (0x4000_0000, 0x400, Block::Timer(0)),
-    (0x4000_0400, 0x400, Block::Timer(1)),
-    (0x4000_0800, 0x400, Block::Timer(2)),
-    (0x4000_0c00, 0x400, Block::Timer(3)),
-    (0x4000_3000, 0x400, Block::Iwdg),
-    (0x4000_3c00, 0x400, Block::Spi3),
-    (0x4000_4400, 0x400, Block::Usart2),
-    (0x4000_7000, 0x400, Block::Pwr),
-    (0x4000_8000, 0x400, Block::Lpuart1),
-    // SYSCFG with VREFBUF and COMP, and OPAMP.
-    (0x4001_0000, 0x300, Block::Syscfg),
-    (0x4001_0300, 0x100, Block::Analog),
-    (0x4001_0400, 0x400, Block::Exti),
-    (0x4001_2c00, 0x400, Block::Tim1),
-    (0x4002_0000, 0xc00, Block::Dma),
-    (0x4002_1000, 0x400, Block::Rcc),
-    (0x4002_2000, 0x400, Block::Flash),
-    (0x4800_0000, 0x400, Block::Port(0)),
-    (0x4800_0400, 0x400, Block::Port(1)),
-    (0x4800_0800, 0x400, Block::Port(2)),
-    (0x4800_0c00, 0x400, Block::Port(3)),
-    (0x4800_1000, 0x400, Block::Port(4)),
-    (0x4800_1400, 0x400, Block::Port(5)),
-    (0x4800_1800, 0x400, Block::Port(6)),
-    (0x5000_0000, 0x100, Block::Adc(0)),
-    (0x5000_0100, 0x100, Block::Adc(1)),
-    (0x5000_0300, 0x100, Block::AdcCommon),
-    (0x5000_0800, 0x400, Block::Dac),
-];
 
 /// Interrupts (RM0440, table 97).
 const TIMERS: [(u32, u32); 4] = [(28, 32), (29, 16), (30, 16), (50, 32)];
@@ -491,60 +440,6 @@ impl Chip {
         self.bridge.set_break(pin, comparators, now);
         self.exti.set_detector(self.pwr.is_low());
         self.refresh();
-    }
-
-    fn read_system(&mut self, address: u32) -> u32 {
-        const CPUID_M4: u32 = 0x410f_c241;
-        match address {
-            0xe000_1000 => self.system.get(0x1000) | 0x4000_0000,
-            0xe000_1004 => (self.core.now as u32).wrapping_sub(self.cycle_offset),
-            0xe000_e100..0xe000_e500 => self.nvic.read(address - 0xe000_e100),
-            0xe000_ed00 => CPUID_M4,
-            0xe000_ed04 => {
-                let active = self.running.last().map_or(0, |running| running.exception);
-                active as u32
-            }
-            0xe000_ed18..0xe000_ed24 => {
-                let first = (address - 0xe000_ed18) as usize + 4;
-                u32::from_le_bytes([0, 1, 2, 3].map(|byte| self.nvic.system_priority(first + byte)))
-            }
-            0xe004_2000 => self.board.device_id,
-            _ => self.system.get(address & 0xffff),
-        }
-    }
-
-    fn write_system(&mut self, address: u32, value: u32, size: usize) {
-        let now = self.core.now;
-        match address {
-            0xe000_1004 => self.cycle_offset = (now as u32).wrapping_sub(value),
-            0xe000_e100..0xe000_e500 => self.nvic.write(address - 0xe000_e100, value, size),
-            0xe000_ef00 => self
-                .nvic
-                .pend(crate::cpu::nvic::FIRST + (value & 0x1ff) as usize),
-            0xe000_ed04 => {
-                for (bit, exception) in [(31, 2), (28, 14), (26, 15)] {
-                    if value >> bit & 1 != 0 {
-                        self.nvic.pend(exception);
-                    }
-                }
-                for (bit, exception) in [(27, 14), (25, 15)] {
-                    if value >> bit & 1 != 0 {
-                        self.nvic.unpend(exception);
-                    }
-                }
-            }
-            0xe000_ed0c if value >> 16 == 0x05fa && value & 4 != 0 => {
-                self.reset_request = Some(ResetCause::Software);
-            }
-            0xe000_ed18..0xe000_ed24 => {
-                let first = (address - 0xe000_ed18) as usize + 4;
-                for (byte, priority) in value.to_le_bytes().into_iter().take(size).enumerate() {
-                    self.nvic.set_system_priority(first + byte, priority);
-                }
-            }
-            _ => self.system.write(address & 0xffff, value, now),
-        }
-        self.core.interrupted = true;
     }
 
     /// A handler begins.

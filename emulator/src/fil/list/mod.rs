@@ -1,0 +1,73 @@
+//! The injections: what, in which state, at which moment, and what must become of it.
+
+mod as5047p;
+mod others;
+
+use touchstone_protocol::FaultCode as Code;
+
+use super::fault::Fault;
+
+pub use as5047p::WITH_AS5047P;
+pub use others::{WITH_MT6701, WITH_TRACKS};
+
+/// In which state it happens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum When {
+    /// Calibrated, outputs off.
+    Ready,
+    /// The field turns the shaft.
+    Calibrating,
+    /// Armed, outside of the wall.
+    Free,
+    /// Armed, a hand presses into the wall.
+    Pressed,
+}
+
+/// What must become of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Expect {
+    /// Outputs off within this many microseconds; one of these codes is latched.
+    Off(u64, &'static [Code]),
+    /// A reset: outputs off within this many microseconds, then `Boot`, or `Fault` with one of these codes.
+    Reset(u64, &'static [Code]),
+    /// Nothing: it goes on.
+    GoesOn,
+}
+
+/// An injection.
+#[derive(Debug, Clone, Copy)]
+pub struct Injection {
+    /// For people.
+    pub name: &'static str,
+    /// In which state.
+    pub when: When,
+    /// Microseconds later than a round time: the moment within the PWM and the control period.
+    pub moment_us: u64,
+    /// What.
+    pub fault: Fault,
+    /// What must become of it.
+    pub expect: Expect,
+}
+
+const fn row(
+    name: &'static str,
+    when: When,
+    moment_us: u64,
+    fault: Fault,
+    expect: Expect,
+) -> Injection {
+    Injection {
+        name,
+        when,
+        moment_us,
+        fault,
+        expect,
+    }
+}
+
+/// One control tick at 1 kHz, and the time of a PWM period until the next sample, us.
+const TICK: u64 = 1_050;
+/// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
+const OFF_AT_FIRST_BAD: u64 = TICK;
+/// The independent watchdog at its slowest, and the longest time without a feeding before it counts (docs/firmware.md).
+const WATCHDOG: u64 = 112_000;

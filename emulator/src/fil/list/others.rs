@@ -1,0 +1,86 @@
+//! What differs with the other encoders.
+
+use super::Expect::Off;
+use super::When::{Calibrating, Free, Pressed};
+use super::{Injection, OFF_AT_FIRST_BAD, TICK, row};
+use crate::fil::fault::Fault;
+use crate::peripheral::spi::SlaveFault;
+use touchstone_protocol::FaultCode::*;
+
+/// With an MT6701 on the bus.
+pub const WITH_MT6701: &[Injection] = &[
+    row(
+        "encoder's check sum, bit 0",
+        Free,
+        12,
+        Fault::Encoder(SlaveFault::FlipBit(0)),
+        Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
+    ),
+    row(
+        "encoder's check sum, bit 15",
+        Pressed,
+        345,
+        Fault::Encoder(SlaveFault::FlipBit(15)),
+        Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
+    ),
+    row(
+        "encoder's check sum, bit 23",
+        Calibrating,
+        678,
+        Fault::Encoder(SlaveFault::FlipBit(23)),
+        Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
+    ),
+    row(
+        "encoder's line high",
+        Free,
+        910,
+        Fault::Encoder(SlaveFault::High),
+        Off(OFF_AT_FIRST_BAD, &[EncoderCheck, EncoderStatus]),
+    ),
+    row(
+        "encoder loses its track",
+        Pressed,
+        150,
+        Fault::Encoder(SlaveFault::SaysError),
+        Off(OFF_AT_FIRST_BAD, &[EncoderStatus]),
+    ),
+    row(
+        "encoder's bus hangs",
+        Free,
+        520,
+        Fault::BusHangs,
+        Off(OFF_AT_FIRST_BAD, &[EncoderSilent]),
+    ),
+    row(
+        "encoder jumps a quarter turn",
+        Pressed,
+        33,
+        Fault::Encoder(SlaveFault::Jump(0x4000)),
+        Off(TICK, &[EncoderJump]),
+    ),
+];
+
+/// With an incremental encoder at the timer.
+pub const WITH_TRACKS: &[Injection] = &[
+    row(
+        "encoder held",
+        Calibrating,
+        200,
+        Fault::TrackHeld,
+        Off(8_000_000, &[EncoderStuck, CalibrationFailed]),
+    ),
+    row(
+        "encoder jumps a quarter turn",
+        Pressed,
+        460,
+        Fault::TrackJumps(4_096),
+        Off(TICK, &[EncoderJump]),
+    ),
+    row(
+        "encoder jumps back by 700",
+        Free,
+        860,
+        Fault::TrackJumps(-700),
+        Off(TICK, &[EncoderJump, OverSpeed]),
+    ),
+];

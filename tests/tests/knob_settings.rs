@@ -1,0 +1,63 @@
+//! When settings count: from the next calibration on, and never after they were refused.
+
+use touchstone::motor::{Drive, GIMBAL};
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::{Device, Settings, Si};
+use touchstone_protocol::{Command, FaultCode, State};
+use touchstone_tests::knob::{Honest, Knob};
+
+#[test]
+fn refused_settings_do_not_calibrate_until_there_are_others() {
+    let mut knob = Knob::new(&Settings::default(), GIMBAL, 0.0, Honest);
+    knob.device.report_fault(FaultCode::SettingsInvalid, 0);
+    knob.tick();
+    assert_eq!(knob.fault(), Some(FaultCode::SettingsInvalid));
+    knob.ask(Command::Stop);
+    knob.tick();
+    assert_eq!(knob.device.state(), State::Stopped);
+    knob.ask(Command::Calibrate);
+    knob.tick();
+    assert_eq!(
+        (knob.fault(), knob.acting),
+        (Some(FaultCode::SettingsInvalid), Drive::Off)
+    );
+    knob.ask(Command::Stop);
+    knob.tick();
+    assert!(knob.device.may_configure());
+    knob.device
+        .configure(&Settings::default(), &IHM08M1)
+        .unwrap();
+    assert_eq!(knob.calibrate(), State::Ready);
+}
+
+#[test]
+fn settings_count_from_the_next_calibration_on() {
+    let mut knob = Knob::new(&Settings::default(), GIMBAL, 0.0, Honest);
+    assert_eq!(knob.calibrate(), State::Ready);
+    let mut others = Settings::default();
+    others.motor.current_bandwidth_hz = Si::lit("300");
+    knob.device.configure(&others, &IHM08M1).unwrap();
+    assert_eq!(
+        knob.device.current_config(),
+        Device::new(&Settings::default(), &IHM08M1)
+            .unwrap()
+            .current_config()
+    );
+    knob.ask(Command::Stop);
+    knob.tick();
+    knob.ask(Command::Calibrate);
+    knob.tick();
+    assert!(knob.output.unwrap().reconfigure);
+    assert_eq!(
+        knob.device.current_config(),
+        Device::new(&others, &IHM08M1).unwrap().current_config()
+    );
+    while knob.device.state() == State::Calibrating {
+        knob.tick();
+        assert!(!knob.output.unwrap().reconfigure);
+    }
+    assert_eq!(knob.device.state(), State::Ready);
+    let mut wrong = Settings::default();
+    wrong.motor.pole_pairs = 0;
+    assert!(knob.device.configure(&wrong, &IHM08M1).is_err());
+}
