@@ -19,8 +19,8 @@ pub const MS: u64 = 1_000 * US;
 /// How the bench is set up.
 #[derive(Debug, Clone)]
 pub struct Setup {
-    /// The encoder that is mounted.
-    pub encoder: Encoder,
+    /// The board, with its encoder.
+    pub board: Board,
     /// The watchdog's oscillator, Hz.
     pub lsi_hz: u64,
 }
@@ -28,7 +28,7 @@ pub struct Setup {
 impl Default for Setup {
     fn default() -> Self {
         Self {
-            encoder: Encoder::As5047p,
+            board: Board::nucleo_g474re(Encoder::As5047p),
             lsi_hz: 32_000,
         }
     }
@@ -50,16 +50,7 @@ impl Bench {
     /// # Errors
     /// What the emulator refuses.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
-        let board = Board::nucleo_g474re(setup.encoder);
-        Self::on(board, program, setup)
-    }
-
-    /// The same for any board.
-    ///
-    /// # Errors
-    /// What the emulator refuses.
-    pub fn on(board: Board, program: &Program, setup: &Setup) -> Result<Self, String> {
-        let chip = Chip::new(board, World::default(), setup.lsi_hz);
+        let chip = Chip::new(setup.board.clone(), World::default(), setup.lsi_hz);
         let mut machine = Machine::new(chip, program)?;
         machine.power_on(ResetCause::PowerOn);
         Ok(Self {

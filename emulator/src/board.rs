@@ -54,6 +54,8 @@ pub struct Wiring {
     pub forced: [Option<(Source, f64)>; 2],
     /// The gate driver pulls the break input.
     pub break_pulled: bool,
+    /// Comparators that see too much current, as a mask: bit 0 is COMP1.
+    pub comparators: u32,
     /// The incremental encoder's count stays.
     pub encoder_held: Option<i64>,
     /// The incremental encoder's count is this much further.
@@ -171,13 +173,15 @@ impl Board {
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
     }
 
-    /// Level of the break pin, and the comparators that are active.
+    /// Level of the break pin, and the comparators that see too much current, as a mask: COMP1, COMP2 and COMP4 watch the
+    /// shunts of the B-G431B-ESC1.
     #[must_use]
     pub fn break_input(&self, world: &World) -> (bool, u32) {
         let over = world.hardware_over_current();
+        let shunts = if over { 0b1011 } else { 0 };
         (
             !(self.wiring.break_pulled || over),
-            u32::from(over || self.wiring.break_pulled) * 7,
+            self.wiring.comparators | shunts,
         )
     }
 

@@ -3,33 +3,83 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use touchstone_emulator::board::{Board, Encoder};
+use touchstone_emulator::bench::Setup;
+use touchstone_emulator::board::Board;
 use touchstone_emulator::cpu::elf::Program;
+use touchstone_emulator::fil::jobs::Programs;
 use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
-  fil ELF [--only TEXT]       boot, calibrate, arm, press, and all fault injections
+  fil [--nucleo-g474re ELF] [--b-g431b-esc1 ELF] [--only TEXT]...
+                              boot, calibrate, arm, press, and all fault injections, on one board or both; those with one
+                              of the TEXTs in `BOARD, ENCODER: INJECTION, STATE`
   boot ELF [b-g431b-esc1]     boot, calibrate, arm, press; on the other board with its program
   cycles ELF                  instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS]
                               the serial port on a socket, in real time; --hand: a hand presses now and then";
 
+/// Exit codes beside 0.
+const FAILED: u8 = 1;
+const WRONG_USAGE: u8 = 2;
+
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
-    let (Some(command), Some(elf)) = (words.first(), words.get(1)) else {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
+    let code = match words.split_first() {
+        Some((&"fil", options)) => campaign(options),
+        Some((command, [elf, more @ ..])) => match read(elf) {
+            Ok(program) => other(command, &program, more),
+            Err(code) => code,
+        },
+        _ => usage(),
     };
-    let program = match Program::read(Path::new(elf)) {
-        Ok(program) => program,
-        Err(error) => {
-            eprintln!("emulator: {error}; build it with cargo xtask firmware");
-            return ExitCode::FAILURE;
+    ExitCode::from(code)
+}
+
+fn usage() -> u8 {
+    eprintln!("{USAGE}");
+    WRONG_USAGE
+}
+
+fn read(elf: &str) -> Result<Program, u8> {
+    Program::read(Path::new(elf)).map_err(|error| {
+        eprintln!("emulator: {error}; build it with cargo xtask firmware");
+        FAILED
+    })
+}
+
+/// `fil` and its options, in any order.
+fn campaign(mut options: &[&str]) -> u8 {
+    let mut programs = Programs::default();
+    let mut only = Vec::new();
+    while let [option, value, more @ ..] = options {
+        let place = match *option {
+            "--nucleo-g474re" => &mut programs.nucleo_g474re,
+            "--b-g431b-esc1" => &mut programs.b_g431b_esc1,
+            "--only" => {
+                only.push(*value);
+                options = more;
+                continue;
+            }
+            _ => return usage(),
+        };
+        match read(value) {
+            Ok(program) => *place = Some(program),
+            Err(code) => return code,
         }
-    };
+        options = more;
+    }
+    let is_none = programs.nucleo_g474re.is_none() && programs.b_g431b_esc1.is_none();
+    if !options.is_empty() || is_none {
+        return usage();
+    }
+    fil::report::run(&programs, &only)
+}
+
+/// The commands with one program.
+fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     let said = |result: Result<String, String>| match result {
         Ok(text) => {
             println!("{text}");
@@ -37,48 +87,46 @@ fn main() -> ExitCode {
         }
         Err(error) => {
             println!("WRONG: {error}");
-            1
+            FAILED
         }
     };
-    ExitCode::from(match (*command, &words[2..]) {
-        ("fil", []) => fil::report::run(&program, None),
-        ("fil", ["--only", text]) => fil::report::run(&program, Some(text)),
-        ("boot", []) => said(fil::report::boot(
-            &program,
-            Board::nucleo_g474re(Encoder::As5047p),
-        )),
-        ("boot", ["b-g431b-esc1"]) => said(fil::report::boot(&program, Board::b_g431b_esc1())),
-        ("cycles", []) => count::run(&program),
+    match (command, words) {
+        ("boot", []) => said(fil::report::boot(program, &Setup::default())),
+        ("boot", ["b-g431b-esc1"]) => {
+            let setup = Setup {
+                board: Board::b_g431b_esc1(),
+                ..Setup::default()
+            };
+            said(fil::report::boot(program, &setup))
+        }
+        ("cycles", []) => count::run(program),
         ("serve", ["--tcp", address, more @ ..]) => {
             let (hand, for_s) = match serve_options(more) {
                 Ok(options) => options,
                 Err(error) => {
                     eprintln!("emulator: {error}");
-                    return ExitCode::from(2);
+                    return WRONG_USAGE;
                 }
             };
-            match serve::serve(&program, address, hand, for_s) {
+            match serve::serve(program, address, hand, for_s) {
                 Ok(()) => 0,
                 Err(error) => {
                     eprintln!("emulator: {error}");
-                    1
+                    FAILED
                 }
             }
         }
         ("noise", [frames]) => match frames.parse() {
-            Ok(frames) => said(fil::report::noise(&program, frames)),
+            Ok(frames) => said(fil::checks::noise(program, &Setup::default(), frames)),
             Err(_) => {
                 eprintln!(
                     "emulator: noise needs how many frames, as in noise ELF 1000000, not `{frames}`"
                 );
-                2
+                WRONG_USAGE
             }
         },
-        _ => {
-            eprintln!("{USAGE}");
-            2
-        }
-    })
+        _ => usage(),
+    }
 }
 
 /// `--hand` and `--for SECONDS`, in any order.

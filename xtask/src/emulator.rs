@@ -1,11 +1,12 @@
 //! Building and calling the emulator, for `cargo xtask fil` and `cargo xtask cycles`.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, USAGE};
 use crate::{firmware, setup, shell};
 
-/// The board whose program is emulated.
+/// The board whose program is emulated where only one is.
 const BOARD: &str = "nucleo-g474re";
 
 /// What Unicorn and its bindings are built with.
@@ -16,24 +17,56 @@ pub const PACKAGES: [&str; 3] = ["clang", "libclang-dev", "cmake"];
 
 /// Builds the firmware and the emulator, calls the emulator with a command and the program; what it said last.
 pub fn call(command: &str, words: &[String]) -> Outcome {
-    match built() {
-        Ok((emulator, program)) => {
-            let mut last = String::new();
+    let both = firmware_and_emulator(&[BOARD]);
+    both.map_or_else(
+        |outcome| outcome,
+        |(emulator, programs)| {
             let mut call = shell::program(&emulator);
-            call.arg(command).arg(&program).args(words);
-            let outcome = shell::run_reading(&mut call, |line| {
-                if !line.trim().is_empty() {
-                    last = line.trim().to_owned();
-                }
-            });
-            match outcome {
-                Outcome::Ok(_) => Outcome::Ok(last),
-                Outcome::Failed(_) => Outcome::Failed(last),
-                other => other,
+            call.arg(command).args(programs).args(words);
+            last_line(&mut call)
+        },
+    )
+}
+
+/// The campaign on all boards.
+pub fn campaign(words: &[String]) -> Outcome {
+    let both = firmware_and_emulator(&firmware::BOARDS);
+    both.map_or_else(
+        |outcome| outcome,
+        |(emulator, programs)| {
+            let mut call = shell::program(&emulator);
+            call.arg("fil");
+            for (board, program) in firmware::BOARDS.iter().zip(programs) {
+                call.arg(format!("--{board}")).arg(program);
             }
+            last_line(call.args(words))
+        },
+    )
+}
+
+/// Runs it; the outcome says what it said last.
+fn last_line(call: &mut Command) -> Outcome {
+    let mut last = String::new();
+    let code = shell::exit_code(call, |line| {
+        if !line.trim().is_empty() {
+            last = line.trim().to_owned();
         }
-        Err(outcome) => outcome,
+    });
+    match code {
+        Ok(Some(0)) => Outcome::Ok(last),
+        Ok(code) if code == Some(USAGE.into()) => Outcome::Usage("as the emulator says".into()),
+        Ok(_) => Outcome::Failed(last),
+        Err(error) => Outcome::Failed(format!("the emulator: {error}")),
     }
+}
+
+/// Builds both; where they are.
+fn firmware_and_emulator(boards: &[&str]) -> Result<(PathBuf, Vec<PathBuf>), Outcome> {
+    if let Some(outcome) = missing() {
+        return Err(outcome);
+    }
+    let programs: Result<_, _> = boards.iter().map(|board| firmware::build(board)).collect();
+    Ok((built()?, programs?))
 }
 
 /// The emulator's own tests.
@@ -54,12 +87,11 @@ pub fn test() -> Outcome {
     shell::run(&mut cargo)
 }
 
-/// Where emulator and program are.
-fn built() -> Result<(PathBuf, PathBuf), Outcome> {
+/// Builds the emulator; where it is.
+pub fn built() -> Result<PathBuf, Outcome> {
     if let Some(outcome) = missing() {
         return Err(outcome);
     }
-    let program = firmware::build(BOARD)?;
     let folder = shell::target("emulator");
     let mut cargo = shell::cargo_locked("build");
     cargo
@@ -67,7 +99,7 @@ fn built() -> Result<(PathBuf, PathBuf), Outcome> {
         .arg("--target-dir")
         .arg(&folder);
     match shell::run(&mut cargo) {
-        Outcome::Ok(_) => Ok((folder.join("release/touchstone-emulator"), program)),
+        Outcome::Ok(_) => Ok(folder.join("release/touchstone-emulator")),
         failed => Err(failed),
     }
 }

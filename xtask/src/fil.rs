@@ -1,17 +1,19 @@
-//! `cargo xtask fil [--only TEXT]`: the firmware in the loop. The real program of the board, on an emulated chip with a simulated
-//! motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the bit, and every
-//! fault, injected. A table; one that is wrong fails all.
+//! `cargo xtask fil [--only TEXT]`: the firmware in the loop. The real programs of both boards, on an emulated chip with a
+//! simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the bit, and
+//! every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`].
 
 use crate::emulator;
 use crate::outcome::Outcome;
+use crate::sabotage;
 
 pub fn run(args: &[String]) -> Outcome {
     match args {
         [] => match emulator::test() {
-            Outcome::Ok(_) => emulator::call("fil", &[]),
+            Outcome::Ok(_) => emulator::campaign(&[]),
             other => other,
         },
-        [option, _] if option == "--only" => emulator::call("fil", args),
-        _ => Outcome::Usage("cargo xtask fil [--only TEXT]".into()),
+        [option, _] if option == "--only" => emulator::campaign(args),
+        [option, rest @ ..] if option == "--sabotage" => sabotage::run(rest),
+        _ => Outcome::Usage("cargo xtask fil [--only TEXT] | --sabotage [--only TEXT]".into()),
     }
 }

@@ -2,6 +2,7 @@
 //! in seconds.
 
 mod bench;
+mod copy;
 mod cycles;
 mod doc;
 mod emulator;
@@ -14,6 +15,7 @@ mod microcontroller;
 mod mutants;
 mod outcome;
 mod prove;
+mod sabotage;
 mod setup;
 mod shell;
 mod test;
@@ -92,7 +94,8 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "fil",
-        about: "the firmware's program on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`",
+        about: "both boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
+                their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`",
         in_test: true,
         run: fil::run,
     },

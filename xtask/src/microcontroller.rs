@@ -3,6 +3,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::Once;
 
 use crate::float_free::thumb::{self as compilers, Compiler};
 use crate::outcome::Outcome;
@@ -27,7 +28,8 @@ pub fn clippy() -> Option<(Command, Vec<String>)> {
 
 fn find() -> Option<(Command, Vec<String>)> {
     let chosen = |compiler: Compiler| {
-        println!("with {compiler}");
+        static SAID: Once = Once::new();
+        SAID.call_once(|| println!("with {compiler}"));
         compiler.cargo()
     };
     if let Some(compiler) = compilers::find_for(TARGET) {

@@ -4,9 +4,10 @@
 //! A mutant is caught when the harness that it names ran alone and an assertion in it failed. A change that does not compile,
 //! a time-out, a cover that is no longer reached: none of these is a catch.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
+use crate::copy::{self, Change};
 use crate::outcome::Outcome;
 use crate::{prove, shell};
 
@@ -20,9 +21,7 @@ const LEAST: usize = 30;
 /// One `[[mutant]]`: plain `key = 'value'` lines.
 #[derive(Debug, Default, Clone)]
 struct Mutant {
-    file: String,
-    find: String,
-    replace: String,
+    change: Change,
     /// The harness that refutes it.
     harness: String,
     /// The test that fails of it, `package name`; may be empty.
@@ -42,71 +41,15 @@ fn list(text: &str) -> Vec<Mutant> {
             continue;
         };
         match key {
-            "file" => mutant.file = value.into(),
-            "find" => mutant.find = value.into(),
-            "replace" => mutant.replace = value.into(),
+            "file" => mutant.change.file = value.into(),
+            "find" => mutant.change.find = value.into(),
+            "replace" => mutant.change.replace = value.into(),
             "harness" => mutant.harness = value.into(),
             "test" => mutant.test = value.into(),
             _ => {}
         }
     }
     mutants
-}
-
-/// A copy of the proved crates, as a workspace of its own.
-fn copy(folder: &Path) -> Result<PathBuf, String> {
-    let work = folder.join("work");
-    let _ = std::fs::remove_dir_all(&work);
-    std::fs::create_dir_all(&work).map_err(|why| format!("{}: {why}", work.display()))?;
-    let mut copy = shell::program("cp");
-    copy.arg("-r").args(PARTS).arg("Cargo.lock").arg(&work);
-    if !copy.status().is_ok_and(|status| status.success()) {
-        return Err(format!(
-            "cannot copy the proved crates to {}",
-            work.display()
-        ));
-    }
-    let manifest =
-        std::fs::read_to_string("Cargo.toml").map_err(|why| format!("Cargo.toml: {why}"))?;
-    let mut kept = String::new();
-    // Lists of members may go over several lines.
-    let mut within = false;
-    for line in manifest.lines() {
-        let list = ["members = [", "default-members = [", "exclude = ["]
-            .iter()
-            .any(|key| line.starts_with(key));
-        if list || within {
-            within = !line.contains(']');
-        } else {
-            kept += line;
-            kept += "\n";
-        }
-        if line.starts_with("members = [") {
-            kept += &format!("members = {PARTS:?}\n");
-        }
-    }
-    std::fs::write(work.join("Cargo.toml"), kept)
-        .map_err(|why| format!("the copy's Cargo.toml: {why}"))?;
-    Ok(work)
-}
-
-/// Makes one change, asks, and takes it back. `Err`: not applied, or no answer.
-fn with(
-    work: &Path,
-    mutant: &Mutant,
-    ask: impl FnOnce() -> Result<bool, String>,
-) -> Result<bool, String> {
-    let path = work.join(&mutant.file);
-    let source = std::fs::read_to_string(&path).map_err(|why| format!("{}: {why}", mutant.file))?;
-    if source.matches(&mutant.find).count() != 1 {
-        return Err(format!("`{}` is not there exactly once", mutant.find));
-    }
-    let write =
-        |text: &str| std::fs::write(&path, text).map_err(|why| format!("{}: {why}", mutant.file));
-    write(&source.replace(&mutant.find, &mutant.replace))?;
-    let answer = ask();
-    write(&source)?;
-    answer
 }
 
 /// Goes through the list; prints a line for each.
@@ -127,14 +70,15 @@ fn each(
             mutants.len()
         ));
     }
-    let work = match copy(folder) {
+    let work = match copy::copy(folder, &PARTS, &[]) {
         Ok(work) => work,
         Err(why) => return Outcome::Failed(why),
     };
     let mut caught = 0;
     for (number, mutant) in mutants.iter().enumerate() {
         let begun = Instant::now();
-        let answer = with(&work, mutant, || ask(&work, mutant));
+        let changes = std::slice::from_ref(&mutant.change);
+        let answer = copy::with(&work, changes, || ask(&work, mutant));
         let word = match &answer {
             Ok(true) => "caught".into(),
             Ok(false) => "MISSED".into(),
@@ -146,8 +90,8 @@ fn each(
             number + 1,
             begun.elapsed().as_secs_f64(),
             named(mutant),
-            mutant.find,
-            mutant.replace
+            mutant.change.find,
+            mutant.change.replace
         );
     }
     let text = format!("{caught} of {} mutants caught by a {of}", mutants.len());
@@ -223,12 +167,8 @@ mod tests {
         let (mutants, locked) = (list(&read(LIST)), read("proofs/harnesses.lock"));
         assert!(mutants.len() >= LEAST);
         for mutant in &mutants {
-            assert_eq!(
-                read(&mutant.file).matches(&mutant.find).count(),
-                1,
-                "{mutant:?}"
-            );
-            assert_ne!(mutant.find, mutant.replace);
+            assert_eq!(mutant.change.fits(&read(&mutant.change.file)), Ok(()));
+            assert_ne!(mutant.change.find, mutant.change.replace);
             assert!(
                 locked.lines().any(|name| name == mutant.harness),
                 "{mutant:?}"

@@ -18,7 +18,8 @@ pub enum Outcome {
 
 /// Exit code of a command that could not do its work, as other test runners use it.
 const NOT_RUN: u8 = 77;
-const USAGE: u8 = 2;
+/// Exit code of a command that was called wrongly.
+pub const USAGE: u8 = 2;
 
 impl Outcome {
     pub fn exit_code(&self) -> ExitCode {

@@ -81,30 +81,34 @@ pub fn run(command: &mut Command) -> Outcome {
 }
 
 /// Runs to the end with its output shown, and hands every line of its standard output to `line` as well.
-pub fn run_reading(command: &mut Command, mut line: impl FnMut(&str)) -> Outcome {
-    let text = shown(command);
-    println!("$ {text}");
-    let status = (|| {
-        let mut child = command
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .spawn()?;
-        if let Some(output) = child.stdout.take() {
-            for read in BufReader::new(output).split(b'\n') {
-                let read = read?;
-                let read = String::from_utf8_lossy(&read);
-                println!("{read}");
-                line(&read);
-            }
-            std::io::stdout().flush()?;
-        }
-        child.wait()
-    })();
-    match status {
-        Ok(status) if status.success() => Outcome::Ok(String::new()),
-        Ok(_) => Outcome::Failed(format!("`{text}` failed")),
-        Err(error) => Outcome::Failed(format!("`{text}`: {error}")),
+pub fn run_reading(command: &mut Command, line: impl FnMut(&str)) -> Outcome {
+    match exit_code(command, line) {
+        Ok(Some(0)) => Outcome::Ok(String::new()),
+        Ok(_) => Outcome::Failed(format!("`{}` failed", shown(command))),
+        Err(error) => Outcome::Failed(format!("`{}`: {error}", shown(command))),
     }
+}
+
+/// The same with the exit code, `None` after a signal.
+pub fn exit_code(
+    command: &mut Command,
+    mut line: impl FnMut(&str),
+) -> std::io::Result<Option<i32>> {
+    println!("$ {}", shown(command));
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()?;
+    if let Some(output) = child.stdout.take() {
+        for read in BufReader::new(output).split(b'\n') {
+            let read = read?;
+            let read = String::from_utf8_lossy(&read);
+            println!("{read}");
+            line(&read);
+        }
+        std::io::stdout().flush()?;
+    }
+    Ok(child.wait()?.code())
 }
 
 /// Standard output of a command that does its work quietly; `None` if it cannot be run or fails.

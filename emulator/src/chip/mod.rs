@@ -1,5 +1,6 @@
 //! The chip: what is connected to what inside, and the time.
 
+mod breaks;
 mod map;
 mod system;
 
@@ -34,8 +35,6 @@ const ADC1_2: u32 = 18;
 const SPI3: u32 = 51;
 const USART2: u32 = 38;
 const LPUART1: u32 = 91;
-/// Offset of the register with CLL: a lockup of the processor pulls the break of TIM1.
-const SYSCFG_CFGR2: u32 = 0x1c;
 
 /// What is not the processor.
 pub struct Chip {
@@ -422,24 +421,6 @@ impl Chip {
             slave.set_angle(self.world.turns());
         }
         self.update_break(now);
-    }
-
-    /// The processor has locked up: with SYSCFG_CFGR2.CLL that pulls the break of TIM1.
-    pub fn lock_up(&mut self) {
-        let now = self.core.now;
-        if self.plain[2].get(SYSCFG_CFGR2) & 1 != 0 {
-            self.drive_world();
-            self.bridge.pull_break(now);
-            self.drive_world();
-        }
-    }
-
-    /// The break input as the board drives it now.
-    pub fn update_break(&mut self, now: u64) {
-        let (pin, comparators) = self.board.break_input(&self.world);
-        self.bridge.set_break(pin, comparators, now);
-        self.exti.set_detector(self.pwr.is_low());
-        self.refresh();
     }
 
     /// A handler begins.

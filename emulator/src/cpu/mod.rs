@@ -402,7 +402,10 @@ impl Machine {
     }
 
     /// Runs until the handler of an exception runs, or the thread.
-    fn run_to(&mut self, exception: Option<usize>) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// It does not run within 50 ms.
+    pub fn run_to(&mut self, exception: Option<usize>) -> Result<(), String> {
         let end = self.chip().core.now + 50_000 * 170;
         while self.chip().core.now < end {
             let here = self.chip().running.last().map(|running| running.exception);

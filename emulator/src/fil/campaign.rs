@@ -38,7 +38,7 @@ impl Campaign {
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut bench = Bench::new(program, setup)?;
         bench.boot()?;
-        let kind = match setup.encoder {
+        let kind = match setup.board.encoder {
             Encoder::Incremental(_) => EncoderKind::Incremental,
             Encoder::As5047p => EncoderKind::As5047p,
             Encoder::Mt6701 => EncoderKind::Mt6701,
@@ -71,8 +71,18 @@ impl Campaign {
         if let Err(wrong) = result {
             outcome.wrong.get_or_insert(wrong);
         }
-        injection.fault.remove(&mut self.bench);
+        self.mend(injection);
         outcome
+    }
+
+    /// Makes everything right again, as far as it can be from outside.
+    fn mend(&mut self, injection: &Injection) {
+        for fault in [Some(injection.fault), injection.then]
+            .into_iter()
+            .flatten()
+        {
+            fault.remove(&mut self.bench);
+        }
     }
 
     /// Brings the device into a state: whatever was before, by command only.
@@ -84,6 +94,10 @@ impl Campaign {
             bench.demand(Request::Command(DeviceCommand::Stop))?;
         }
         self.fresh = false;
+        if when == When::Measuring {
+            bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+            return bench.run(10 * MS);
+        }
         if when == When::Calibrating {
             bench.demand(Request::Command(DeviceCommand::Calibrate))?;
             // Past the measurement of the offsets, when the field turns.
@@ -116,15 +130,15 @@ impl Campaign {
         let bench = &mut self.bench;
         bench.run(injection.moment_us * US)?;
         let was_on = bench.is_on();
-        if was_on != (injection.when != When::Ready) {
+        if was_on != injection.when.is_on() {
             return Err(format!("outputs on before: {was_on}"));
         }
         let (begin, resets) = (bench.now(), bench.machine.resets.len());
         injection.fault.inject(bench)?;
-        // Code that is to be met has been met a little later.
-        let begin = match injection.fault {
-            Fault::Hang(_) | Fault::Undefined(_) => bench.now(),
-            _ => begin,
+        let begin = if injection.fault.waits() {
+            bench.now()
+        } else {
+            begin
         };
         if let Some(time) = injection.fault.lasts() {
             bench.run(time)?;
@@ -140,6 +154,14 @@ impl Campaign {
                     self.bench.run(MS)?;
                 }
                 self.bench.run(WATCHED)?;
+                if let Some(second) = injection.then {
+                    second.inject(&mut self.bench)?;
+                    if let Some(time) = second.lasts() {
+                        self.bench.run(time)?;
+                        second.remove(&mut self.bench);
+                    }
+                    self.bench.run(WATCHED)?;
+                }
                 self.is_off(begin, was_on, limit, outcome)?;
                 // A watchdog has bitten by now where nothing else can help.
                 if codes.contains(&FaultCode::Watchdog) {
@@ -230,7 +252,7 @@ impl Campaign {
             return Err(format!("{after:?} has replaced the first cause"));
         }
         // The cause is gone: still nothing happens by itself.
-        injection.fault.remove(&mut self.bench);
+        self.mend(injection);
         self.does_not_rearm(begin, &[DeviceCommand::Arm, DeviceCommand::Calibrate])?;
         if !self.bench.command(DeviceCommand::Stop)? {
             return Err("Stop was refused".into());

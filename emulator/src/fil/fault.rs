@@ -22,6 +22,8 @@ pub const CURRENT_LOOP: Level = Level::Interrupt(18);
 pub const CONTROL_TICK: Level = Level::Interrupt(49);
 /// The serial port's handler.
 pub const SERIAL: Level = Level::Interrupt(91);
+/// The serial port's handler on the B-G431B-ESC1.
+pub const SERIAL_ESC1: Level = Level::Interrupt(38);
 
 /// Something that goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +32,10 @@ pub enum Fault {
     Sensor(usize, f64),
     /// The gate driver pulls the break input for this long, us; 0 for good.
     Break(u64),
+    /// The same for 1 us, so many us after a handler began.
+    BreakWithin(Level, u64),
+    /// A comparator, 1 to 4, sees too much current for this long, us; 0 for good.
+    Comparator(u32, u64),
     /// The bus has this voltage, for this long, us; 0 for good.
     Bus(f64, u64),
     /// Driver and motor have this temperature, degrees C.
@@ -50,6 +56,8 @@ pub enum Fault {
     Slow(u64),
     /// An interrupt is raised every so many cycles by nobody.
     Storm(u32, u64),
+    /// An interrupt comes no more, for this long, us; 0 for good: its bit in the interrupt controller has fallen.
+    Lost(u32, u64),
     /// Code hangs in an endless loop.
     Hang(Level),
     /// Code comes to an instruction that there is not.
@@ -68,6 +76,9 @@ pub enum Fault {
 
 /// Where an endless loop and an undefined instruction are put: behind what the program's map uses.
 const SCRATCH: u32 = 0x2001_0000;
+/// Where interrupts are enabled and disabled, from 0xE000E100.
+const ISER: u32 = 0x00;
+const ICER: u32 = 0x80;
 
 impl Fault {
     /// Makes it happen now.
@@ -85,6 +96,15 @@ impl Fault {
             }
             Self::Break(_) => {
                 chip.board.wiring.break_pulled = true;
+                chip.update_break(now);
+            }
+            Self::BreakWithin(level, us) => {
+                bench.machine.run_to(level.exception())?;
+                bench.run(us * US)?;
+                return Self::Break(1).inject(bench);
+            }
+            Self::Comparator(number, _) => {
+                chip.board.wiring.comparators = 1 << (number - 1);
                 chip.update_break(now);
             }
             Self::Bus(volts, _) => chip.world.bridge.bus_v = volts,
@@ -106,6 +126,10 @@ impl Fault {
             Self::Turned(rad_per_s) => chip.world.force(rad_per_s),
             Self::Slow(times) => chip.core.stretch = 256 * times,
             Self::Storm(interrupt, cycles) => chip.storm = Some((interrupt, cycles, now)),
+            Self::Lost(interrupt, _) => {
+                let (register, bit) = (4 * (interrupt / 32), 1 << (interrupt % 32));
+                chip.nvic.write(ICER + register, bit, 4);
+            }
             Self::Hang(level) => {
                 // b .
                 bench.machine.set_memory(SCRATCH, &[0xfe, 0xe7]);
@@ -136,11 +160,23 @@ impl Fault {
         Ok(())
     }
 
+    /// Whether it happens a little later than it was asked for: code that is to be met has been met.
+    #[must_use]
+    pub const fn waits(self) -> bool {
+        matches!(
+            self,
+            Self::Hang(_) | Self::Undefined(_) | Self::BreakWithin(..)
+        )
+    }
+
     /// For how long it lasts, cycles; `None` until it is removed.
     #[must_use]
     pub fn lasts(self) -> Option<u64> {
         match self {
-            Self::Break(us) | Self::Bus(_, us) if us > 0 => Some(us * US),
+            Self::Break(us) | Self::Comparator(_, us) | Self::Bus(_, us) | Self::Lost(_, us) => {
+                (us > 0).then_some(us * US)
+            }
+            Self::BreakWithin(..) => Some(US),
             _ => None,
         }
     }
@@ -159,6 +195,10 @@ impl Fault {
         chip.core.stretch = 256;
         chip.storm = None;
         chip.pwr.supply_v = 3.3;
+        if let Self::Lost(interrupt, _) = self {
+            let (register, bit) = (4 * (interrupt / 32), 1 << (interrupt % 32));
+            chip.nvic.write(ISER + register, bit, 4);
+        }
         if matches!(self, Self::Turned(_)) {
             chip.world.force(0.0);
             chip.world.release();

@@ -1,8 +1,11 @@
 //! Firmware in the loop: boot, calibration, arming, the thesis' press to the bit, every fault.
 
 pub mod campaign;
+pub mod checks;
 pub mod fault;
+pub mod jobs;
 pub mod list;
 pub mod press;
 pub mod report;
 pub mod storage;
+pub mod tally;

@@ -1,7 +1,7 @@
 //! Settings in flash: damaged bits, and the power cut at each of the writes.
 
 use touchstone_protocol::settings::{Decimal, DeviceSettings};
-use touchstone_protocol::{Board, DeviceCommand, FaultCode, Phase, Request};
+use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use crate::bench::{Bench, MS, Setup};
@@ -32,9 +32,9 @@ fn restart(bench: &mut Bench) -> Result<(), String> {
 ///
 /// # Errors
 /// What is wrong after which cut.
-pub fn power_cuts(program: &Program, at_most: u64) -> Result<u64, String> {
+pub fn power_cuts(program: &Program, setup: &Setup, at_most: u64) -> Result<u64, String> {
     let (old, new) = (Decimal::lit("2"), Decimal::lit("3"));
-    let mut bench = Bench::new(program, &Setup::default())?;
+    let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
     for cut in 0..at_most {
         let said = |error: String| format!("cut at change {cut}: {error}");
@@ -74,12 +74,17 @@ pub fn power_cuts(program: &Program, at_most: u64) -> Result<u64, String> {
 ///
 /// # Errors
 /// What is wrong after which damage. Else how many of them were noticed.
-pub fn damage(program: &Program, ways: usize) -> Result<usize, String> {
-    let mut bench = Bench::new(program, &Setup::default())?;
-    bench.boot()?;
-    let saved = Decimal::lit("2");
-    changed(&mut bench, saved)?;
+pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, String> {
+    let mut bench = Bench::new(program, setup)?;
+    let Reply::Identity(identity) = bench.boot()? else {
+        return Err("the device does not say who it is".into());
+    };
+    let defaults = DeviceSettings::defaults(identity.board);
+    changed(&mut bench, Decimal::lit("2"))?;
+    // Twice: what damages one copy only must do no harm.
     bench.demand(Request::Save)?;
+    bench.demand(Request::Save)?;
+    let saved = bench.settings()?;
     let clean = bench.machine.memory(SETTINGS.0, SETTINGS.1);
     let written: Vec<usize> = (0..clean.len()).filter(|at| clean[*at] != 0xff).collect();
     if written.is_empty() {
@@ -100,22 +105,28 @@ pub fn damage(program: &Program, ways: usize) -> Result<usize, String> {
         bench.machine.set_memory(SETTINGS.0, &bytes);
         restart(&mut bench)?;
         noticed += usize::from(
-            is_safe(&mut bench, saved).map_err(|error| format!("bits {places:?}: {error}"))?,
+            is_safe(&mut bench, &saved, &defaults)
+                .map_err(|error| format!("bits {places:?}: {error}"))?,
         );
     }
     bench.machine.set_memory(SETTINGS.0, &clean);
     Ok(noticed)
 }
 
-/// Whether the damage was noticed.
-fn is_safe(bench: &mut Bench, saved: Decimal) -> Result<bool, String> {
+/// Whether the damage was noticed. If it was not, everything must be as it was saved: not only the value that was changed.
+fn is_safe(
+    bench: &mut Bench,
+    saved: &DeviceSettings,
+    defaults: &DeviceSettings,
+) -> Result<bool, String> {
     let status = bench.status()?;
     let code = status.fault.and_then(|fault| fault.known());
     let settings = bench.settings()?;
     match (status.phase, code) {
-        (Phase::Boot, None) if settings.wall.k_desired_n_m_per_rad == saved => Ok(false),
+        (Phase::Boot, None) if settings == *saved => Ok(false),
+        (Phase::Boot, None) => Err("other settings than the saved ones are used".into()),
         (Phase::Fault, Some(FaultCode::SettingsInvalid)) => {
-            if settings != DeviceSettings::defaults(Board::NucleoG474re) {
+            if settings != *defaults {
                 return Err("neither the saved settings nor the defaults".into());
             }
             bench.demand(Request::Command(DeviceCommand::Stop))?;

@@ -72,12 +72,13 @@ fn examine(board: &str, path: &Path) -> Result<look::Report, Outcome> {
 pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     let (mut cargo, options) = microcontroller::build()?;
     let folder = shell::target("firmware").join("build");
-    arguments(&mut cargo, board, &options);
+    arguments(&mut cargo, board, &options, &shell::root(), &folder);
+    cargo.args(["--config", "build.warnings='deny'"]);
     match shell::run(&mut cargo) {
         Outcome::Ok(_) => {}
         failed => return Err(failed),
     }
-    let built = folder.join(TARGET).join("release").join(board);
+    let built = built(&folder, board);
     let kept = program(board);
     let copied = kept.parent().map_or(Ok(()), std::fs::create_dir_all);
     let copied = copied.and_then(|()| std::fs::copy(&built, &kept));
@@ -85,26 +86,43 @@ pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     Ok(kept)
 }
 
+/// The command that builds a board's program from a copy of the sources, and where the program will be.
+pub fn build_copy(
+    board: &str,
+    sources: &Path,
+    folder: &Path,
+) -> Result<(Command, PathBuf), Outcome> {
+    let (mut cargo, options) = microcontroller::build()?;
+    arguments(&mut cargo, board, &options, sources, folder);
+    Ok((cargo, built(folder, board)))
+}
+
+/// Where cargo leaves a board's program.
+fn built(folder: &Path, board: &str) -> PathBuf {
+    folder.join(TARGET).join("release").join(board)
+}
+
 /// Clippy on a board's program, warnings denied. Where no clippy knows the target, the compiler's own warnings are all there is.
 fn lint(board: &str) -> Outcome {
     let Some((mut clippy, options)) = microcontroller::clippy() else {
         return Outcome::Ok(String::new());
     };
-    arguments(&mut clippy, board, &options);
+    let folder = shell::target("firmware").join("build");
+    arguments(&mut clippy, board, &options, &shell::root(), &folder);
+    clippy.args(["--config", "build.warnings='deny'"]);
     shell::run(clippy.args(["--", "-D", "warnings"]))
 }
 
-/// What both commands are told.
-fn arguments(cargo: &mut Command, board: &str, options: &[String]) {
+/// What all commands are told.
+fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Path, folder: &Path) {
     cargo
         // Where its own `.cargo/config.toml` is.
-        .current_dir(shell::root().join("firmware"))
+        .current_dir(sources.join("firmware"))
         .args(["--release", "--target-dir"])
-        .arg(shell::target("firmware").join("build"))
+        .arg(folder)
         .args(options)
         .args(["--no-default-features", "--features", board])
         .args(["--bin", board])
-        .args(["--config", "build.warnings='deny'"])
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS");
 }

@@ -1,26 +1,42 @@
 //! The injections: what, in which state, at which moment, and what must become of it.
 
 mod as5047p;
+mod asked;
+mod esc1;
 mod others;
+mod second;
 
 use touchstone_protocol::FaultCode as Code;
 
 use super::fault::Fault;
 
 pub use as5047p::WITH_AS5047P;
+pub use asked::ASKED_FOR;
+pub use esc1::ON_ESC1;
 pub use others::{WITH_MT6701, WITH_TRACKS};
+pub use second::SECOND;
 
 /// In which state it happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum When {
     /// Calibrated, outputs off.
     Ready,
+    /// The current sensors are being measured without current, outputs off.
+    Measuring,
     /// The field turns the shaft.
     Calibrating,
     /// Armed, outside of the wall.
     Free,
     /// Armed, a hand presses into the wall.
     Pressed,
+}
+
+impl When {
+    /// Whether the outputs are on.
+    #[must_use]
+    pub const fn is_on(self) -> bool {
+        !matches!(self, Self::Ready | Self::Measuring)
+    }
 }
 
 /// What must become of it.
@@ -47,6 +63,27 @@ pub struct Injection {
     pub fault: Fault,
     /// What must become of it.
     pub expect: Expect,
+    /// Something that goes wrong as well, while the fault is latched: it must change nothing.
+    pub then: Option<Fault>,
+}
+
+impl Injection {
+    /// The state, for people.
+    #[must_use]
+    pub fn state(&self) -> String {
+        format!("{:?}", self.when).to_lowercase()
+    }
+
+    /// Name and state: what `--only` and the list of sabotages ask for.
+    #[must_use]
+    pub fn title(&self) -> String {
+        format!("{}, {}", self.name, self.state())
+    }
+
+    const fn then(mut self, fault: Fault) -> Self {
+        self.then = Some(fault);
+        self
+    }
 }
 
 const fn row(
@@ -62,6 +99,7 @@ const fn row(
         moment_us,
         fault,
         expect,
+        then: None,
     }
 }
 

@@ -1,0 +1,149 @@
+//! What is checked beside the injections: the thesis' press, settings in flash, noise on the line, and that two runs are the same.
+
+use touchstone_protocol::settings::Decimal;
+use touchstone_protocol::{FaultCode, Reply, Request};
+
+use super::fault::Random;
+use super::tally::Tally;
+use super::{press, storage};
+use crate::bench::{Bench, MS, Setup};
+use crate::cpu::elf::Program;
+
+/// A check: its name, by which it can be asked for, and what it does.
+pub type Check = (&'static str, fn(&Program, &Setup, &mut Tally));
+
+/// On each board.
+pub const CHECKS: &[Check] = &[
+    ("boot and presses", presses),
+    ("power cuts", power_cuts),
+    ("damaged settings", damaged_settings),
+    ("random frames", random_frames),
+    ("the same twice", the_same_twice),
+];
+
+/// Frames of noise in the campaign; a million of them: `touchstone-emulator noise`.
+const NOISE_FRAMES: u64 = 2_000;
+
+fn presses(program: &Program, setup: &Setup, tally: &mut Tally) {
+    let mut bench = match Bench::new(program, setup) {
+        Ok(bench) => bench,
+        Err(error) => return tally.check("emulator", Err(error)),
+    };
+    let boot = bench.boot().map(|identity| format!("{identity:?}"));
+    tally.check("boot", boot);
+    for k in [Decimal::lit("1"), Decimal::lit("5")] {
+        let pressed = press::press(&mut bench, k).map(|press| {
+            format!(
+                "{} ticks equal to the bit, {} in contact; at most {:.3} N·m; shows {:.3} N·m/rad, moves {} counts in the hold",
+                press.compared, press.in_contact, press.max_force, press.shown, press.moves
+            )
+        });
+        tally.check(&format!("thesis' press into {} N·m/rad", k.0), pressed);
+    }
+    let used = program.symbol("_stack_start").map(|top| {
+        let bottom = program.symbol("_stack_end").unwrap_or(top);
+        (bench.machine.stack_used(top), top - bottom)
+    });
+    tally.check(
+        "stack",
+        match used {
+            Some((used, size)) if used <= size => Ok(format!("{used} of {size} bytes were used")),
+            Some((used, size)) => Err(format!("{used} bytes were used, and there are {size}")),
+            None => Err("the program has no _stack_start".into()),
+        },
+    );
+    tally.ran(&bench);
+}
+
+fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
+    let cuts = storage::power_cuts(program, setup, 40);
+    tally.check("power cuts at writes to flash", cuts.map(|cuts| {
+        format!("at each of the first {cuts} changes of a Save: the old or the new settings, each time")
+    }));
+}
+
+fn damaged_settings(program: &Program, setup: &Setup, tally: &mut Tally) {
+    const WAYS: usize = 24;
+    let damage = storage::damage(program, setup, WAYS);
+    if let Ok(1..) = damage {
+        tally.latched.insert(FaultCode::SettingsInvalid);
+    }
+    tally.check("damaged settings", damage.map(|noticed| {
+        format!("{WAYS} ways: {noticed} times SettingsInvalid and no arming, else the saved settings from another copy")
+    }));
+}
+
+fn random_frames(program: &Program, setup: &Setup, tally: &mut Tally) {
+    tally.check("random frames", noise(program, setup, NOISE_FRAMES));
+}
+
+/// Random frames at the device's port, as fast as it takes them: nothing but counted errors.
+///
+/// # Errors
+/// What became of the device.
+pub fn noise(program: &Program, setup: &Setup, frames: u64) -> Result<String, String> {
+    let mut bench = Bench::new(program, setup)?;
+    bench.boot()?;
+    bench.demand(Request::Telemetry { decimation: 0 })?;
+    let mut random = Random(0xdead_beef_cafe_f00d);
+    let resets = bench.machine.resets.len();
+    for _ in 0..frames.div_ceil(50) {
+        let mut bytes = Vec::new();
+        for _ in 0..50 {
+            let length = 1 + random.bits() % 24;
+            bytes.extend((0..length).map(|_| random.byte().max(1)));
+            bytes.push(0);
+        }
+        bench.send(&bytes);
+        bench.run_until("the line quiet", 5_000 * MS, |bench| {
+            bench.machine.chip_mut().link().on_the_line() == 0
+        })?;
+    }
+    bench.run(20 * MS)?;
+    let Reply::Counters(counters) = bench.demand(Request::Counters)? else {
+        return Err("no counters".into());
+    };
+    let status = bench.status()?;
+    let frames = frames.div_ceil(50) * 50;
+    if bench.machine.resets.len() != resets || status.fault.is_some() || bench.is_on() {
+        return Err(format!("{status:?}"));
+    }
+    if u64::from(counters.decode_errors) < frames * 9 / 10 {
+        return Err(format!(
+            "{} counted errors in {frames} frames",
+            counters.decode_errors
+        ));
+    }
+    Ok(format!(
+        "{frames} frames, {} counted errors, nothing else",
+        counters.decode_errors
+    ))
+}
+
+/// The same program and the same steps give the same to the bit.
+fn the_same_twice(program: &Program, setup: &Setup, tally: &mut Tally) {
+    let once = || -> Result<_, String> {
+        let mut bench = Bench::new(program, setup)?;
+        bench.boot()?;
+        bench.arm()?;
+        bench.run(100 * MS)?;
+        let chip = bench.machine.chip();
+        let memory = bench.machine.memory(crate::cpu::RAM, 24 * 1024);
+        let world = (
+            chip.world.angle_rad().to_bits(),
+            chip.core.now,
+            chip.core.spent,
+        );
+        Ok((
+            memory,
+            world,
+            chip.bridge.changes.clone(),
+            bench.link.telemetry.clone(),
+        ))
+    };
+    let compared = once().and_then(|first| match first == once()? {
+        true => Ok("RAM, world, times and telemetry are equal to the bit".into()),
+        false => Err("two runs differ".into()),
+    });
+    tally.check("the same twice", compared);
+}

@@ -1,0 +1,76 @@
+//! Rows that sabotaged firmware asked for (`cargo xtask fil --sabotage`): without them a part of its safety could be missing.
+//!
+//! A bit of the interrupt controller that falls is the mildest way in which a stage can stop: nothing hangs, and a watchdog that
+//! is fed by whatever still runs is content. A break within the current loop is not undone by what the loop decided before.
+
+use super::Expect::{Off, Reset};
+use super::When::{Calibrating, Free, Measuring, Pressed};
+use super::{Injection, TICK, WATCHDOG, row};
+use crate::fil::fault::{CURRENT_LOOP, Fault};
+use touchstone_protocol::FaultCode::*;
+
+/// The current loop's interrupt, the control tick's, the serial port's, the time driver's.
+const ADC1_2: u32 = 18;
+const LPTIM1: u32 = 49;
+const LPUART1: u32 = 91;
+const TIM5: u32 = 50;
+
+/// With the AS5047P on the bus.
+pub const ASKED_FOR: &[Injection] = &[
+    row(
+        "current loop comes no more",
+        Pressed,
+        90,
+        Fault::Lost(ADC1_2, 0),
+        Reset(WATCHDOG, &[Watchdog]),
+    ),
+    row(
+        "control tick comes no more",
+        Pressed,
+        260,
+        Fault::Lost(LPTIM1, 0),
+        Reset(2 * TICK + 1_000, &[Watchdog]),
+    ),
+    row(
+        "control tick stays away for 5 ms",
+        Free,
+        333,
+        Fault::Lost(LPTIM1, 5_000),
+        Off(2 * TICK + 1_000, &[StaleCommand, DeadlineMiss]),
+    ),
+    row(
+        "serial port comes no more",
+        Free,
+        470,
+        Fault::Lost(LPUART1, 0),
+        Reset(WATCHDOG, &[Watchdog]),
+    ),
+    row(
+        "time driver comes no more",
+        Pressed,
+        580,
+        Fault::Lost(TIM5, 0),
+        Reset(WATCHDOG, &[Watchdog]),
+    ),
+    row(
+        "break, 1 us long, during the current loop",
+        Pressed,
+        0,
+        Fault::BreakWithin(CURRENT_LOOP, 3),
+        Off(TICK, &[HardwareBreak]),
+    ),
+    row(
+        "phase A's sensor is off by 5 A",
+        Measuring,
+        0,
+        Fault::Sensor(0, 5.0),
+        Off(TICK, &[CurrentSensor]),
+    ),
+    row(
+        "shaft turned slowly by hand",
+        Calibrating,
+        130,
+        Fault::Turned(3.0),
+        Off(8_000_000, &[CalibrationFailed]),
+    ),
+];

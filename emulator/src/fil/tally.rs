@@ -1,0 +1,101 @@
+//! What was found, as lines of a table.
+
+use std::collections::BTreeSet;
+
+use touchstone_protocol::FaultCode;
+
+use super::campaign::Outcome;
+use super::list::{Expect, Injection};
+use crate::bench::{Bench, MS, Setup};
+
+/// What was found.
+#[derive(Debug, Default)]
+pub struct Tally {
+    /// Board and encoder, for what is wrong.
+    pub device: String,
+    /// Lines of the table.
+    pub lines: Vec<String>,
+    /// What is wrong.
+    pub wrong: Vec<String>,
+    /// Injections.
+    pub rows: usize,
+    /// Time of the devices, s.
+    pub simulated_s: f64,
+    /// Codes that were latched, as they should be.
+    pub latched: BTreeSet<FaultCode>,
+}
+
+impl Tally {
+    /// With nothing found yet.
+    #[must_use]
+    pub fn on(device: &str) -> Self {
+        Self {
+            device: device.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    /// A check and what came of it.
+    pub fn check(&mut self, what: &str, result: Result<String, String>) {
+        let line = match result {
+            Ok(text) => format!("{what}: {text}"),
+            Err(error) => {
+                self.wrong.push(format!("{}: {what}: {error}", self.device));
+                format!("{what}: WRONG, {error}")
+            }
+        };
+        // It all takes minutes: who watches sees it work.
+        eprintln!("{}: {line}", self.device);
+        self.lines.push(line);
+    }
+
+    /// A device has run.
+    pub fn ran(&mut self, bench: &Bench) {
+        self.simulated_s += bench.now() as f64 / (1_000 * MS) as f64;
+    }
+
+    /// The head of a table of injections.
+    pub fn head(&mut self, setup: &Setup) {
+        self.lines.push(format!(
+            "\n{}, the watchdog's clock at {} Hz",
+            self.device, setup.lsi_hz
+        ));
+        self.lines.push(format!(
+            "{:<42}{:<13}{:>6}{:>14}{:>12}  {}",
+            "injection", "state", "at us", "off after us", "allowed us", "latched"
+        ));
+    }
+
+    /// An injection and what came of it.
+    pub fn row(&mut self, injection: &Injection, outcome: &Outcome) {
+        self.rows += 1;
+        let off = match (injection.expect, outcome.off_us) {
+            (_, Some(us)) => format!("{us:.1}"),
+            (Expect::GoesOn, None) => "goes on".into(),
+            (_, None) => "were off".into(),
+        };
+        let limit = match injection.expect {
+            Expect::Off(us, _) | Expect::Reset(us, _) => us.to_string(),
+            Expect::GoesOn => String::new(),
+        };
+        let code = outcome
+            .code
+            .map_or(String::from("-"), |code| format!("{code:?}"));
+        let mut line = format!(
+            "{:<42}{:<13}{:>6}{off:>14}{limit:>12}  {code}",
+            injection.name,
+            injection.state(),
+            injection.moment_us
+        );
+        match &outcome.wrong {
+            None => self.latched.extend(outcome.code),
+            Some(wrong) => {
+                line += &format!("  WRONG: {wrong}");
+                self.wrong
+                    .push(format!("{}: {}: {wrong}", self.device, injection.title()));
+            }
+        }
+        eprintln!("{}: {line}", self.device);
+        self.lines.push(line);
+    }
+}

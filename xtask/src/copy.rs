@@ -1,0 +1,119 @@
+//! Wrong changes on purpose, in a copy of the sources: what `prove --mutants` and `fil --sabotage` are made of.
+//!
+//! The copy is below `target/`; the sources themselves are only read. A change is a text that is in its file exactly once, so
+//! that a list which no longer fits the sources says so.
+
+use std::path::{Path, PathBuf};
+
+use crate::shell;
+
+/// A change of a file.
+#[derive(Debug, Default, Clone)]
+pub struct Change {
+    /// From the workspace's folder.
+    pub file: String,
+    /// Is there exactly once.
+    pub find: String,
+    /// What is there instead.
+    pub replace: String,
+}
+
+/// Copies folders of the workspace and the files beside them into `folder/work`, as a workspace whose members are `members`.
+pub fn copy(folder: &Path, members: &[&str], more: &[&str]) -> Result<PathBuf, String> {
+    let work = folder.join("work");
+    let said = |path: &Path| {
+        let path = path.display().to_string();
+        move |why: std::io::Error| format!("{path}: {why}")
+    };
+    if work.exists() {
+        std::fs::remove_dir_all(&work).map_err(said(&work))?;
+    }
+    std::fs::create_dir_all(&work).map_err(said(&work))?;
+    let root = shell::root();
+    for part in members.iter().chain(more).chain(&["Cargo.lock"]) {
+        let (from, to) = (root.join(part), work.join(part));
+        copy_all(&from, &to).map_err(said(&from))?;
+    }
+    let manifest = root.join("Cargo.toml");
+    let text = std::fs::read_to_string(&manifest).map_err(said(&manifest))?;
+    let manifest = work.join("Cargo.toml");
+    std::fs::write(&manifest, with_members(&text, members)).map_err(said(&manifest))?;
+    Ok(work)
+}
+
+/// A file, or a folder without what was built in it.
+fn copy_all(from: &Path, to: &Path) -> std::io::Result<()> {
+    if !from.is_dir() {
+        return std::fs::copy(from, to).map(|_| ());
+    }
+    std::fs::create_dir_all(to)?;
+    for entry in std::fs::read_dir(from)? {
+        let entry = entry?;
+        if entry.file_name() != "target" {
+            copy_all(&entry.path(), &to.join(entry.file_name()))?;
+        }
+    }
+    Ok(())
+}
+
+/// The workspace's manifest with other members.
+fn with_members(manifest: &str, members: &[&str]) -> String {
+    let mut kept = String::new();
+    // Lists of members may go over several lines.
+    let mut within = false;
+    for line in manifest.lines() {
+        let list = ["members = [", "default-members = [", "exclude = ["]
+            .iter()
+            .any(|key| line.starts_with(key));
+        if list || within {
+            within = !line.contains(']');
+        } else {
+            kept += line;
+            kept += "\n";
+        }
+        if line.starts_with("members = [") {
+            kept += &format!("members = {members:?}\nexclude = [\"firmware\"]\n");
+        }
+    }
+    kept
+}
+
+impl Change {
+    /// Whether its text is in a source exactly once.
+    pub fn fits(&self, source: &str) -> Result<(), String> {
+        match source.matches(&self.find).count() {
+            1 => Ok(()),
+            count => Err(format!(
+                "{}: `{}` is there {count} times, not once",
+                self.file, self.find
+            )),
+        }
+    }
+}
+
+/// Makes changes, asks, and takes them back. `Err`: one does not fit, or no answer.
+pub fn with<T>(
+    work: &Path,
+    changes: &[Change],
+    ask: impl FnOnce() -> Result<T, String>,
+) -> Result<T, String> {
+    let mut before: Vec<(PathBuf, String)> = Vec::new();
+    let made = (|| {
+        for change in changes {
+            let path = work.join(&change.file);
+            let said = |why: std::io::Error| format!("{}: {why}", change.file);
+            let source = std::fs::read_to_string(&path).map_err(said)?;
+            change.fits(&source)?;
+            let changed = source.replace(&change.find, &change.replace);
+            before.push((path.clone(), source));
+            std::fs::write(&path, changed).map_err(said)?;
+        }
+        Ok(())
+    })();
+    let answer = made.and_then(|()| ask());
+    // The last first: two changes may be of one file.
+    for (path, source) in before.iter().rev() {
+        std::fs::write(path, source).map_err(|why| format!("{}: {why}", path.display()))?;
+    }
+    answer
+}

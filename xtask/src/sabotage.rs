@@ -1,0 +1,340 @@
+//! `cargo xtask fil --sabotage [--only TEXT]`: the firmware with one part of its safety taken out, and the rows of `fil` that must
+//! go wrong then. A row that no sabotage fails shows nothing.
+//!
+//! A sabotage is caught when the row that it names goes wrong in the words that it names. A change that does not compile, a
+//! program that does not boot, a row that fails for another reason: none of these is a catch. All the rows are run before, on
+//! the same copy of the firmware with nothing changed, and must be right.
+
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::mpsc;
+use std::time::Instant;
+
+use crate::copy::{self, Change};
+use crate::outcome::Outcome;
+use crate::{emulator, firmware, shell};
+
+const LIST: &str = "emulator/sabotage.toml";
+/// What the firmware is made of.
+const PARTS: [&str; 3] = ["control", "protocol", "drive"];
+const MORE: [&str; 2] = ["firmware", "memory.x"];
+const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
+const LEAST: usize = 12;
+
+/// One `[[sabotage]]`: plain `key = 'value'` or `key = "value"` lines, then its changes, `[[sabotage.change]]`.
+#[derive(Debug, Default, Clone)]
+struct Sabotage {
+    /// What is taken out.
+    name: String,
+    /// Whose program.
+    board: String,
+    /// What `fil --only` is given.
+    only: String,
+    /// What a line says that tells what is wrong.
+    says: String,
+    changes: Vec<Change>,
+}
+
+impl Sabotage {
+    /// Whether it is complete and fits the sources.
+    fn fits(&self, sources: &Path) -> Result<(), String> {
+        let words = [&self.name, &self.only, &self.says];
+        if self.changes.is_empty() || words.iter().any(|word| word.is_empty()) {
+            return Err(format!(
+                "`{}` lacks name, only, says or a change",
+                self.name
+            ));
+        }
+        if !firmware::BOARDS.contains(&self.board.as_str()) {
+            return Err(format!(
+                "`{}`: there is no board `{}`",
+                self.name, self.board
+            ));
+        }
+        self.changes.iter().try_for_each(|change| {
+            let said = |why| format!("{}: {why}", change.file);
+            let source = std::fs::read_to_string(sources.join(&change.file)).map_err(said)?;
+            change.fits(&source)
+        })
+    }
+}
+
+fn list(text: &str) -> Vec<Sabotage> {
+    let mut all: Vec<Sabotage> = Vec::new();
+    for line in text.lines() {
+        match line.trim() {
+            "[[sabotage]]" => all.push(Sabotage::default()),
+            "[[sabotage.change]]" => {
+                if let Some(last) = all.last_mut() {
+                    last.changes.push(Change::default());
+                }
+            }
+            _ => {}
+        }
+        let Some((key, value)) = line.split_once(" = ") else {
+            continue;
+        };
+        let quoted = |mark| value.strip_prefix(mark)?.strip_suffix(mark);
+        let (Some(last), Some(value)) = (all.last_mut(), quoted('\'').or_else(|| quoted('"')))
+        else {
+            continue;
+        };
+        let value = value.to_owned();
+        match (key, last.changes.last_mut()) {
+            ("file", Some(change)) => change.file = value,
+            ("find", Some(change)) => change.find = value,
+            ("replace", Some(change)) => change.replace = value,
+            ("name", None) => last.name = value,
+            ("board", None) => last.board = value,
+            ("only", None) => last.only = value,
+            ("says", None) => last.says = value,
+            _ => {}
+        }
+    }
+    all
+}
+
+/// A program to be tried: which sabotage (`None`: nothing is changed), and where it is, or why it could not be built.
+struct Built<'s> {
+    sabotage: Option<&'s Sabotage>,
+    board: String,
+    program: Result<PathBuf, String>,
+    seconds: f64,
+}
+
+pub fn run(args: &[String]) -> Outcome {
+    let only = match args {
+        [] => "",
+        [option, text] if option == "--only" => text,
+        _ => return Outcome::Usage(USAGE.into()),
+    };
+    let text = match std::fs::read_to_string(shell::root().join(LIST)) {
+        Ok(text) => text,
+        Err(why) => return Outcome::Failed(format!("{LIST}: {why}")),
+    };
+    let mut all = list(&text);
+    if all.len() < LEAST {
+        return Outcome::Failed(format!(
+            "{LIST} has {} sabotages, fewer than {LEAST}",
+            all.len()
+        ));
+    }
+    all.retain(|sabotage| sabotage.name.contains(only));
+    if all.is_empty() {
+        return Outcome::Usage(format!("no sabotage in {LIST} has `{only}` in its name"));
+    }
+    let emulator = match emulator::built() {
+        Ok(emulator) => emulator,
+        Err(outcome) => return outcome,
+    };
+    let folder = shell::target("fil-sabotage");
+    let work = match copy::copy(&folder, &PARTS, &MORE) {
+        Ok(work) => work,
+        Err(why) => return Outcome::Failed(why),
+    };
+    let unfit: Vec<String> = all.iter().filter_map(|one| one.fits(&work).err()).collect();
+    if let Some(first) = unfit.first() {
+        return Outcome::Failed(format!(
+            "{LIST}: {} of {} do not fit the sources, the first: {first}",
+            unfit.len(),
+            all.len()
+        ));
+    }
+    // One is built while the one before runs.
+    let (send, receive) = mpsc::sync_channel(1);
+    std::thread::scope(|scope| {
+        scope.spawn(|| build_all(&all, &folder, &work, &send));
+        let answers = judge_all(&emulator, &all, &receive);
+        // Where it ended early, whoever still builds is told by this.
+        drop(receive);
+        answers
+    })
+}
+
+/// Builds one after the other: of each board first the program as it is.
+fn build_all<'s>(
+    all: &'s [Sabotage],
+    folder: &Path,
+    work: &Path,
+    send: &mpsc::SyncSender<Built<'s>>,
+) {
+    for board in firmware::BOARDS {
+        let mut of_board = all.iter().filter(|one| one.board == board).peekable();
+        if of_board.peek().is_none() {
+            continue;
+        }
+        let with_none = std::iter::once(None).chain(of_board.map(Some));
+        for (number, sabotage) in with_none.enumerate() {
+            let begun = Instant::now();
+            let changes = sabotage.map_or(&[][..], |one| &one.changes);
+            let kept = folder.join(format!("{board}-{number}.elf"));
+            let program = copy::with(work, changes, || build(board, work, folder, &kept));
+            let built = Built {
+                sabotage,
+                board: board.to_owned(),
+                program,
+                seconds: begun.elapsed().as_secs_f64(),
+            };
+            if send.send(built).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf, String> {
+    let (mut cargo, built) = firmware::build_copy(board, work, &folder.join("build"))
+        .map_err(|outcome| outcome.to_string())?;
+    let done = cargo
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|why| why.to_string())?;
+    if !done.status.success() {
+        let text = String::from_utf8_lossy(&done.stderr).into_owned();
+        let error = text.lines().find(|line| line.starts_with("error"));
+        return Err(format!(
+            "does not build: {}",
+            error.unwrap_or("no error named")
+        ));
+    }
+    std::fs::copy(&built, kept).map_err(|why| format!("{}: {why}", built.display()))?;
+    Ok(kept.to_path_buf())
+}
+
+/// Runs what was built as it comes; prints a line for each.
+fn judge_all(emulator: &Path, all: &[Sabotage], receive: &mpsc::Receiver<Built<'_>>) -> Outcome {
+    let begun = Instant::now();
+    println!(
+        "{:>6} {:>5}  {:<7}  sabotage, and what went wrong",
+        "build", "run", ""
+    );
+    let mut caught = 0;
+    while let Ok(built) = receive.recv() {
+        let begun = Instant::now();
+        let of_board = all.iter().filter(|one| one.board == built.board);
+        let rows: Vec<&str> = match built.sabotage {
+            Some(sabotage) => vec![&sabotage.only],
+            None => of_board.map(|one| one.only.as_str()).collect(),
+        };
+        let wrong = built
+            .program
+            .and_then(|program| wrong(emulator, &built.board, &program, &rows));
+        let (word, name, reason) = verdict(built.sabotage, &wrong);
+        caught += usize::from(word == "caught");
+        println!(
+            "{:>4.0} s {:>3.0} s  {word:<7}  {}: {name}\n                        {reason}",
+            built.seconds,
+            begun.elapsed().as_secs_f64(),
+            built.board
+        );
+        if built.sabotage.is_none() && word != "right" {
+            return Outcome::Failed(format!("{}, nothing changed: {reason}", built.board));
+        }
+    }
+    let text = format!(
+        "{caught} of {} sabotages caught by the row that they name, in {:.0} s",
+        all.len(),
+        begun.elapsed().as_secs_f64()
+    );
+    match caught == all.len() {
+        true => Outcome::Ok(text),
+        false => Outcome::Failed(text),
+    }
+}
+
+/// A word on it, its name, and why.
+fn verdict<'t>(
+    sabotage: Option<&'t Sabotage>,
+    wrong: &'t Result<Vec<String>, String>,
+) -> (&'static str, &'t str, String) {
+    let name = sabotage.map_or("nothing changed, all rows", |one| &one.name);
+    let (word, reason) = match (wrong, sabotage) {
+        (Err(why), _) => ("NOT RUN", why.clone()),
+        (Ok(wrong), None) => match wrong.first() {
+            None => ("right", "nothing is wrong".into()),
+            Some(first) => ("WRONG", first.clone()),
+        },
+        (Ok(wrong), Some(one)) => {
+            let named = |line: &&String| line.contains(&one.only) && line.contains(&one.says);
+            match (wrong.iter().find(named), wrong.first()) {
+                (Some(line), _) => ("caught", line.clone()),
+                (None, Some(other)) => ("MISSED", format!("not `{}`: {other}", one.says)),
+                (None, None) => ("MISSED", format!("`{}` passes", one.only)),
+            }
+        }
+    };
+    (word, name, reason)
+}
+
+/// What `fil` finds wrong on a program in these rows.
+fn wrong(
+    emulator: &Path,
+    board: &str,
+    program: &Path,
+    rows: &[&str],
+) -> Result<Vec<String>, String> {
+    let mut call = shell::program(emulator);
+    call.arg("fil").arg(format!("--{board}")).arg(program);
+    for row in rows {
+        call.args(["--only", row]);
+    }
+    let done = call
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|why| why.to_string())?;
+    let lines = String::from_utf8_lossy(&done.stdout).into_owned();
+    let wrong: Vec<String> = lines
+        .lines()
+        .filter_map(|line| line.strip_prefix("WRONG: "))
+        .map(str::to_owned)
+        .collect();
+    match (done.status.code(), wrong.is_empty()) {
+        (Some(0), true) | (Some(1), false) => Ok(wrong),
+        (code, _) => {
+            let said = String::from_utf8_lossy(&done.stderr).into_owned();
+            let last = said.lines().last().unwrap_or("nothing").to_owned();
+            Err(format!("the emulator ended with {code:?}: {last}"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each sabotage of the list is complete and fits the sources.
+    #[test]
+    fn the_list_fits_the_sources() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let text = std::fs::read_to_string(root.join(LIST)).expect("readable");
+        let all = list(&text);
+        assert!(all.len() >= LEAST);
+        assert_eq!(all.len(), text.matches("[[sabotage]]").count());
+        for one in &all {
+            assert_eq!(one.fits(&root), Ok(()), "{one:?}");
+            for change in &one.changes {
+                assert_ne!(change.find, change.replace, "{one:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_the_named_row_and_words_are_a_catch() {
+        let sabotage = Sabotage {
+            name: "no limit".into(),
+            only: "bus at 33 V, pressed".into(),
+            says: "stay on".into(),
+            ..Sabotage::default()
+        };
+        let word = |line: &str| verdict(Some(&sabotage), &Ok(vec![line.into()])).0;
+        assert_eq!(
+            word("a: bus at 33 V, pressed: the outputs stay on"),
+            "caught"
+        );
+        assert_eq!(word("a: bus at 33 V, pressed: before: no answer"), "MISSED");
+        assert_eq!(word("a: bus gone, pressed: the outputs stay on"), "MISSED");
+        assert_eq!(verdict(Some(&sabotage), &Ok(Vec::new())).0, "MISSED");
+        assert_eq!(verdict(Some(&sabotage), &Err("why".into())).0, "NOT RUN");
+        assert_eq!(verdict(None, &Ok(Vec::new())).0, "right");
+    }
+}
