@@ -94,6 +94,9 @@ impl Campaign {
             bench.demand(Request::Command(DeviceCommand::Stop))?;
         }
         self.fresh = false;
+        if when == When::Starting {
+            return Ok(());
+        }
         if when == When::Measuring {
             bench.demand(Request::Command(DeviceCommand::Calibrate))?;
             return bench.run(10 * MS);
@@ -140,6 +143,10 @@ impl Campaign {
         } else {
             begin
         };
+        if injection.when == When::Starting {
+            bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+            bench.run(100 * MS)?;
+        }
         if let Some(time) = injection.fault.lasts() {
             bench.run(time)?;
             injection.fault.remove(bench);

@@ -1,7 +1,7 @@
 //! What is checked beside the injections: the thesis' press, settings in flash, noise on the line, and that two runs are the same.
 
 use touchstone_protocol::settings::Decimal;
-use touchstone_protocol::{FaultCode, Reply, Request};
+use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
@@ -77,7 +77,9 @@ fn random_frames(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("random frames", noise(program, setup, NOISE_FRAMES));
 }
 
-/// Random frames at the device's port, as fast as it takes them: nothing but counted errors.
+/// Random frames at the device's port, as fast as it takes them: nothing but counted errors, each of them, and not a byte back. A
+/// third are random bytes, most of which are no COBS; a third are COBS with random content; a third are requests that would switch
+/// on, reset or write flash, with one bit turned over.
 ///
 /// # Errors
 /// What became of the device.
@@ -87,12 +89,12 @@ pub fn noise(program: &Program, setup: &Setup, frames: u64) -> Result<String, St
     bench.demand(Request::Telemetry { decimation: 0 })?;
     let mut random = Random(0xdead_beef_cafe_f00d);
     let resets = bench.machine.resets.len();
+    bench.run(20 * MS)?;
+    let sent_before = bench.link.bytes;
     for _ in 0..frames.div_ceil(50) {
         let mut bytes = Vec::new();
         for _ in 0..50 {
-            let length = 1 + random.bits() % 24;
-            bytes.extend((0..length).map(|_| random.byte().max(1)));
-            bytes.push(0);
+            bytes.extend(bad_frame(&mut bench, &mut random));
         }
         bench.send(&bytes);
         bench.run_until("the line quiet", 5_000 * MS, |bench| {
@@ -100,24 +102,61 @@ pub fn noise(program: &Program, setup: &Setup, frames: u64) -> Result<String, St
         })?;
     }
     bench.run(20 * MS)?;
+    let answers = bench.link.bytes - sent_before;
     let Reply::Counters(counters) = bench.demand(Request::Counters)? else {
         return Err("no counters".into());
     };
     let status = bench.status()?;
     let frames = frames.div_ceil(50) * 50;
-    if bench.machine.resets.len() != resets || status.fault.is_some() || bench.is_on() {
-        return Err(format!("{status:?}"));
-    }
-    if u64::from(counters.decode_errors) < frames * 9 / 10 {
+    if u64::from(counters.decode_errors) != frames || answers != 0 {
         return Err(format!(
-            "{} counted errors in {frames} frames",
+            "{} counted errors in {frames} frames, {answers} bytes of answers",
             counters.decode_errors
         ));
+    }
+    if bench.machine.resets.len() != resets || status.phase != Phase::Boot || bench.is_on() {
+        return Err(format!("{status:?}"));
     }
     Ok(format!(
         "{frames} frames, {} counted errors, nothing else",
         counters.decode_errors
     ))
+}
+
+/// A frame with its zero that no device may take.
+fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
+    let length = 1 + random.bits() % 24;
+    let mut content: Vec<u8> = (0..length).map(|_| random.byte().max(1)).collect();
+    let mut frame = match random.bits() % 3 {
+        0 => content,
+        1 => {
+            // COBS without a zero inside: one byte says how far it is to the end.
+            content.insert(0, length as u8 + 1);
+            content
+        }
+        _ => {
+            let requests = [
+                Request::Command(DeviceCommand::Calibrate),
+                Request::Command(DeviceCommand::Reboot),
+                Request::Save,
+                Request::Telemetry { decimation: 1 },
+            ];
+            let request = requests[random.bits() as usize % requests.len()].clone();
+            let (_, mut frame) = bench.link.ask(request);
+            frame.pop();
+            loop {
+                let at = random.bits() as usize % frame.len();
+                let turned = frame[at] ^ 1 << (random.bits() % 8);
+                // A zero would make two frames of it.
+                if turned != 0 {
+                    frame[at] = turned;
+                    break frame;
+                }
+            }
+        }
+    };
+    frame.push(0);
+    frame
 }
 
 /// The same program and the same steps give the same to the bit.

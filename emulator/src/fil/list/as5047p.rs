@@ -253,7 +253,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         Calibrating,
         240,
         Fault::Encoder(SlaveFault::Stuck),
-        Off(8_000_000, &[EncoderStuck, CalibrationFailed]),
+        Off(8_000_000, &[EncoderStuck]),
     ),
     row(
         "shaft turned at +90 rad/s",
@@ -281,7 +281,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         Calibrating,
         300,
         Fault::Turned(0.0),
-        Off(8_000_000, &[EncoderStuck, CalibrationFailed]),
+        Off(8_000_000, &[EncoderStuck]),
     ),
     row(
         "processor 25 times slower",

@@ -1,7 +1,7 @@
 //! On the B-G431B-ESC1: currents through its amplifiers, the break through its comparators, an incremental encoder.
 
 use super::Expect::{GoesOn, Off, Reset};
-use super::When::{Calibrating, Free, Measuring, Pressed, Ready};
+use super::When::{Calibrating, Free, Pressed, Ready, Starting};
 use super::{Injection, TICK, WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL_ESC1};
@@ -36,7 +36,7 @@ pub const ON_ESC1: &[Injection] = &[
     ),
     row(
         "phase B's sensor is off by 10 A",
-        Measuring,
+        Starting,
         0,
         Fault::Sensor(1, 10.0),
         Off(TICK, &[CurrentSensor]),

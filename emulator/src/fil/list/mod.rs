@@ -21,6 +21,8 @@ pub use second::SECOND;
 pub enum When {
     /// Calibrated, outputs off.
     Ready,
+    /// Stopped; a calibration is begun when it has happened.
+    Starting,
     /// The current sensors are being measured without current, outputs off.
     Measuring,
     /// The field turns the shaft.
@@ -35,7 +37,7 @@ impl When {
     /// Whether the outputs are on.
     #[must_use]
     pub const fn is_on(self) -> bool {
-        !matches!(self, Self::Ready | Self::Measuring)
+        !matches!(self, Self::Ready | Self::Starting | Self::Measuring)
     }
 }
 

@@ -67,7 +67,7 @@ pub const WITH_TRACKS: &[Injection] = &[
         Calibrating,
         200,
         Fault::TrackHeld,
-        Off(8_000_000, &[EncoderStuck, CalibrationFailed]),
+        Off(8_000_000, &[EncoderStuck]),
     ),
     row(
         "encoder jumps a quarter turn",
