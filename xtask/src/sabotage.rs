@@ -143,7 +143,8 @@ pub fn run(args: &[String]) -> Outcome {
     // One is built while the one before runs.
     let (send, receive) = mpsc::sync_channel(1);
     std::thread::scope(|scope| {
-        scope.spawn(|| build_all(&all, &folder, &work, &send));
+        // With it goes its end of the channel: nothing more comes when it is done.
+        scope.spawn(|| build_all(&all, &folder, &work, send));
         let answers = judge_all(&emulator, &all, &receive);
         // Where it ended early, whoever still builds is told by this.
         drop(receive);
@@ -156,7 +157,7 @@ fn build_all<'s>(
     all: &'s [Sabotage],
     folder: &Path,
     work: &Path,
-    send: &mpsc::SyncSender<Built<'s>>,
+    send: mpsc::SyncSender<Built<'s>>,
 ) {
     for board in firmware::BOARDS {
         let mut of_board = all.iter().filter(|one| one.board == board).peekable();
