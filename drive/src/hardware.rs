@@ -16,7 +16,8 @@ pub struct Hardware {
     pub timer_top: u16,
     /// Timer counts that the low side must be on for so that its shunt can be sampled: settling, dead time, conversion.
     pub sampling_counts: u16,
-    /// A of phase current per code of the converter; negative where a current into the motor lowers the code.
+    /// A of current into the motor per code of the converter. Negative with shunts below the lower transistors and amplifiers that do
+    /// not invert: that current comes from ground, and pulls the shunt's upper end below it.
     pub amps_per_code: Si,
     /// V of bus voltage per code.
     pub volts_per_code: Si,
@@ -38,18 +39,29 @@ pub struct Hardware {
     pub thermistor: Thermistor,
 }
 
-/// NUCLEO-G474RE with X-NUCLEO-IHM08M1: shunts 0.01 Ω behind a gain of 5.18 around 1.55 V, bus divider 1:19.17, 3.3 V, 12 bits.
+/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled: it turns on a dead time after the
+/// compare value, the amplifier settles, and the sample is taken 20 counts before the middle.
+const fn sampling_counts(dead_time_ns: u16, settling_ns: u16) -> u16 {
+    const LEAD: u32 = 20;
+    let ns = dead_time_ns as u32 + settling_ns as u32;
+    let before = (ns * 170).div_ceil(1_000) + LEAD;
+    // Below 2^16 for whatever fits the arguments: 2 · 22,283.
+    2 * before as u16
+}
+
+/// NUCLEO-G474RE with X-NUCLEO-IHM08M1: shunts of 0.01 Ω, pulled up by 680 Ω and 6.8 kΩ to 3.3 V, behind a gain of 1 + 4.7/1: 5.18
+/// around 1.71 V. Bus divider 169 kΩ over 9.31 kΩ, 3.3 V, 12 bits.
 pub const IHM08M1: Hardware = Hardware {
     pwm_hz: 20_000,
     core_hz: 170_000_000,
     timer_top: 4_250,
-    // 2 µs: 1 µs of settling, 0.5 µs of dead time, 0.3 µs of conversion, and a reserve; half of it on each side of the middle.
-    sampling_counts: 340,
-    // 3.3 V / 4,096 / (0.01 Ω · 5.18)
-    amps_per_code: Si::lit("0.015553"),
-    // 3.3 V / 4,096 · 19.17
-    volts_per_code: Si::lit("0.015445"),
-    offset_code: 1_924,
+    // An amplifier of 20 MHz at a gain of 5.7.
+    sampling_counts: sampling_counts(500, 700),
+    // 3.3 V / 4,096 / (0.01 Ω · 5.182)
+    amps_per_code: Si::lit("-0.015548"),
+    // 3.3 V / 4,096 · 19.153
+    volts_per_code: Si::lit("0.015431"),
+    offset_code: 2_122,
     offset_tolerance: 250,
     offset_spread: 60,
     current_max_a: Si::lit("15"),
@@ -59,16 +71,19 @@ pub const IHM08M1: Hardware = Hardware {
     thermistor: NTC_10K_3455_OVER_4K7,
 };
 
-/// B-G431B-ESC1: shunts 0.003 Ω behind a gain of 64/7 around 2.06 V, bus divider 1:10.39, 3.3 V, 12 bits.
+/// B-G431B-ESC1: shunts of 0.003 Ω behind a gain of 64/7 around 2.06 V, bus divider 1:10.39, 3.3 V, 12 bits. The board is for six
+/// lithium cells, which have 25.2 V when full.
 pub const B_G431B_ESC1: Hardware = Hardware {
+    // An amplifier of 13 MHz at a gain of 16.
+    sampling_counts: sampling_counts(800, 1_000),
     // 3.3 V / 4,096 / (0.003 Ω · 64/7)
-    amps_per_code: Si::lit("0.029373"),
+    amps_per_code: Si::lit("-0.029373"),
     // 3.3 V / 4,096 · 10.39
     volts_per_code: Si::lit("0.008371"),
     // 16 · 0.9 V/7 of 3.3 V
     offset_code: 2_553,
     current_max_a: Si::lit("25"),
-    bus_max_v: Si::lit("30"),
+    bus_max_v: Si::lit("26"),
     ..IHM08M1
 };
 

@@ -2,6 +2,7 @@
 
 use crate::peripheral::encoder::{As5047p, Mt6701};
 use crate::peripheral::spi::Slave;
+use crate::peripheral::timer::gates::GateDriver;
 use crate::world::World;
 
 /// Reference of the converters, V.
@@ -79,7 +80,10 @@ pub struct Board {
     pub device_id: u32,
     /// (converter, channel) to what is there.
     pub pins: &'static [(usize, u32, Source)],
-    /// Volts of a current sensor's output at no current, and per ampere.
+    /// The gate drivers behind TIM1's outputs.
+    pub gates: GateDriver,
+    /// Volts of a current sensor's output at no current, and per ampere into the motor. Negative: that current comes from ground
+    /// through the shunt below the lower transistor, and pulls the shunt's upper end below ground.
     pub current: (f64, f64),
     /// Volts at the pin for a volt of the bus.
     pub bus_divider: f64,
@@ -106,8 +110,10 @@ impl Board {
                 (0, 2, Source::Bus),
                 (1, 8, Source::Temperature),
             ],
-            current: (1.55, 0.01 * 5.18),
-            bus_divider: 1.0 / 19.17,
+            gates: GateDriver::L6398,
+            // 680 ohm from the shunt and 6.8 kohm from 3.3 V, then 1 + 4.7 kohm/1 kohm.
+            current: (REFERENCE_V * 0.68 / 7.48 * 5.7, -0.01 * 6.8 / 7.48 * 5.7),
+            bus_divider: 9.31 / (169.0 + 9.31),
             wiring: Wiring::default(),
         }
     }
@@ -131,7 +137,8 @@ impl Board {
                 (0, 1, Source::Bus),
                 (0, 5, Source::Temperature),
             ],
-            current: (16.0 * 0.9 / 7.0, 0.003 * 64.0 / 7.0),
+            gates: GateDriver::L6387,
+            current: (16.0 * 0.9 / 7.0, -0.003 * 64.0 / 7.0),
             bus_divider: 1.0 / 10.39,
             wiring: Wiring::default(),
         }

@@ -53,6 +53,10 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
     interrupt::ADC1_2.set_priority(Priority::P0);
     interrupt::TIM1_BRK_TIM15.set_priority(Priority::P1);
     interrupt::LPTIM1.set_priority(Priority::P2);
+    // A break from before counts no more: the set-up of comparators may have pulled it, or the memory's error during the start
+    // (`crash`). One that is still active comes back at once.
+    pwm::clear_break();
+    NVIC::unpend(interrupt::TIM1_BRK_TIM15);
     // SAFETY: their handlers share with other code only what `shared` describes.
     unsafe {
         interrupt::TIM1_BRK_TIM15.enable();

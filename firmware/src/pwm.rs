@@ -30,16 +30,28 @@ const SAMPLE_LEAD: u16 = 20;
 pub struct Bridge {
     /// Between one side off and the other on, ns.
     pub dead_time_ns: u32,
+    /// What the gate drivers take for "lower transistor on".
+    pub low_sides: Active,
     /// What switches the outputs off without the processor.
     pub break_input: BreakInput,
+}
+
+/// The level that switches a transistor on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Active {
+    /// On while the pin is high.
+    High,
+    /// On while the pin is low.
+    Low,
 }
 
 /// Where the hardware's over-current comes from.
 #[derive(Debug, Clone, Copy)]
 pub enum BreakInput {
-    /// The pin BKIN, active low.
+    /// The pin BKIN, active low, behind comparators on the board.
     Pin,
-    /// Comparators inside the chip, as a mask: bit 0 is COMP1.
+    /// Comparators inside the chip, as a mask: bit 0 is COMP1. They see the shunts without a filter, and with them what the
+    /// switching couples into them: the break waits for 1.5 us without a gap.
     Comparators(u8),
 }
 
@@ -86,8 +98,8 @@ pub fn keep(high: HighSides, low: LowSides) {
     core::mem::forget((high, low));
 }
 
-/// Starts the timer with its outputs off and held low. The board connects the pins after this,
-/// and gives them to [`keep`].
+/// Starts the timer with its outputs off and held at the levels that the gate drivers take for off. The board connects the pins
+/// after this, and gives them to [`keep`].
 pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     rcc::enable_and_reset::<Timer>();
     TIM1.cr1().write(|w| {
@@ -95,8 +107,15 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         w.set_ckd(Ckd::DIV1);
         w.set_arpe(true);
     });
-    // Outputs low while they are off, and OC4REF triggers the converters.
-    TIM1.cr2().write(|w| w.set_mms2(Mms2::COMPARE_OC4));
+    let inverted = bridge.low_sides == Active::Low;
+    // Levels while the outputs are off, by the pin: upper sides low. And OC4REF triggers the converters.
+    TIM1.cr2().write(|w| {
+        w.set_mms2(Mms2::COMPARE_OC4);
+        for channel in 0..3 {
+            w.set_ois(channel, false);
+            w.set_oisn(channel, inverted);
+        }
+    });
     TIM1.psc().write_value(0);
     TIM1.arr().write(|w| w.set_arr(FULL_SCALE));
     TIM1.rcr().write(|w| w.set_rep(0));
@@ -122,6 +141,7 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         for channel in 0..3 {
             w.set_cce(channel, true);
             w.set_ccne(channel, true);
+            w.set_ccnp(channel, inverted);
         }
     });
     TIM1.af1().write(|w| match bridge.break_input {
@@ -148,12 +168,20 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
                 BreakInput::Comparators(_) => Bkp::ACTIVE_HIGH,
             },
         );
-        w.set_bkf(0, FilterValue::FCK_INT_N8);
+        w.set_bkf(
+            0,
+            match bridge.break_input {
+                // 8 cycles, 47 ns.
+                BreakInput::Pin => FilterValue::FCK_INT_N8,
+                // 8 times 32 cycles, 1.5 us.
+                BreakInput::Comparators(_) => FilterValue::FDTS_DIV32_N8,
+            },
+        );
         // Only software sets MOE again, and only after a command.
         w.set_aoe(false);
         w.set_moe(false);
-        // Dead time, idle levels and break stay as they are until a reset, whatever the program does.
-        w.set_lock(Lock::LEVEL1);
+        // Dead time, break, polarity and idle levels stay as they are until a reset, whatever the program does.
+        w.set_lock(Lock::LEVEL2);
     });
     // Loads the preloaded registers; the flags that it and the set-up raised are no events.
     TIM1.egr().write(|w| w.set_ug(true));
@@ -162,7 +190,7 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     TIM1.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Switches all outputs off: from here on they are held low.
+/// Switches all outputs off: from here on they are held at their idle levels.
 #[inline(always)]
 pub fn outputs_off() {
     TIM1.bdtr().modify(|w| w.set_moe(false));
@@ -172,12 +200,6 @@ pub fn outputs_off() {
 #[inline(always)]
 pub fn outputs_on() {
     TIM1.bdtr().modify(|w| w.set_moe(true));
-}
-
-/// Whether the outputs are on.
-#[inline(always)]
-pub fn are_outputs_on() -> bool {
-    TIM1.bdtr().read().moe()
 }
 
 /// Compare values from the next turn of the counter on; at most [`FULL_SCALE`].

@@ -173,7 +173,10 @@ fn currents_become_codes_and_codes_end() {
     assert_eq!(shunt.code(0.015_553), 1_925);
     assert_eq!(shunt.code(-1_000.0), 0);
     assert_eq!(shunt.code(1_000.0), 4_095);
-    assert_eq!(Shunt::bits12(-0.02, 2_048.0).code(0.2), 2_038);
+    // 1 A into the motor is 10 mV below ground at the shunt, -51.8 mV at the converter: 64 codes.
+    let shield = Shunt::low_side(0.01, 5.18, 2_122.0);
+    assert_eq!(shield.code(1.0), 2_122 - 64);
+    assert_eq!(shield.code(-1.0), 2_122 + 64);
 }
 
 #[test]

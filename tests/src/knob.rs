@@ -89,7 +89,6 @@ impl<T: Tamper> Knob<T> {
         let hardware = &IHM08M1;
         let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).expect("a plant");
         let device = Device::new(settings, hardware).expect("settings");
-        let amps: f64 = hardware.amps_per_code.to_num();
         Self {
             current: CurrentLoop::new(device.current_config()),
             device,
@@ -105,8 +104,9 @@ impl<T: Tamper> Knob<T> {
             record: empty_record(settings),
             output: None,
             settings: *settings,
-            // Between two codes, and not where the schematic says.
-            shunts: [Shunt::bits12(amps, 1_930.3), Shunt::bits12(amps, 1_901.8)],
+            // The shield's parts, not the constants of `drive`; between two codes, and not where the schematic says.
+            shunts: [2_128.3, 2_099.8]
+                .map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset)),
             mailbox: CurrentCommand::OFF,
             report: CurrentReport::default(),
             preloaded: Drive::Off,

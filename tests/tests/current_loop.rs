@@ -37,8 +37,8 @@ impl Setup {
                 0.0,
             ),
             motor: GIMBAL,
-            shunts: [1_930.3, 1_901.8]
-                .map(|offset| Shunt::bits12(IHM08M1.amps_per_code.to_num(), offset)),
+            shunts: [2_128.3, 2_099.8]
+                .map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset)),
             preloaded: Drive::Off,
             wanted: CurrentCommand {
                 mode: CurrentMode::Offsets,
@@ -179,14 +179,15 @@ fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
 
 #[test]
 fn the_torque_stands_while_the_motor_turns() {
-    // Damped so that 0.25 N·m turn it at 40 rad/s: 280 rad/s electrically, 6.7 V of back-EMF.
+    // Damped so that 0.25 N·m turn it at 40 rad/s: 280 rad/s electrically, 6.7 V of back-EMF and 6 V
+    // of resistance, below what 28 V leave beside the time for sampling: 14.4 V.
     let mut setup = Setup::new(
         &Device {
             inertia_kg_m2: 1e-4,
             damping_n_m_s_per_rad: 0.25 / 40.0,
             friction: None,
         },
-        24.0,
+        28.0,
     );
     setup.period();
     setup.hold(0.0, 1.0);

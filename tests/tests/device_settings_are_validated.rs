@@ -23,7 +23,7 @@ fn roomy(board: Board) -> DeviceSettings {
     settings.motor.current_limit_a = Decimal::lit(largest);
     settings.limits.trip_current_a = Decimal::lit(largest);
     settings.limits.bus_min_v = Decimal::lit("8");
-    settings.limits.bus_max_v = Decimal::lit("30");
+    settings.limits.bus_max_v = DeviceSettings::defaults(board).limits.bus_max_v;
     settings.limits.derate_from_celsius = Decimal::lit("20");
     settings.limits.fault_from_celsius = Decimal::lit("110");
     settings.calibration.current_a = Decimal::lit("0.05");
@@ -150,8 +150,8 @@ fn settings_are_checked_against_each_other_and_the_board() {
         "limits.bus_min_v = 31 is outside 8 to 30 V"
     );
     assert_eq!(
-        refusal(small, |s| s.limits.bus_max_v = Decimal::lit("31")),
-        "limits.bus_max_v = 31 is outside 8 to 30 V"
+        refusal(small, |s| s.limits.bus_max_v = Decimal::lit("27")),
+        "limits.bus_max_v = 27 is outside 8 to 26 V"
     );
     assert_eq!(
         refusal(small, |s| s.encoder.kind = EncoderKind::As5047p),

@@ -127,8 +127,8 @@ fn an_encoder_that_does_not_move_is_stuck() {
 struct Open;
 impl Tamper for Open {
     fn sample(&mut self, _tick: u32, sample: &mut CurrentSample) {
-        sample.phase_a = 1_930;
-        sample.phase_b = 1_902;
+        sample.phase_a = 2_128;
+        sample.phase_b = 2_100;
     }
     fn bus_v(&mut self, _tick: u32) -> f64 {
         // So little that nothing breaks while the loop sees no current and gives all it has.
@@ -161,7 +161,7 @@ fn current_sensors_are_believed_near_their_schematic_only() {
     let settings = Settings::default();
     assert_eq!(
         fails(&settings, GIMBAL, Offset(300, 0)),
-        (FaultCode::CurrentSensor, 2_201 + 1)
+        (FaultCode::CurrentSensor, 2_400)
     );
     assert_eq!(
         fails(&settings, GIMBAL, Offset(0, 70)),

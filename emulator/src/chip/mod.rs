@@ -118,6 +118,7 @@ impl Chip {
             storm: None,
         };
         chip.spi3.slave = chip.board.encoder.slave();
+        chip.bridge.gates = chip.board.gates;
         chip
     }
 
@@ -129,6 +130,7 @@ impl Chip {
         }
         let changes = std::mem::take(&mut self.bridge.changes);
         self.bridge = Bridge::default();
+        self.bridge.gates = self.board.gates;
         self.bridge.changes = changes;
         self.core.reset();
         self.nvic = Nvic::default();

@@ -18,7 +18,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, peripherals, rcc};
 use static_cell::StaticCell;
 use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
 
-use crate::pwm::{BreakInput, Bridge};
+use crate::pwm::{Active, BreakInput, Bridge};
 use crate::run::Board;
 use crate::sense::{Raw, Readings};
 use crate::storage::Storage;
@@ -37,9 +37,10 @@ bind_interrupts!(struct Irqs {
     USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
 });
 
-/// The gate drivers L6387 keep no dead time themselves. COMP1, COMP2 and COMP4 watch the three shunts.
+/// The gate drivers L6387 switch on what is high, and keep no dead time themselves. COMP1, COMP2 and COMP4 watch the three shunts.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 800,
+    low_sides: Active::High,
     break_input: BreakInput::Comparators(0b1011),
 };
 

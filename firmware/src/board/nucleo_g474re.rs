@@ -1,6 +1,8 @@
 //! NUCLEO-G474RE with the three-phase shield X-NUCLEO-IHM08M1: pins and peripherals.
 //!
-//! Sources: UM2505 (the board), UM1996 (the shield), the chip's data sheet DS12288 for which function a pin has.
+//! Sources: UM2505 (the board); UM1996 (the shield) and its schematic, as open projects for it quote them (NuttX, oxifoc); the
+//! chip's data sheet DS12288 for which function a pin has. Not checked on a board by us. The shield joins PB15 to PA7's and PB14
+//! to PA6's net: both stay inputs, as they are after a reset.
 
 use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
@@ -13,7 +15,7 @@ use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
 use touchstone_drive::{EncoderReading, Hardware, hardware};
 
-use crate::pwm::{BreakInput, Bridge};
+use crate::pwm::{Active, BreakInput, Bridge};
 use crate::run::Board;
 use crate::sense::{Raw, Readings};
 use crate::storage::Storage;
@@ -32,9 +34,11 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// The gate drivers L6398 keep 320 ns themselves; their comparators' outputs are wired to the pin BKIN.
+/// The gate drivers L6398 switch a lower transistor on while LIN is low, and keep 320 ns themselves. The shield's over-current
+/// comparators are wired to the pin BKIN.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 500,
+    low_sides: Active::Low,
     break_input: BreakInput::Pin,
 };
 

@@ -1,5 +1,8 @@
 //! Low-side shunts, their amplifiers and the converter: currents to codes.
 
+/// Reference of the converters, V.
+const REFERENCE_V: f64 = 3.3;
+
 /// One phase's current sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shunt {
@@ -20,6 +23,13 @@ impl Shunt {
             offset_code,
             full_scale: 4_095,
         }
+    }
+
+    /// A 12-bit converter behind an amplifier that does not invert, and a shunt below the lower transistor. A current into the motor
+    /// comes from ground through that shunt and pulls its upper end below ground: it lowers the code.
+    #[must_use]
+    pub const fn low_side(shunt_ohm: f64, gain: f64, offset_code: f64) -> Self {
+        Self::bits12(-REFERENCE_V / 4_096.0 / (shunt_ohm * gain), offset_code)
     }
 
     /// The code for a current.

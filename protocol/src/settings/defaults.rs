@@ -40,7 +40,11 @@ impl DeviceSettings {
             limits: LimitSettings {
                 trip_current_a: const { Decimal::lit("4") },
                 bus_min_v: const { Decimal::lit("18") },
-                bus_max_v: const { Decimal::lit("30") },
+                // The smaller board is for six lithium cells.
+                bus_max_v: match board {
+                    Board::NucleoG474re => const { Decimal::lit("30") },
+                    Board::BG431bEsc1 => const { Decimal::lit("26") },
+                },
                 derate_from_celsius: const { Decimal::lit("70") },
                 fault_from_celsius: const { Decimal::lit("90") },
                 max_speed_rad_per_s: const { Decimal::lit("60") },

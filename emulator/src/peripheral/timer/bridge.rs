@@ -3,6 +3,7 @@
 
 use super::super::plain::Plain;
 use super::super::{NEVER, Peripheral};
+use super::gates::GateDriver;
 use super::{
     AF1, ARR, BDTR, CCER, CCMR1, CCMR2, CCR1, CEN, CNT, CR1, CR2, DIER, EGR, PSC, RCR, SR,
 };
@@ -11,8 +12,14 @@ const MOE: u32 = 1 << 15;
 const AOE: u32 = 1 << 14;
 const BKP: u32 = 1 << 13;
 const BKE: u32 = 1 << 12;
-/// What LOCK level 1 protects: dead time, break, its polarity and filter, AOE.
+const OSSR: u32 = 1 << 11;
+const OSSI: u32 = 1 << 10;
+/// What LOCK level 1 protects: dead time, break, its polarity and filter, AOE; and the idle levels in CR2.
 const LOCKED: u32 = 0xff | BKE | BKP | AOE | 0xf << 16;
+const IDLE_LEVELS: u32 = 0x3f << 8;
+/// What level 2 protects beyond: what idle outputs do, and the outputs' polarity in CCER.
+const LOCKED_2: u32 = OSSI | OSSR;
+const POLARITY: u32 = 0xaaa;
 const BIF: u32 = 1 << 7;
 const UIF: u32 = 1;
 
@@ -44,7 +51,10 @@ pub struct Bridge {
     done: u64,
     break_pin: bool,
     comparators: u32,
-    /// Each change of MOE: when, and whether on.
+    /// The drivers behind the outputs.
+    pub gates: GateDriver,
+    is_on: bool,
+    /// Each change of [`Bridge::is_on`]: when, and whether on.
     pub changes: Vec<(u64, bool)>,
 }
 
@@ -63,28 +73,47 @@ impl Default for Bridge {
             // Pulled up: the break input is active low on the boards that use it.
             break_pin: true,
             comparators: 0,
+            gates: GateDriver::L6387,
+            is_on: false,
             changes: Vec::new(),
         }
     }
 }
 
 impl Bridge {
-    /// Whether MOE is set.
+    /// Whether any phase is driven: not whether MOE is set, but whether a transistor conducts.
     #[must_use]
     pub fn is_on(&self) -> bool {
-        self.main_output
+        self.is_on
     }
 
-    /// Duty of the three phases, 0 to 1, as it counts now; `None` where the phase is not driven.
+    /// Share of the time at the bus of the three phases, 0 to 1, as it counts now; `None` where the phase is not driven.
     #[must_use]
     pub fn duty(&self) -> [Option<f64>; 3] {
-        let enabled = self.registers.get(CCER);
         [0, 1, 2].map(|phase| {
-            // The upper and the complementary lower output of the phase.
-            let driven = self.main_output && enabled >> (4 * phase) & 5 == 5;
             let compare = f64::from(self.compare[phase]) / self.reload.max(1) as f64;
-            driven.then(|| compare.min(1.0))
+            // OC1REF to OC3REF are high while the counter is below the compare value.
+            let first = self.gates.leg(self.levels(phase, true));
+            let second = self.gates.leg(self.levels(phase, false));
+            GateDriver::share(first, second, compare.min(1.0))
         })
+    }
+
+    /// Levels of a phase's two outputs while its reference is high or low (reference manual RM0440, table 265); `None` where the
+    /// timer does not drive the pins.
+    fn levels(&self, phase: usize, reference: bool) -> Option<(bool, bool)> {
+        let outputs = self.registers.get(CCER) >> (4 * phase);
+        if self.main_output {
+            // One of the two alone is not modelled.
+            (outputs & 5 == 5).then_some((
+                reference != (outputs & 2 != 0),
+                reference == (outputs & 8 != 0),
+            ))
+        } else {
+            let idle = self.registers.get(CR2) >> (8 + 2 * phase);
+            let drives = self.registers.get(BDTR) & OSSI != 0 && outputs & 5 == 5;
+            drives.then_some((idle & 1 != 0, idle & 2 != 0))
+        }
     }
 
     /// Cycles of a period: up and down.
@@ -130,10 +159,31 @@ impl Bridge {
     }
 
     fn set_main_output(&mut self, on: bool, now: u64) {
-        if on != self.main_output {
-            self.main_output = on;
+        self.main_output = on;
+        self.note(now);
+    }
+
+    /// Keeps when the bridge went on or off.
+    fn note(&mut self, now: u64) {
+        let on = self.duty().iter().any(Option::is_some);
+        if on != self.is_on {
+            self.is_on = on;
             self.changes.push((now, on));
         }
+    }
+
+    /// What a write leaves of a register that is locked in part.
+    fn unlocked(&self, offset: u32, value: u32) -> u32 {
+        let level = self.registers.get(BDTR) >> 8 & 3;
+        let kept = match (offset, level) {
+            (_, 0) => 0,
+            (BDTR, 1) => LOCKED | 0x300,
+            (BDTR, _) => LOCKED | LOCKED_2 | 0x300,
+            (CR2, _) => IDLE_LEVELS,
+            (CCER, 2..) => POLARITY,
+            _ => 0,
+        };
+        (value & !kept) | (self.registers.get(offset) & kept)
     }
 
     fn update(&mut self) {
@@ -270,14 +320,12 @@ impl Peripheral for Bridge {
                 self.registers.write(CR1, value, now);
             }
             BDTR => {
-                let before = self.registers.get(BDTR);
-                let locked = before >> 8 & 3 != 0;
-                let keep = if locked { LOCKED | 0x300 } else { 0 };
-                let value = (value & !keep) | (before & keep);
+                let value = self.unlocked(BDTR, value);
                 self.registers.write(BDTR, value & !MOE, now);
                 self.set_main_output(value & MOE != 0 && !self.break_is_active(), now);
             }
             _ => {
+                let value = self.unlocked(offset, value);
                 self.registers.write(offset, value, now);
                 // Without preload a compare value counts at once.
                 let channel = offset.wrapping_sub(CCR1) / 4;
@@ -290,6 +338,7 @@ impl Peripheral for Bridge {
             }
         }
         self.look_at_break(now);
+        self.note(now);
     }
 
     fn next_event(&self) -> u64 {
@@ -328,75 +377,4 @@ impl Bridge {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn started() -> Bridge {
-        let mut tim = Bridge::default();
-        tim.write(CR2, 7 << 20, 0);
-        tim.write(ARR, 4_250, 0);
-        tim.write(CCMR1, 0x6868, 0);
-        tim.write(CCMR2, 0x7868, 0);
-        tim.write(CCR1, 2_125, 0);
-        tim.write(0x40, 4_230, 0);
-        tim.write(CCER, 0x555, 0);
-        tim.write(AF1, 1, 0);
-        tim.write(BDTR, BKE | 1 << 8 | 85, 0);
-        tim.write(EGR, 1, 0);
-        tim.write(SR, 0, 0);
-        tim.write(DIER, 1 << 7, 0);
-        tim.write(CR1, CEN | 1 << 5, 100);
-        tim
-    }
-
-    #[test]
-    fn edges_come_in_order_and_the_trigger_before_the_top() {
-        let mut tim = started();
-        let mut edges = Vec::new();
-        while let Some(edge) = tim.next_edge(100 + 17_000) {
-            edges.push(edge);
-        }
-        assert_eq!(
-            edges,
-            [
-                (4_330, Edge::Trigger),
-                (4_350, Edge::Top),
-                (8_600, Edge::Bottom),
-                (12_830, Edge::Trigger),
-                (12_850, Edge::Top),
-                (17_100, Edge::Bottom),
-            ]
-        );
-        assert_eq!(tim.read(CNT, 17_100 + 4_260), 4_240);
-        assert_eq!(tim.read(CR1, 17_100 + 4_260) & 0x10, 0x10);
-    }
-
-    #[test]
-    fn duty_counts_from_the_next_update_on() {
-        let mut tim = started();
-        tim.write(BDTR, BKE | MOE, 0);
-        assert_eq!(tim.duty()[0], Some(0.5));
-        tim.write(CCR1, 4_250, 200);
-        assert_eq!(tim.duty()[0], Some(0.5));
-        while tim.next_edge(4_350).is_some() {}
-        assert_eq!(tim.duty()[0], Some(1.0));
-    }
-
-    #[test]
-    fn the_break_switches_off_and_holds_off() {
-        let mut tim = started();
-        tim.write(BDTR, MOE, 200);
-        assert!(tim.is_on());
-        tim.set_break(false, 0, 300);
-        assert!(!tim.is_on());
-        assert_eq!(tim.lines(), 1 << 24);
-        tim.write(BDTR, MOE, 400);
-        assert!(!tim.is_on(), "not while the break is active");
-        tim.set_break(true, 0, 500);
-        assert!(!tim.is_on(), "not by itself");
-        tim.write(SR, !BIF, 600);
-        tim.write(BDTR, MOE, 600);
-        assert!(tim.is_on());
-        assert_eq!(tim.changes, [(200, true), (300, false), (600, true)]);
-    }
-}
+mod tests;

@@ -1,6 +1,7 @@
 //! Timers: [`general`] counts upwards or follows an encoder, [`bridge`] is TIM1.
 
 pub mod bridge;
+pub mod gates;
 pub mod general;
 
 const CR1: u32 = 0x00;

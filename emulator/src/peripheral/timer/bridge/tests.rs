@@ -1,0 +1,119 @@
+use super::*;
+
+fn started() -> Bridge {
+    started_with(0)
+}
+
+fn started_with(idle_levels: u32) -> Bridge {
+    let mut tim = Bridge::default();
+    tim.write(CR2, 7 << 20 | idle_levels << 8, 0);
+    tim.write(ARR, 4_250, 0);
+    tim.write(CCMR1, 0x6868, 0);
+    tim.write(CCMR2, 0x7868, 0);
+    tim.write(CCR1, 2_125, 0);
+    tim.write(0x40, 4_230, 0);
+    tim.write(CCER, 0x555, 0);
+    tim.write(AF1, 1, 0);
+    tim.write(BDTR, BKE | 1 << 8 | 85, 0);
+    tim.write(EGR, 1, 0);
+    tim.write(SR, 0, 0);
+    tim.write(DIER, 1 << 7, 0);
+    tim.write(CR1, CEN | 1 << 5, 100);
+    tim
+}
+
+#[test]
+fn edges_come_in_order_and_the_trigger_before_the_top() {
+    let mut tim = started();
+    let mut edges = Vec::new();
+    while let Some(edge) = tim.next_edge(100 + 17_000) {
+        edges.push(edge);
+    }
+    assert_eq!(
+        edges,
+        [
+            (4_330, Edge::Trigger),
+            (4_350, Edge::Top),
+            (8_600, Edge::Bottom),
+            (12_830, Edge::Trigger),
+            (12_850, Edge::Top),
+            (17_100, Edge::Bottom),
+        ]
+    );
+    assert_eq!(tim.read(CNT, 17_100 + 4_260), 4_240);
+    assert_eq!(tim.read(CR1, 17_100 + 4_260) & 0x10, 0x10);
+}
+
+#[test]
+fn duty_counts_from_the_next_update_on() {
+    let mut tim = started();
+    tim.write(BDTR, BKE | MOE, 0);
+    assert_eq!(tim.duty()[0], Some(0.5));
+    tim.write(CCR1, 4_250, 200);
+    assert_eq!(tim.duty()[0], Some(0.5));
+    while tim.next_edge(4_350).is_some() {}
+    assert_eq!(tim.duty()[0], Some(1.0));
+}
+
+#[test]
+fn off_is_what_the_drivers_take_for_off() {
+    // Outputs off, idle levels low: right for drivers that switch on when high.
+    let mut tim = started();
+    tim.write(BDTR, BKE | OSSI, 200);
+    assert_eq!(tim.duty(), [None; 3]);
+    // The same levels switch the lower transistors of others on: all phases to ground.
+    let mut tim = Bridge {
+        gates: GateDriver::L6398,
+        ..started()
+    };
+    tim.write(BDTR, BKE | OSSI, 200);
+    assert_eq!(tim.duty(), [Some(0.0); 3]);
+    assert!(tim.is_on());
+    // And while it switches, both inputs of a pair say on or off at once, which is refused.
+    tim.write(BDTR, BKE | OSSI | MOE, 300);
+    assert_eq!(tim.duty(), [None; 3]);
+    // With the polarity of the driver it is as it should be.
+    let mut tim = Bridge {
+        gates: GateDriver::L6398,
+        ..started_with(0b10_1010)
+    };
+    tim.write(CCER, 0xddd, 400);
+    tim.write(BDTR, BKE | OSSI | MOE, 400);
+    assert_eq!(tim.duty()[0], Some(0.5));
+    tim.write(BDTR, BKE | OSSI, 500);
+    assert_eq!(tim.duty(), [None; 3]);
+}
+
+#[test]
+fn a_lock_holds_polarity_and_idle_levels() {
+    let mut tim = started();
+    tim.write(BDTR, BKE | OSSI | 2 << 8, 0);
+    // `started` had locked level 1 already.
+    tim.write(CR2, 7 << 20 | 0x3f << 8, 10);
+    assert_eq!(tim.read(CR2, 10), 7 << 20);
+    let mut tim = Bridge::default();
+    tim.write(CCER, 0x555, 0);
+    tim.write(BDTR, BKE | OSSI | 2 << 8, 0);
+    tim.write(CCER, 0xddd, 10);
+    tim.write(BDTR, 0, 10);
+    assert_eq!(tim.read(CCER, 10), 0x555);
+    assert_eq!(tim.read(BDTR, 10), BKE | OSSI | 2 << 8);
+}
+
+#[test]
+fn the_break_switches_off_and_holds_off() {
+    let mut tim = started();
+    tim.write(BDTR, MOE, 200);
+    assert!(tim.is_on());
+    tim.set_break(false, 0, 300);
+    assert!(!tim.is_on());
+    assert_eq!(tim.lines(), 1 << 24);
+    tim.write(BDTR, MOE, 400);
+    assert!(!tim.is_on(), "not while the break is active");
+    tim.set_break(true, 0, 500);
+    assert!(!tim.is_on(), "not by itself");
+    tim.write(SR, !BIF, 600);
+    tim.write(BDTR, MOE, 600);
+    assert!(tim.is_on());
+    assert_eq!(tim.changes, [(200, true), (300, false), (600, true)]);
+}

@@ -1,0 +1,55 @@
+//! From the levels of TIM1's outputs to transistors: the gate drivers on a board.
+//!
+//! Deliberately not taken from the program: a level that the program thinks is "off" and the driver does not must show.
+
+/// What a transistor pair does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Leg {
+    /// Neither conducts.
+    Open,
+    /// The upper transistor conducts.
+    Upper,
+    /// The lower one.
+    Lower,
+}
+
+/// The drivers of the three pairs. An input that nothing drives is pulled to its off level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GateDriver {
+    /// HIN and LIN switch on when high; both high is refused.
+    L6387,
+    /// HIN switches on when high, LIN when low; both at once is refused.
+    L6398,
+}
+
+impl GateDriver {
+    /// What a pair does by the levels of its two inputs, upper and lower; `None` where nothing drives the pin.
+    #[must_use]
+    pub fn leg(self, levels: Option<(bool, bool)>) -> Leg {
+        let Some((upper, lower)) = levels else {
+            return Leg::Open;
+        };
+        let lower = match self {
+            Self::L6387 => lower,
+            Self::L6398 => !lower,
+        };
+        match (upper, lower) {
+            (true, false) => Leg::Upper,
+            (false, true) => Leg::Lower,
+            _ => Leg::Open,
+        }
+    }
+
+    /// The share of the time at the bus of a pair that switches between two states, by the share of the first; `None` where it does
+    /// not drive its phase, or only part of the time, which is not modelled.
+    #[must_use]
+    pub fn share(first: Leg, second: Leg, share: f64) -> Option<f64> {
+        match (first, second) {
+            (Leg::Upper, Leg::Lower) => Some(share),
+            (Leg::Lower, Leg::Upper) => Some(1.0 - share),
+            (Leg::Upper, Leg::Upper) => Some(1.0),
+            (Leg::Lower, Leg::Lower) => Some(0.0),
+            _ => None,
+        }
+    }
+}
