@@ -166,6 +166,7 @@ impl Session {
             Request::Defaults => self.defaults(device),
             Request::Save => self.save(device),
             Request::Command(command) if device.command(*command) => Ok(()),
+            Request::Command(command) if is_so(*command, device.phase()) => Ok(()),
             Request::Command(_) => Err(Refusal::NotNow(device.phase())),
             Request::Telemetry { decimation } => {
                 device.telemetry(*decimation);
@@ -221,5 +222,13 @@ impl Session {
         device.save(image).map_err(|FlashError| Refusal::Flash)?;
         self.unsaved = false;
         Ok(())
+    }
+}
+/// Whether a command that changed nothing asks for what is so already. Only those that switch off: who asks to be safe is told so.
+const fn is_so(command: DeviceCommand, phase: Phase) -> bool {
+    match command {
+        DeviceCommand::Stop => matches!(phase, Phase::Stopped),
+        DeviceCommand::Disarm => matches!(phase, Phase::Ready | Phase::Stopped | Phase::Boot),
+        _ => false,
     }
 }

@@ -1,5 +1,6 @@
 //! `touchstone device`: commands, state, fault, and the second before the fault.
 
+use super::config::settings;
 use super::out::say;
 use super::port::PortOption;
 use crate::error::{Error, Result};
@@ -8,12 +9,12 @@ use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use touchstone_protocol::{
-    Counters, DeviceCommand, Fault, FaultCode, Identity, Phase, Reply, Request, ResetReason,
-    RingRecord, Status,
+    Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Identity, Phase, Reply, Request,
+    ResetReason, RingRecord, Status,
 };
 
-/// A calibration that takes longer has failed.
-const CALIBRATION_LIMIT: Duration = Duration::from_secs(30);
+/// What a calibration takes beside the turns of the field: offsets, alignment, pauses; with a reserve.
+const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
 /// Options of `device`.
 #[derive(Debug, Clone, clap::Args)]
@@ -82,9 +83,18 @@ pub fn main(options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
+fn calibration_limit(settings: &DeviceSettings) -> Duration {
+    let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
+    let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.0.to_num();
+    // Positive by its range; what is not is no reason to panic.
+    CALIBRATION_REST + Duration::try_from_secs_f64(turns / turns_per_s).unwrap_or_default()
+}
+
 /// Waits for the end of a calibration.
 fn calibrated(client: &mut Client) -> Result<()> {
-    let until = Instant::now() + CALIBRATION_LIMIT;
+    let limit = calibration_limit(&settings(client)?);
+    let until = Instant::now() + limit;
     loop {
         let status = status_of(client)?;
         let (problem, fix) = match status.phase {
@@ -96,10 +106,17 @@ fn calibrated(client: &mut Client) -> Result<()> {
                 std::thread::sleep(Duration::from_millis(50));
                 continue;
             }
-            Phase::Calibrating => (
-                "the calibration does not end".to_owned(),
-                "stop it: touchstone device stop",
-            ),
+            Phase::Calibrating => {
+                // Nobody waits for it any more, and the shaft is driven.
+                client.tell(&Request::Command(DeviceCommand::Stop))?;
+                (
+                    format!(
+                        "the calibration did not end within {} s, and was stopped",
+                        limit.as_secs()
+                    ),
+                    "look for what slows it: touchstone device ring; or wait longer by hand: touchstone device calibrate --no-wait",
+                )
+            }
             Phase::Fault => (
                 format!(
                     "the calibration ended with a fault: {}",
@@ -135,9 +152,9 @@ fn status(client: &mut Client) -> Result<()> {
         say!("fault     {}", name_of(&fault));
     }
     let kept = if status.unsaved {
-        "not those in flash: touchstone config save"
+        "changed and not saved: touchstone config save"
     } else {
-        "those in flash"
+        "as after a restart"
     };
     say!("settings  {kept}");
     let Counters {

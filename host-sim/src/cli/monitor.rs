@@ -2,7 +2,7 @@
 
 use super::config;
 use super::device::{name_of, page};
-use super::out::{print, say};
+use super::out::{is_read, print, say};
 use super::port::PortOption;
 use crate::error::{Error, Result};
 use crate::link::Client;
@@ -134,7 +134,9 @@ fn watch(
     let (mut counted, mut shown, mut heard) = (Counted::default(), None::<Instant>, begun);
     let mut state = None;
     say!("{HEADING}");
+    // With a file the run goes on when the reader of the screen has had enough.
     while !stop.load(Ordering::Relaxed)
+        && (is_read() || table.is_some())
         && options
             .seconds
             .is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)

@@ -3,6 +3,15 @@
 use crate::error::{Error, Result};
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether somebody still reads standard output; prints nothing.
+pub fn is_read() -> bool {
+    !CLOSED.load(Ordering::Relaxed)
+}
+
+/// A reader has gone away.
+static CLOSED: AtomicBool = AtomicBool::new(false);
 
 /// Prints. A reader that has had enough (`| head`) is no error, and must not keep a report from being written.
 pub fn print(text: Arguments<'_>) -> Result<()> {
@@ -13,7 +22,11 @@ pub fn print(text: Arguments<'_>) -> Result<()> {
             problem: error.to_string(),
             fix: "give it room, or another place".to_owned(),
         }),
-        _ => Ok(()),
+        Err(_) => {
+            CLOSED.store(true, Ordering::Relaxed);
+            Ok(())
+        }
+        Ok(()) => Ok(()),
     }
 }
 

@@ -153,10 +153,54 @@ fn an_export_is_taken_back_and_shows_what_differs() {
     );
     device.run(&["config", "import", name]).done();
     assert_eq!(device.world().0.settings(), &before);
+    let all = FIELDS.len();
     assert_eq!(
         device.run(&["config", "import", name]).done(),
-        "nothing to change\n"
+        format!("{all} of {all} settings in the file\nnothing to change\n")
     );
+}
+
+#[test]
+fn a_file_that_was_cut_changes_nothing() {
+    let device = Fake::new();
+    let file = folder("cut").join("settings.toml");
+    let name = file.to_str().unwrap();
+    device.run(&["config", "export", name]).done();
+    let whole = std::fs::read_to_string(&file).unwrap();
+    // Wherever: also where what is left is valid, as in the middle of a number.
+    for length in (0..whole.len() - 1).step_by(97) {
+        if !whole.is_char_boundary(length) {
+            continue;
+        }
+        std::fs::write(&file, &whole[..length]).unwrap();
+        device.run(&["config", "import", name]).failed(2, &[name]);
+    }
+    // Nor is an empty file a success.
+    std::fs::write(&file, "# nothing\n").unwrap();
+    device
+        .run(&["config", "import", name])
+        .failed(2, &["there are no settings in the file"]);
+    assert_eq!(
+        device.world().0.settings(),
+        &DeviceSettings::defaults(Board::NucleoG474re)
+    );
+}
+
+#[test]
+fn what_is_wrong_for_every_device_needs_none() {
+    let nowhere = ["--port", "tcp:127.0.0.1:1"];
+    for (arguments, parts) in [
+        (
+            &["config", "get", "wall.nonsense"][..],
+            &["wall.nonsense: there is no such setting"][..],
+        ),
+        (
+            &["config", "import", "there-is-none.toml"],
+            &["there-is-none.toml"],
+        ),
+    ] {
+        run(&[arguments, &nowhere].concat()).failed(2, parts);
+    }
 }
 
 #[test]
@@ -199,7 +243,7 @@ fn one_wrong_line_and_nothing_is_written() {
         ("[wall]\nlaw = tdpa\n", &[":2: TOML"]),
         (
             "[motor]\ncurrent_limit_a = 1\n",
-            &["wall.force_limit_n_m = 0.5 is outside"],
+            &["wall.force_limit_n_m: 0.5 is outside"],
         ),
     ] {
         std::fs::write(&file, text).unwrap();

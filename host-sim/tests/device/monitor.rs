@@ -110,3 +110,19 @@ fn ctrl_c_ends_it_with_a_whole_file() {
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.ends_with('\n') && ticks(&text).1.len() > 20, "{said}");
 }
+
+#[test]
+fn it_ends_when_nobody_reads_it_any_more() {
+    let device = Fake::new();
+    // Twenty seconds if it does not notice.
+    let mut child = program(&["monitor", "--seconds", "20", "--port", &device.address])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = std::time::Instant::now();
+    let mut first = [0; 16];
+    std::io::Read::read_exact(child.stdout.as_mut().unwrap(), &mut first).unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+    assert!(begun.elapsed().as_secs() < 10);
+}

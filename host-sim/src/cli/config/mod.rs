@@ -11,8 +11,9 @@ use crate::scene::nearest;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use touchstone_drive::wire::checked;
+use touchstone_protocol::settings::Invalid;
 use touchstone_protocol::settings::fields::{FIELDS, Field, field};
-use touchstone_protocol::{DeviceSettings, Reply, Request};
+use touchstone_protocol::{Board, DeviceSettings, Reply, Request};
 use value::Wrong;
 
 /// Options of `config`.
@@ -68,7 +69,10 @@ enum Action {
 pub fn main(options: &Options) -> Result<()> {
     let connect = || options.port.connect();
     match &options.action {
-        Action::Get { paths } => get(&mut connect()?, paths),
+        Action::Get { paths } => {
+            let shown = select(paths)?;
+            get(&mut connect()?, &shown)
+        }
         Action::Set { path, value } => {
             // What no device would accept needs none to be refused.
             let field = known(path)?;
@@ -76,7 +80,12 @@ pub fn main(options: &Options) -> Result<()> {
             set(&mut connect()?, field, &bytes)
         }
         Action::Export { file } => export(&mut connect()?, file.as_deref()),
-        Action::Import { file, dry_run } => import(&mut connect()?, file, *dry_run),
+        Action::Import { file, dry_run } => {
+            let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
+            // What is wrong for every device needs none to be refused.
+            toml_file::read(&text, file, &DeviceSettings::defaults(Board::NucleoG474re))?;
+            import(&mut connect()?, file, &text, *dry_run)
+        }
         Action::Defaults => {
             let mut client = connect()?;
             let before = settings(&mut client)?;
@@ -124,8 +133,9 @@ fn unknown(path: &str) -> Wrong {
     ("there is no such setting".into(), fix)
 }
 
-fn get(client: &mut Client, paths: &[String]) -> Result<()> {
-    let mut shown: Vec<&Field> = Vec::new();
+/// The settings that paths of settings or tables name; all without any.
+fn select(paths: &[String]) -> Result<Vec<&'static Field>> {
+    let mut shown: Vec<&'static Field> = Vec::new();
     for path in paths {
         let table = format!("{path}.");
         let before = shown.len();
@@ -141,6 +151,10 @@ fn get(client: &mut Client, paths: &[String]) -> Result<()> {
     if paths.is_empty() {
         shown.extend(FIELDS);
     }
+    Ok(shown)
+}
+
+fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
     let settings = settings(client)?;
     for field in shown {
         let value = value::shown(&settings, field);
@@ -158,7 +172,9 @@ fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
     // The device's own check, before it is asked: its message is the same, and names what is to be done.
     if let Err(invalid) = checked(&after, client.identity().board) {
         let fix = "choose another value, or change several settings at once with: touchstone config import";
-        return Err(option(field.path, (invalid.to_string(), fix.into())));
+        // A setting that was not named can be refused, for what the new value leaves it.
+        let problem = without_path(&invalid, field.path);
+        return Err(option(field.path, (problem, fix.into())));
     }
     client.tell(&Request::Set {
         path: field.path,
@@ -185,20 +201,29 @@ fn io(file: &Path, error: &std::io::Error) -> Error {
     }
 }
 
-fn import(client: &mut Client, file: &Path, dry_run: bool) -> Result<()> {
-    let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
+/// Why a setting is refused, without its path where that stands before it anyway.
+fn without_path(invalid: &Invalid, path: &str) -> String {
+    let text = invalid.to_string();
+    let rest = text
+        .strip_prefix(path)
+        .and_then(|rest| rest.strip_prefix(" = ").or_else(|| rest.strip_prefix(": ")));
+    rest.map_or_else(|| text.clone(), str::to_owned)
+}
+
+fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result<()> {
     let before = settings(client)?;
-    let (after, lines) = toml_file::read(&text, file, &before)?;
+    let (after, lines) = toml_file::read(text, file, &before)?;
     if let Err(invalid) = checked(&after, client.identity().board) {
         return Err(Error::File {
             file: file.to_owned(),
             // A setting that the file leaves out can be refused too, for what the file says of another.
             line: lines.get(invalid.path.as_str()).copied().unwrap_or(1),
             field: invalid.path.to_string(),
-            problem: invalid.to_string(),
-            fix: "nothing was changed".into(),
+            problem: without_path(&invalid, &invalid.path),
+            fix: "choose another value; nothing was changed".into(),
         });
     }
+    say!("{} of {} settings in the file", lines.len(), FIELDS.len());
     if dry_run {
         differences(&before, &after)?;
         say!("nothing was written (--dry-run)");

@@ -11,9 +11,13 @@ use toml::de::{DeTable, DeValue};
 use touchstone_protocol::settings::fields::{FIELDS, Field, Kind, field};
 use touchstone_protocol::{DeviceSettings, Identity};
 
+/// First words and last line of what [`write`] makes: a file with the one and without the other was cut.
+const BEGIN: &str = "# Settings of ";
+const END: &str = "# End of the settings.";
+
 /// Writes all settings.
 pub fn write(settings: &DeviceSettings, identity: &Identity) -> String {
-    let mut text = format!("# Settings of {}.\n", described(identity));
+    let mut text = format!("{BEGIN}{}.\n", described(identity));
     text.push_str("# Back with: touchstone config import FILE\n");
     for table in tables() {
         // Writing into a string cannot fail.
@@ -34,6 +38,9 @@ pub fn write(settings: &DeviceSettings, identity: &Identity) -> String {
             );
         }
     }
+    text.push('\n');
+    text.push_str(END);
+    text.push('\n');
     text
 }
 
@@ -70,6 +77,11 @@ pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceS
         problem,
         fix,
     };
+    if text.starts_with(BEGIN) && !text.lines().any(|line| line == END) {
+        let problem = format!("the file was cut: its last line, `{END}`, is missing");
+        let fix = "export it again; without the first line it is taken as it is";
+        return Err(wrong(text.len(), "end", (problem, fix.into())));
+    }
     let table = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
         let problem = error.message().to_owned();
@@ -93,6 +105,11 @@ pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceS
         let bytes = value::parse(field, &text).map_err(|problem| wrong(offset, &path, problem))?;
         settings.set(&path, &bytes).map_err(|_| no_value())?;
         lines.insert(field.path, line(offset));
+    }
+    if lines.is_empty() {
+        let problem = "there are no settings in the file".to_owned();
+        let fix = "`touchstone config export FILE` writes one";
+        return Err(wrong(0, "file", (problem, fix.into())));
     }
     Ok((settings, lines))
 }

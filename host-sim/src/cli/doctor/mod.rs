@@ -76,13 +76,18 @@ pub fn main(options: &Options) -> ExitCode {
             env!("CARGO_PKG_VERSION")
         )),
     );
-    tell("probe-rs", probe_rs());
-    tell("Rust target", rust_target());
+    let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
+    // Behind a TCP port there is no board to be flashed.
+    let for_boards = |found| match found {
+        Missing { problem, .. } if tcp => Skipped(format!("{problem}; not needed for a TCP port")),
+        found => found,
+    };
+    tell("probe-rs", for_boards(probe_rs()));
+    tell("Rust target", for_boards(rust_target()));
     for board in BoardName::value_variants() {
         tell("firmware", firmware(*board));
     }
-    let tcp = matches!(options.port, Some(Address::Tcp(_)));
-    if tcp && options.sysfs == Path::new("/sys") {
+    if tcp {
         tell("probe", Skipped("not needed for a TCP port".into()));
     } else {
         usb::look(&options.sysfs, &options.dev, &mut tell);
