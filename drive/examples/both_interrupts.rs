@@ -62,7 +62,7 @@ pub fn current(
 ) -> (CurrentOutput, ReportWords) {
     let command = CurrentCommand::from_words(words);
     let output = current.tick(&CurrentSample { command, ..*sample });
-    (output, output.report.to_words())
+    (output, current.report().to_words())
 }
 
 /// Other coefficients for it.

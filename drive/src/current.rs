@@ -1,8 +1,8 @@
 //! One PWM period: phase currents in, compare values out. Field-oriented control at 20 kHz.
 //!
 //! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels: it
-//! switches off by itself when a current is too large, when the hardware break pulled, or when the command is older than two
-//! control periods. What it saw goes back in a [`CurrentReport`].
+//! switches off by itself when a current is too large, when the hardware break pulled, when the command is older than two
+//! control periods, or when it is itself too slow for the timer. What it saw goes back in a [`CurrentReport`].
 //!
 //! Compare values written in one period act in the next, and act on average in its middle: the voltage is turned by one and a
 //! half periods of the rotor's motion.
@@ -67,6 +67,8 @@ pub struct CurrentSample {
     pub temperature: u16,
     /// The timer's break flag is set: the hardware has switched off.
     pub hardware_break: bool,
+    /// The compare values of the period before came after the timer's turn: they act a period later than they were made for.
+    pub late: bool,
     /// The mailbox.
     pub command: CurrentCommand,
 }
@@ -89,14 +91,12 @@ pub struct CurrentOutput {
     pub pend_control: bool,
     /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
     pub is_stale: bool,
-    /// For the control tick.
-    pub report: CurrentReport,
 }
 
 /// Why the loop switched off by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trip {
-    /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`] or [`FaultCode::HardwareBreak`].
+    /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
     /// As [`touchstone_protocol::Context::value`].
     pub value: i32,
@@ -159,6 +159,9 @@ pub struct CurrentConfig {
     pub periods_per_tick: u16,
 }
 
+/// So many late periods in a row are a fault. One is noise: the current moves little in 50 us, and whatever held the loop up is
+/// over. A processor that is too slow for the loop is so in every period.
+const LATE_IN_A_ROW: u8 = 3;
 /// Samples of which an offset is the mean: 1,024, that is 51 ms at 20 kHz.
 const OFFSET_SAMPLES_LOG2: u32 = 10;
 /// Fractional bits of an offset.
@@ -216,6 +219,8 @@ pub struct CurrentLoop {
     /// Periods since the encoder reading that the command is made of.
     age: u32,
     last_tick: u32,
+    /// Late periods in a row.
+    late: u8,
     sums: OffsetSums,
     tripped: bool,
     report: CurrentReport,
@@ -232,6 +237,7 @@ impl CurrentLoop {
             phase: 0,
             age: 0,
             last_tick: 0,
+            late: 0,
             sums: OffsetSums::EMPTY,
             tripped: false,
             report: CurrentReport::default(),
@@ -303,8 +309,13 @@ impl CurrentLoop {
             bridge,
             pend_control,
             is_stale: self.is_stale(),
-            report: self.report,
         }
+    }
+
+    /// What the last period has seen, for the control tick. By reference: a copy would be a tenth of the period's instructions.
+    #[must_use]
+    pub const fn report(&self) -> &CurrentReport {
+        &self.report
     }
 
     /// Whether the command is older than two control periods.
@@ -323,6 +334,7 @@ impl CurrentLoop {
 
     /// A period with the bridge off.
     fn rest(&mut self, sample: &CurrentSample) {
+        self.late = 0;
         self.d.reset();
         self.q.reset();
         self.report.current = Dq::ZERO;
@@ -369,6 +381,14 @@ impl CurrentLoop {
             .max(c.saturating_abs());
         if largest > config.trip || vector.square() > trip * trip {
             self.trip(FaultCode::OverCurrent, milli(largest));
+        }
+        if sample.late {
+            self.late = self.late.saturating_add(1);
+            if self.late >= LATE_IN_A_ROW {
+                self.trip(FaultCode::DeadlineMiss, i32::from(self.late));
+            }
+        } else {
+            self.late = 0;
         }
         if self.is_stale() {
             self.trip(FaultCode::StaleCommand, clamp_i32(i64::from(self.age)));

@@ -14,7 +14,7 @@ use touchstone_drive::{Bridge, CurrentConfig, CurrentLoop, CurrentSample};
 
 use crate::control::{CONTROL, Readings};
 use crate::shared::{Owned, Slot, raise};
-use crate::{analogue, board, cycles, pwm, sense, supply};
+use crate::{analogue, board, cycles, pwm, sense, supply, window};
 
 /// From the control tick to the current loop.
 pub static COMMAND: CommandBox = CommandBox::new();
@@ -31,7 +31,9 @@ static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 static DUE: AtomicU32 = AtomicU32::new(0);
 /// Most cycles that the current loop has taken.
 pub static CURRENT_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
-/// PWM periods in which new compare values came after the counter's turn, so that they count a period later.
+/// New compare values came after the counter's turn in the last period, so that they count a period later.
+static LATE: AtomicBool = AtomicBool::new(false);
+/// PWM periods in which that was so.
 pub static LATE_PERIODS: AtomicU32 = AtomicU32::new(0);
 /// The current loop ran since the supervisor looked.
 pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
@@ -63,6 +65,7 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
         interrupt::LPTIM1.enable();
         interrupt::ADC1_2.enable();
     }
+    window::start();
 }
 
 /// Priority 0, once a PWM period: the currents are there.
@@ -85,6 +88,7 @@ fn ADC1_2() {
         bus: readings.bus,
         temperature: readings.temperature,
         hardware_break: is_broken,
+        late: LATE.load(Relaxed),
         command: COMMAND.get(),
     });
     match output.bridge {
@@ -108,16 +112,21 @@ fn ADC1_2() {
     if output.is_stale {
         analogue::off();
     }
-    REPORT.put(&output.report);
+    REPORT.put(current.report());
     if output.pend_control {
         DUE.store(begun, Relaxed);
         NVIC::pend(interrupt::LPTIM1);
     }
     CURRENT_LIVES.store(true, Relaxed);
-    if !pwm::is_before_bottom() {
+    let took = cycles::now().wrapping_sub(begun);
+    raise(&CURRENT_CYCLES_MAX, took);
+    // The direction alone does not tell: after a whole period the counter goes down again.
+    let is_late = took > pwm::HALF_PERIOD || !pwm::is_before_bottom();
+    LATE.store(is_late, Relaxed);
+    if is_late {
         LATE_PERIODS.store(LATE_PERIODS.load(Relaxed).saturating_add(1), Relaxed);
     }
-    raise(&CURRENT_CYCLES_MAX, cycles::now().wrapping_sub(begun));
+    window::refresh();
 }
 
 /// Priority 1: the hardware has switched the outputs off. An input that stays active would raise this for ever: it is silenced

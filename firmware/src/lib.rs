@@ -38,3 +38,4 @@ pub mod shared;
 pub mod storage;
 pub mod supply;
 pub mod watchdog;
+pub mod window;

@@ -21,6 +21,9 @@ pub const PWM_HZ: u32 = 20_000;
 /// Compare value of a duty of one: the timer counts up to it and down again in a period.
 pub const FULL_SCALE: u16 = (CORE_HZ / (2 * PWM_HZ)) as u16;
 
+/// Half a PWM period, cycles of the processor, whose clock is the timer's.
+pub const HALF_PERIOD: u32 = FULL_SCALE as u32;
+
 /// The injected conversions begin this many counts before the middle of the time in which all low sides conduct, so that the
 /// middle lies within their sampling time.
 const SAMPLE_LEAD: u16 = 20;

@@ -12,7 +12,7 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-use crate::watchdog;
+use crate::{watchdog, window};
 
 /// A page, bytes; both chips have the same.
 pub const PAGE: usize = 2_048;
@@ -86,8 +86,9 @@ impl NorFlash for Storage {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), StorageError> {
         for page in (from..to).step_by(PAGE) {
-            self.flash()?
-                .blocking_erase(page, page + PAGE as u32)
+            // Nothing runs while the processor is stalled, not even the current loop.
+            let flash = self.flash()?;
+            window::extended(|| flash.blocking_erase(page, page + PAGE as u32))
                 .map_err(StorageError::Refused)?;
             // The supervisor cannot run in between; this loop has an end.
             watchdog::feed();

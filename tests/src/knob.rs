@@ -146,13 +146,14 @@ impl<T: Tamper> Knob<T> {
             bus: (self.rig.bridge.bus_v / volts).round() as u16,
             temperature: WARM,
             hardware_break: self.hardware_break,
+            late: false,
             command: self.mailbox,
         };
         self.tamper.sample(next, &mut sample);
         // The hardware has switched off by itself, and its flag stays.
         self.hardware_break |= sample.hardware_break;
         let out = self.current.tick(&sample);
-        self.report = out.report;
+        self.report = *self.current.report();
         // Compare values are taken over at the period's end; off is off at once.
         self.acting = match (out.bridge, self.preloaded) {
             (touchstone_drive::Bridge::Off, _) => Drive::Off,

@@ -23,6 +23,8 @@ struct Setup {
     wanted: CurrentCommand,
     command: CurrentCommand,
     alive: bool,
+    /// The compare values of the last period came late.
+    late: bool,
 }
 
 impl Setup {
@@ -46,6 +48,7 @@ impl Setup {
             },
             command: CurrentCommand::OFF,
             alive: true,
+            late: false,
         };
         for _ in 0..1_100 {
             setup.period();
@@ -64,6 +67,7 @@ impl Setup {
             bus: (self.rig.bridge.bus_v / IHM08M1.volts_per_code.to_num::<f64>()) as u16,
             temperature: 1_300,
             hardware_break: false,
+            late: self.late,
             command: self.command,
         };
         let out = self.current.tick(&sample);
@@ -148,15 +152,16 @@ fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
     setup.period();
     // 1.9 A need 11.4 V; 16 V give at most 8.5 V: the limit acts for as long as it is asked.
     setup.hold(0.0, 1.9);
-    let before = setup.period().report.saturated;
+    setup.period();
+    let before = setup.current.report().saturated;
     for _ in 0..4_000 {
         setup.period();
     }
     let out = setup.period();
     assert!(
-        out.report.saturated.wrapping_sub(before) > 3_900,
+        setup.current.report().saturated.wrapping_sub(before) > 3_900,
         "{:?}",
-        out.report
+        setup.current.report()
     );
     let held = setup.rig.dq_a().1;
     assert!((1.35..1.45).contains(&held), "{held}");
@@ -215,16 +220,17 @@ fn too_much_current_switches_off_in_the_same_period_and_stays_off_until_told() {
     }
     // 4 A of the trip: 258 codes.
     for (phase, codes) in [(0, 300.0), (1, -300.0), (0, -300.0), (1, 300.0)] {
-        let trips = setup.period().report.trips;
+        setup.period();
+        let trips = setup.current.report().trips;
         let honest = setup.shunts;
         setup.shunts[phase].offset_code += codes;
         let out = setup.period();
         assert_eq!(out.bridge, Out::Off);
         assert_eq!(
-            out.report.trip.map(|trip| trip.code),
+            setup.current.report().trip.map(|trip| trip.code),
             Some(FaultCode::OverCurrent)
         );
-        assert_eq!(out.report.trips, trips.wrapping_add(1));
+        assert_eq!(setup.current.report().trips, trips.wrapping_add(1));
         setup.shunts = honest;
         for _ in 0..50 {
             assert_eq!(setup.period().bridge, Out::Off, "without being told");
@@ -254,10 +260,10 @@ fn an_old_command_switches_off_within_two_control_periods() {
     let out = setup.period();
     assert_eq!(out.bridge, Out::Off);
     assert_eq!(
-        out.report.trip.map(|trip| trip.code),
+        setup.current.report().trip.map(|trip| trip.code),
         Some(FaultCode::StaleCommand)
     );
-    assert_eq!(out.report.missed, 1);
+    assert_eq!(setup.current.report().missed, 1);
 }
 
 #[test]
@@ -277,4 +283,23 @@ fn without_offsets_nothing_is_driven() {
         };
         assert_eq!(current.tick(&sample).bridge, Out::Off);
     }
+}
+
+#[test]
+fn a_late_period_or_two_are_borne_and_the_third_in_a_row_switches_off() {
+    let mut setup = Setup::new(&KNOB, 24.0);
+    for late in [true, true, false, true, true, false] {
+        setup.late = late;
+        assert!(matches!(setup.period().bridge, Out::On(_)));
+    }
+    setup.late = true;
+    assert!(matches!(setup.period().bridge, Out::On(_)));
+    assert!(matches!(setup.period().bridge, Out::On(_)));
+    let out = setup.period();
+    assert_eq!(out.bridge, Out::Off);
+    let trip = setup.current.report().trip.unwrap();
+    assert_eq!((trip.code, trip.value), (FaultCode::DeadlineMiss, 3));
+    // On time again: stays off until the control tick has said so.
+    setup.late = false;
+    assert_eq!(setup.period().bridge, Out::Off);
 }

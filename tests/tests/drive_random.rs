@@ -180,6 +180,7 @@ fn run(settings: &Settings, ticks: u32, seed: u64, visits: &mut Visits) {
                 bus: 1_550_u16.wrapping_add(noise(&mut random)),
                 temperature: 1_300_u16.wrapping_add(noise(&mut random)),
                 hardware_break: once_in(&mut random, 200_000),
+                late: once_in(&mut random, 500),
                 command: mailbox,
             };
             let out = current.tick(&sample);
@@ -193,7 +194,7 @@ fn run(settings: &Settings, ticks: u32, seed: u64, visits: &mut Visits) {
                 );
                 visits.on += 1;
             }
-            report = CurrentReport::from_words(&out.report.to_words());
+            report = CurrentReport::from_words(&current.report().to_words());
         }
     }
 }
@@ -248,6 +249,7 @@ fn wild_commands_into_the_loop() {
                 bus: bits(&mut random) as u16,
                 temperature: bits(&mut random) as u16,
                 hardware_break: once_in(&mut random, 256),
+                late: once_in(&mut random, 4),
                 command,
             });
             if let Bridge::On(duties) = out.bridge {

@@ -1,5 +1,8 @@
 //! The encoder's readings: bad ones, jumps, and the speed that follows from the good ones.
 //!
+//! Overspeed is looked for twice. A tick's movement shows what is clearly too fast with the first reading whose whole period was
+//! so; the mean over a window also shows a slight excess of an encoder that counts little in a tick.
+//!
 //! A bad reading is not used, and the outputs are off until the next good one: nothing is driven on a guess. So many bad ones in
 //! a row are a fault, with the code of the last. After a gap the shaft may have moved for each of the ticks left out.
 
@@ -27,9 +30,11 @@ pub struct ShaftConfig {
     reversed: bool,
     bad_readings: u8,
     /// Counts in a tick that no shaft moves.
-    jump: i64,
+    jump: i32,
     /// Ticks over which the speed is taken: 2 ms, at least 2 ticks.
     window: usize,
+    /// Counts in a tick that are too fast.
+    fastest_in_tick: i32,
     /// Counts in a window that are too fast.
     fastest: i32,
     /// rad/s per count in a window.
@@ -57,7 +62,10 @@ impl ShaftConfig {
             .limits
             .max_speed_rad_per_s
             .saturating_mul(per_speed);
-        let whole = |counts: Si| counts.saturating_ceil().to_num::<i64>();
+        let limit = |counts: Si| {
+            let whole = counts.saturating_ceil().to_num::<i64>();
+            clamp_i32(whole.saturating_add(JITTER))
+        };
         let speed = quotient(quotient(Si::ONE, per_speed), window_ticks);
         // 2^48 pole pairs/(counts · PWM periods in a window).
         let periods =
@@ -68,10 +76,10 @@ impl ShaftConfig {
             kind: settings.encoder.kind,
             reversed: settings.encoder.reversed,
             bad_readings: settings.encoder.bad_readings,
-            jump: whole(fastest.saturating_mul(Si::const_from_int(i64::from(JUMP_FACTOR))))
-                .saturating_add(JITTER),
+            jump: limit(fastest.saturating_mul(Si::const_from_int(i64::from(JUMP_FACTOR)))),
             window,
-            fastest: clamp_i32(whole(fastest.saturating_mul(window_ticks)).saturating_add(JITTER)),
+            fastest_in_tick: limit(fastest),
+            fastest: limit(fastest.saturating_mul(window_ticks)),
             speed_per_count: narrow(speed),
             advance_per_count: advance.cast_signed(),
         }
@@ -141,17 +149,27 @@ impl Shaft {
         let before = unwrapped.count();
         let count = unwrapped.update(word);
         let moved = count.saturating_sub(before);
-        let ticks = i64::from(self.bad).saturating_add(1);
+        let ticks = i64::from(self.bad) + 1;
         self.bad = 0;
         self.remember(config, clamp_i32(moved));
         if !watched {
             return Seen::Good { count, moved };
         }
-        if moved.saturating_abs() > config.jump.saturating_mul(ticks) {
+        // The product of 32 and 8 bits fits.
+        let is_beyond = |limit: i32| moved.saturating_abs() > i64::from(limit) * ticks;
+        if is_beyond(config.jump) {
             return Seen::Fault(FaultCode::EncoderJump, clamp_i32(moved));
         }
-        if self.sum.saturating_abs() > config.fastest {
-            let speed = self.speed(config);
+        let is_tick_fast = is_beyond(config.fastest_in_tick);
+        if is_tick_fast || self.sum.saturating_abs() > config.fastest {
+            let mean = if is_tick_fast {
+                // Counts in a window at this speed; never by zero.
+                let in_window = clamp_i32(moved.saturating_mul(config.window as i64));
+                in_window.checked_div(clamp_i32(ticks)).unwrap_or(in_window)
+            } else {
+                self.sum
+            };
+            let speed = Self::speed_of(config, mean);
             return Seen::Fault(FaultCode::OverSpeed, crate::units::milli(speed));
         }
         Seen::Good { count, moved }
@@ -189,8 +207,13 @@ impl Shaft {
     /// Mean speed over the window, rad/s, saturating.
     #[must_use]
     pub fn speed(&self, config: &ShaftConfig) -> I16F16 {
+        Self::speed_of(config, self.sum)
+    }
+
+    /// The speed of so many counts in a window, rad/s, saturating.
+    fn speed_of(config: &ShaftConfig, counts: i32) -> I16F16 {
         I16F16::from_bits(clamp_i32(
-            i64::from(self.sum) * i64::from(config.speed_per_count.to_bits()),
+            i64::from(counts) * i64::from(config.speed_per_count.to_bits()),
         ))
     }
 
@@ -198,5 +221,50 @@ impl Shaft {
     #[must_use]
     pub fn advance(&self, config: &ShaftConfig) -> i32 {
         clamp_i32(i64::from(self.sum).saturating_mul(config.advance_per_count) >> 16)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hardware::IHM08M1;
+
+    /// Turns a good encoder of 16,384 counts by so many in each tick; the tick with a fault, and the fault.
+    fn turned(rate_hz: u32, counts: i64) -> Option<(u32, Seen)> {
+        let mut settings = Settings::default();
+        settings.encoder.kind = EncoderKind::Incremental;
+        settings.encoder.counts_per_rev = 16_384;
+        settings.wall.rate_hz = rate_hz;
+        let config = ShaftConfig::new(&settings, &IHM08M1);
+        let mut shaft = Shaft::new();
+        for tick in 0..200_u32 {
+            let counter = (i64::from(tick) * counts) as u32;
+            let seen = shaft.take(&config, EncoderReading::Counter32(counter), true);
+            if matches!(seen, Seen::Fault(..)) {
+                return Some((tick, seen));
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn what_is_clearly_too_fast_shows_in_a_tick_and_a_slight_excess_in_a_window() {
+        // The limit of 60 rad/s is 156.5 counts in a tick, and 313 in a window of two; 4 more for jitter.
+        assert_eq!(turned(1_000, 158), None);
+        for (counts, tick, least, most) in [
+            (161, 2, 61_000, 62_000),
+            (-162, 1, -62_500, -62_000),
+            (600, 1, 230_000, 230_200),
+        ] {
+            let Some((at, Seen::Fault(FaultCode::OverSpeed, speed))) = turned(1_000, counts) else {
+                panic!("{counts} counts");
+            };
+            assert_eq!(at, tick, "{counts} counts");
+            assert!((least..most).contains(&speed), "{counts}: {speed} mrad/s");
+        }
+        // 15.6 counts in a tick, and a window of 20.
+        assert_eq!(turned(10_000, 15), None);
+        assert!(matches!(turned(10_000, 16), Some((20, _))));
+        assert!(matches!(turned(10_000, -21), Some((1, _))));
     }
 }

@@ -5,6 +5,7 @@
 pub(super) enum Block {
     Timer(usize),
     Iwdg,
+    Wwdg,
     Spi3,
     Usart2,
     Pwr,
@@ -29,6 +30,7 @@ pub(super) const MAP: &[(u32, u32, Block)] = &[
     (0x4000_0400, 0x400, Block::Timer(1)),
     (0x4000_0800, 0x400, Block::Timer(2)),
     (0x4000_0c00, 0x400, Block::Timer(3)),
+    (0x4000_2c00, 0x400, Block::Wwdg),
     (0x4000_3000, 0x400, Block::Iwdg),
     (0x4000_3c00, 0x400, Block::Spi3),
     (0x4000_4400, 0x400, Block::Usart2),

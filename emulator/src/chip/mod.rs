@@ -21,6 +21,7 @@ use crate::peripheral::spi::Spi;
 use crate::peripheral::timer::bridge::{Bridge, Edge};
 use crate::peripheral::timer::general::Timer;
 use crate::peripheral::uart::Uart;
+use crate::peripheral::wwdg::Wwdg;
 use crate::peripheral::{NEVER, Peripheral};
 use crate::world::World;
 use map::{Block, MAP};
@@ -53,8 +54,10 @@ pub struct Chip {
     pub usart2: Uart,
     /// The bus of the magnetic encoder.
     pub spi3: Spi,
-    /// The watchdog.
+    /// The independent watchdog.
     pub iwdg: Iwdg,
+    /// The window watchdog.
+    pub wwdg: Wwdg,
     /// The flash controller.
     pub flash: Flash,
     rcc: Rcc,
@@ -100,6 +103,7 @@ impl Chip {
             usart2: Uart::new(USART2, false),
             spi3: Spi::new(SPI3),
             iwdg: Iwdg::new(lsi_hz),
+            wwdg: Wwdg::default(),
             flash: Flash::new(board.option_bytes),
             rcc: Rcc::new(ResetCause::PowerOn, None),
             pwr: Pwr::new(3.3),
@@ -151,6 +155,7 @@ impl Chip {
         self.spi3.slave = before.slave;
         self.spi3.set_hangs(hangs, self.core.now);
         self.iwdg = Iwdg::new(self.lsi_hz);
+        self.wwdg = Wwdg::default();
         let (count, cut_at) = (self.flash.count, self.flash.cut_at);
         self.flash = Flash::new(self.board.option_bytes);
         self.flash.count = count;
@@ -191,6 +196,7 @@ impl Chip {
         match block {
             Block::Timer(index) => &mut self.timers[index],
             Block::Iwdg => &mut self.iwdg,
+            Block::Wwdg => &mut self.wwdg,
             Block::Spi3 => &mut self.spi3,
             Block::Usart2 => &mut self.usart2,
             Block::Lpuart1 => &mut self.lpuart1,
@@ -280,6 +286,7 @@ impl Chip {
             }
             Block::Pwr => self.exti.set_detector(self.pwr.is_low()),
             Block::Tim1 => self.drive_world(),
+            Block::Rcc => self.wwdg.set_clock(self.rcc.wwdg_hz(), self.core.now),
             _ => {}
         }
         if self.flash.busy_until() > self.core.now {
@@ -343,6 +350,7 @@ impl Chip {
             .rcc
             .next_event()
             .min(self.iwdg.next_event())
+            .min(self.wwdg.next_event())
             .min(self.flash.next_event());
         let storm = self.storm.map_or(NEVER, |(_, _, next)| next);
         let fast = self.bridge.next_event().min(self.spi3.next_event());
@@ -375,6 +383,10 @@ impl Chip {
         self.spi3.advance(now);
         self.rcc.advance(now);
         self.flash.advance(now);
+        self.wwdg.set_clock(self.rcc.wwdg_hz(), now);
+        if self.wwdg.bites(now) {
+            self.reset_request = Some(ResetCause::WindowWatchdog);
+        }
         if self.iwdg.bites(now) {
             self.reset_request = Some(ResetCause::Watchdog);
         }

@@ -401,6 +401,21 @@ impl Machine {
         Ok(())
     }
 
+    /// Masks a priority and all below it, as a thread does that shares their state, and forgets to end it.
+    ///
+    /// # Errors
+    /// The thread does not run within 50 ms.
+    pub fn mask(&mut self, priority: u32) -> Result<(), String> {
+        self.run_to(None)?;
+        self.set_register(RegisterARM::BASEPRI, priority);
+        Ok(())
+    }
+
+    /// Ends that.
+    pub fn unmask(&mut self) {
+        self.set_register(RegisterARM::BASEPRI, 0);
+    }
+
     /// Runs until the handler of an exception runs, or the thread.
     ///
     /// # Errors

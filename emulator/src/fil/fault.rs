@@ -58,6 +58,8 @@ pub enum Fault {
     Storm(u32, u64),
     /// An interrupt comes no more, for this long, us; 0 for good: its bit in the interrupt controller has fallen.
     Lost(u32, u64),
+    /// The thread masks the control tick for this long, us: priorities above it go on.
+    HeldOff(u64),
     /// Code hangs in an endless loop.
     Hang(Level),
     /// Code comes to an instruction that there is not.
@@ -73,6 +75,9 @@ pub enum Fault {
     /// The serial line carries noise: this many random bytes, with framing errors or without.
     Noise(usize, bool),
 }
+
+/// The control tick's priority, as BASEPRI has it.
+const CONTROL_PRIORITY: u32 = 2 << 4;
 
 /// Where an endless loop and an undefined instruction are put: behind what the program's map uses.
 const SCRATCH: u32 = 0x2001_0000;
@@ -130,6 +135,7 @@ impl Fault {
                 let (register, bit) = (4 * (interrupt / 32), 1 << (interrupt % 32));
                 chip.nvic.write(ICER + register, bit, 4);
             }
+            Self::HeldOff(_) => return bench.machine.mask(CONTROL_PRIORITY),
             Self::Hang(level) => {
                 // b .
                 bench.machine.set_memory(SCRATCH, &[0xfe, 0xe7]);
@@ -173,7 +179,7 @@ impl Fault {
     #[must_use]
     pub fn lasts(self) -> Option<u64> {
         match self {
-            Self::Break(us) | Self::Comparator(_, us) | Self::Bus(_, us) | Self::Lost(_, us) => {
+            Self::Break(us) | Self::Comparator(_, us) | Self::Bus(_, us) | Self::Lost(_, us) | Self::HeldOff(us) => {
                 (us > 0).then_some(us * US)
             }
             Self::BreakWithin(..) => Some(US),
@@ -204,6 +210,9 @@ impl Fault {
             chip.world.release();
         }
         chip.update_break(now);
+        if matches!(self, Self::HeldOff(_)) {
+            bench.machine.unmask();
+        }
     }
 }
 

@@ -14,6 +14,7 @@ pub mod rcc;
 pub mod spi;
 pub mod timer;
 pub mod uart;
+pub mod wwdg;
 
 /// No event ahead.
 pub const NEVER: u64 = u64::MAX;

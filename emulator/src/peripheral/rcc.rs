@@ -36,6 +36,7 @@ const CR: u32 = 0x00;
 const CFGR: u32 = 0x08;
 const PLLCFGR: u32 = 0x0c;
 const CSR: u32 = 0x94;
+const APB1ENR1: u32 = 0x58;
 const RMVF: u32 = 1 << 23;
 /// All reset flags.
 const RESETS: u32 = 0xfe00_0000;
@@ -53,6 +54,8 @@ pub enum ResetCause {
     Software,
     /// The independent watchdog.
     Watchdog,
+    /// The window watchdog.
+    WindowWatchdog,
 }
 
 impl ResetCause {
@@ -64,6 +67,7 @@ impl ResetCause {
             Self::PowerOn | Self::BrownOut => 1 << 27,
             Self::Software => 1 << 28,
             Self::Watchdog => 1 << 29,
+            Self::WindowWatchdog => 1 << 30,
         }
     }
 }
@@ -115,6 +119,33 @@ impl Rcc {
                 HSI * n / m / r
             }
             _ => HSI,
+        }
+    }
+}
+
+impl Rcc {
+    /// PCLK1, Hz: SYSCLK through HPRE and PPRE1.
+    fn pclk1_hz(&self) -> u64 {
+        let cfgr = self.get(CFGR);
+        let hpre = match cfgr >> 4 & 15 {
+            // 2, 4, 8, 16, then without 32: 64 to 512.
+            code @ 8..=11 => code - 7,
+            code @ 12..=15 => code - 6,
+            _ => 0,
+        };
+        let ppre1 = match cfgr >> 8 & 7 {
+            code @ 4..=7 => code - 3,
+            _ => 0,
+        };
+        self.sysclk_hz() >> hpre >> ppre1
+    }
+
+    /// The window watchdog's clock, Hz; 0 if it is not switched on.
+    #[must_use]
+    pub fn wwdg_hz(&self) -> u64 {
+        match self.get(APB1ENR1) >> 11 & 1 {
+            0 => 0,
+            _ => self.pclk1_hz(),
         }
     }
 }

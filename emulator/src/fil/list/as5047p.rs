@@ -2,7 +2,7 @@
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{Injection, OFF_AT_FIRST_BAD, TICK, WATCHDOG, row};
+use super::{Injection, OFF_AT_FIRST_BAD, TICK, WATCHDOG, WHOLE_TICK, WINDOW_WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use crate::peripheral::spi::SlaveFault;
@@ -260,21 +260,21 @@ pub const WITH_AS5047P: &[Injection] = &[
         Free,
         560,
         Fault::Turned(90.0),
-        Off(20_000, &[OverSpeed]),
+        Off(WHOLE_TICK, &[OverSpeed]),
     ),
     row(
         "shaft turned at -90 rad/s",
         Pressed,
         70,
         Fault::Turned(-90.0),
-        Off(20_000, &[OverSpeed]),
+        Off(WHOLE_TICK, &[OverSpeed]),
     ),
     row(
         "shaft turned at +90 rad/s",
         Ready,
         810,
         Fault::Turned(90.0),
-        Off(20_000, &[OverSpeed]),
+        Off(WHOLE_TICK, &[OverSpeed]),
     ),
     row(
         "shaft held fast",
@@ -288,21 +288,21 @@ pub const WITH_AS5047P: &[Injection] = &[
         Free,
         650,
         Fault::Slow(25),
-        Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
+        Reset(TICK, &[DeadlineMiss]),
     ),
     row(
         "processor 10 times slower",
         Pressed,
         150,
         Fault::Slow(10),
-        Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
+        Reset(TICK, &[DeadlineMiss]),
     ),
     row(
         "processor 25 times slower",
         Calibrating,
         420,
         Fault::Slow(25),
-        Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
+        Reset(TICK, &[DeadlineMiss]),
     ),
     row(
         "storm of interrupts, serial port",
@@ -351,7 +351,35 @@ pub const WITH_AS5047P: &[Injection] = &[
         Free,
         370,
         Fault::Hang(CURRENT_LOOP),
-        Reset(WATCHDOG, &[Watchdog]),
+        Reset(WINDOW_WATCHDOG, &[Watchdog]),
+    ),
+    row(
+        "current loop hangs",
+        Pressed,
+        744,
+        Fault::Hang(CURRENT_LOOP),
+        Reset(WINDOW_WATCHDOG, &[Watchdog]),
+    ),
+    row(
+        "current loop hangs",
+        Calibrating,
+        8,
+        Fault::Hang(CURRENT_LOOP),
+        Reset(WINDOW_WATCHDOG, &[Watchdog]),
+    ),
+    row(
+        "control tick held off for 0.9 ms",
+        Pressed,
+        910,
+        Fault::HeldOff(900),
+        Off(TICK, &[DeadlineMiss]),
+    ),
+    row(
+        "control tick held off for 0.9 ms",
+        Calibrating,
+        800,
+        Fault::HeldOff(900),
+        Off(TICK, &[DeadlineMiss]),
     ),
     row(
         "undefined instruction, thread",

@@ -109,5 +109,9 @@ const fn row(
 const TICK: u64 = 1_050;
 /// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
+/// The first control period that has begun after the injection, whole, and the PWM period in which its tick switches off, us.
+const WHOLE_TICK: u64 = 2_050;
+/// The window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since the last refresh, us.
+const WINDOW_WATCHDOG: u64 = 270;
 /// The independent watchdog at its slowest, and the longest time without a feeding before it counts (docs/firmware.md).
 const WATCHDOG: u64 = 112_000;

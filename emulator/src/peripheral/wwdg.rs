@@ -1,0 +1,180 @@
+//! The window watchdog (RM0440, chapter 43): counts the bus clock divided by 4096 and by a power of two, which runs freely; resets
+//! the chip when its counter falls below 0x40, or is written while it is above the window.
+
+use super::{NEVER, Peripheral};
+use crate::chip::CORE_HZ;
+
+const CR: u32 = 0x00;
+const CFR: u32 = 0x04;
+const SR: u32 = 0x08;
+const WDGA: u32 = 1 << 7;
+/// The counter's bit that must stay set.
+const T6: u32 = 0x40;
+
+/// The watchdog.
+#[derive(Debug, Clone)]
+pub struct Wwdg {
+    /// Clock of its bus, Hz; 0 while that is not switched to it.
+    clock_hz: u64,
+    configuration: u32,
+    active: bool,
+    /// The counter, as it was at a number of counts of the divider.
+    counter: u32,
+    at: u64,
+    /// Written too early, or with a value that resets.
+    refused: bool,
+}
+
+impl Default for Wwdg {
+    fn default() -> Self {
+        Self {
+            clock_hz: 0,
+            configuration: 0x7f,
+            active: false,
+            counter: 0x7f,
+            at: 0,
+            refused: false,
+        }
+    }
+}
+
+impl Wwdg {
+    /// Cycles of the processor in a count.
+    fn count_cycles(&self) -> u64 {
+        let share = 4_096 << (self.configuration >> 11 & 7);
+        (share * CORE_HZ)
+            .checked_div(self.clock_hz)
+            .unwrap_or(NEVER)
+    }
+
+    fn counter(&self, now: u64) -> u32 {
+        let counts = (now / self.count_cycles()).saturating_sub(self.at);
+        self.counter
+            .saturating_sub(u32::try_from(counts).unwrap_or(u32::MAX))
+    }
+
+    /// Keeps the counter over a change of what it counts.
+    fn set(&mut self, counter: u32, now: u64) {
+        self.counter = counter;
+        self.at = now / self.count_cycles();
+    }
+
+    /// The clock of its bus, Hz; 0 for none.
+    pub fn set_clock(&mut self, hz: u64, now: u64) {
+        if hz != self.clock_hz {
+            let counter = self.counter(now);
+            self.clock_hz = hz;
+            self.set(counter, now);
+        }
+    }
+
+    /// When the counter falls below 0x40.
+    fn falls(&self) -> u64 {
+        let counts = u64::from(self.counter.saturating_sub(T6 - 1));
+        (self.at + counts).saturating_mul(self.count_cycles())
+    }
+
+    /// Whether the reset is due.
+    #[must_use]
+    pub fn bites(&self, now: u64) -> bool {
+        self.refused || now >= self.next_event()
+    }
+}
+
+impl Peripheral for Wwdg {
+    fn read(&mut self, offset: u32, now: u64) -> u32 {
+        match offset {
+            CR => self.counter(now) | u32::from(self.active) << 7,
+            CFR => self.configuration,
+            // The early interrupt's flag.
+            SR => u32::from(self.counter(now) <= T6),
+            _ => 0,
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, now: u64) {
+        match offset {
+            // Without its clock a register takes nothing.
+            _ if self.clock_hz == 0 => {}
+            CR => {
+                let early = self.counter(now) > self.configuration & 0x7f;
+                self.refused |= self.active && early;
+                // Only a reset clears it.
+                self.active |= value & WDGA != 0;
+                self.refused |= self.active && value & T6 == 0;
+                self.set(value & 0x7f, now);
+            }
+            CFR => {
+                let counter = self.counter(now);
+                self.configuration = value & 0x3a7f;
+                self.set(counter, now);
+            }
+            _ => {}
+        }
+    }
+
+    fn next_event(&self) -> u64 {
+        match (self.active && self.clock_hz != 0, self.refused) {
+            (true, true) => 0,
+            (true, false) => self.falls(),
+            (false, _) => NEVER,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With 10 counts, at the processor's clock.
+    fn started(share: u32, now: u64) -> Wwdg {
+        let mut dog = Wwdg::default();
+        dog.set_clock(CORE_HZ, 0);
+        dog.write(CFR, 0x7f | share << 11, now);
+        dog.write(CR, WDGA | T6 | 10, now);
+        dog
+    }
+
+    #[test]
+    fn bites_after_its_counts_unless_refreshed() {
+        // Half a count later than the divider's last.
+        let mut dog = started(0, 2_048);
+        let time = 11 * 4_096;
+        assert_eq!(dog.next_event(), time);
+        assert!(!dog.bites(time - 1) && dog.bites(time));
+        assert_eq!(dog.read(CR, time - 1), WDGA | T6);
+        dog.write(CR, WDGA | T6 | 10, time - 1);
+        assert!(!dog.bites(time) && dog.bites(time + 10 * 4_096));
+        // It cannot be stopped.
+        dog.write(CR, 0x7f, time);
+        assert!(dog.bites(time + 64 * 4_096));
+    }
+
+    #[test]
+    fn a_larger_share_counts_as_much_more_slowly() {
+        let mut dog = started(0, 0);
+        dog.write(CFR, 0x7f | 7 << 11, 5 * 4_096);
+        assert_eq!(dog.read(CR, 5 * 4_096) & 0x7f, T6 + 5);
+        assert_eq!(dog.next_event(), 6 * 128 * 4_096);
+        dog.set_clock(CORE_HZ / 2, 5 * 4_096);
+        assert_eq!(dog.next_event(), 6 * 256 * 4_096);
+    }
+
+    #[test]
+    fn the_closed_window_and_a_counter_without_its_bit_reset() {
+        let mut dog = started(0, 0);
+        dog.write(CFR, 0x45, 0);
+        dog.write(CR, WDGA | T6 | 10, 4_096);
+        assert!(dog.bites(4_096));
+        let mut dog = started(0, 0);
+        dog.write(CR, WDGA | 0x3f, 1);
+        assert!(dog.bites(1));
+    }
+
+    #[test]
+    fn without_a_clock_nothing_counts() {
+        let mut dog = Wwdg::default();
+        dog.write(CR, WDGA | T6, 0);
+        assert_eq!((dog.next_event(), dog.read(CR, 1 << 40)), (NEVER, 0x7f));
+    }
+}
