@@ -268,10 +268,14 @@ impl Device {
 
     /// One tick of the calibration; without a motor to be aligned there is nothing to find out.
     fn calibrate(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
-        match &mut self.calibration {
-            Some(calibration) => calibration.tick(tick, count, report),
-            None => Progress::Done(Alignment::default()),
+        let config = self.configs.now();
+        if !config.aligns() {
+            return Progress::Done(Alignment::default());
         }
+        // Built by its first tick and not by the one that takes its settings, which has enough to do.
+        self.calibration
+            .get_or_insert_with(|| Calibration::new(config.calibration))
+            .tick(tick, count, report)
     }
 
     /// What a change of state brings with it; whether the current loop must be rebuilt.
@@ -295,18 +299,14 @@ impl Device {
             self.law = self.configs.now().law;
             self.fade = 0;
         }
+        self.calibration = None;
         if after != State::Calibrating {
-            self.calibration = None;
             return false;
         }
         let is_new = self.configs.turn();
         if is_new {
             self.supervisor.restart();
         }
-        let config = self.configs.now();
-        self.calibration = config
-            .aligns()
-            .then(|| Calibration::new(config.calibration));
         is_new
     }
 

@@ -1,5 +1,7 @@
 //! What is soldered around the chip: which pin sees what, at which scale.
 
+use touchstone_protocol::settings::EncoderKind;
+
 use crate::peripheral::encoder::{As5047p, Mt6701};
 use crate::peripheral::spi::Slave;
 use crate::peripheral::timer::gates::GateDriver;
@@ -26,6 +28,16 @@ pub enum Encoder {
 }
 
 impl Encoder {
+    /// As the settings know it.
+    #[must_use]
+    pub fn kind(self) -> EncoderKind {
+        match self {
+            Self::Incremental(_) => EncoderKind::Incremental,
+            Self::As5047p => EncoderKind::As5047p,
+            Self::Mt6701 => EncoderKind::Mt6701,
+        }
+    }
+
     pub(crate) fn slave(self) -> Option<Box<dyn Slave>> {
         match self {
             Self::Incremental(_) => None,

@@ -9,8 +9,8 @@ use touchstone_drive::encoder::{AS5047P_READ_ANGLE, EncoderKind, EncoderReading}
 const SELECT: usize = 2;
 /// 350 ns, the AS5047P's time between select and clock, and between two frames; cycles.
 const SETTLE: u32 = 60;
-/// Polls of a flag before the encoder counts as silent. A frame takes 3 us, a poll some 10 cycles.
-const POLLS: u32 = 500;
+/// Polls of a flag before the encoder counts as silent: a frame takes 512 cycles, a poll at least 8.
+const POLLS: u32 = 130;
 
 /// Takes the port.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
@@ -59,7 +59,9 @@ fn as5047p() -> EncoderReading {
         deselect();
         answer
     };
-    let answer = frame().and_then(|_| frame());
+    let asked = frame();
+    cortex_m::asm::delay(SETTLE);
+    let answer = asked.and_then(|_| frame());
     answer.map_or(EncoderReading::Silent, EncoderReading::As5047p)
 }
 
@@ -78,9 +80,9 @@ fn select() {
     cortex_m::asm::delay(SETTLE);
 }
 
+/// Until the next frame it must rest for [`SETTLE`]; until the next tick it does.
 fn deselect() {
     GPIOD.bsrr().write(|w| w.set_bs(SELECT, true));
-    cortex_m::asm::delay(SETTLE);
 }
 
 /// Takes away what a frame that was given up left behind: at most the four bytes of the queue.
