@@ -4,8 +4,8 @@
 //! switches off by itself when a current is too large, when the hardware break pulled, when the command is older than two
 //! control periods, or when it is itself too slow for the timer. What it saw goes back in a [`CurrentReport`].
 //!
-//! Compare values written in one period act in the next, and act on average in its middle: the voltage is turned by one and a
-//! half periods of the rotor's motion.
+//! Compare values act on average a whole period after the sample they are made of: the voltage is turned by a period of the
+//! rotor's motion ([`ACTS_AFTER_PERIODS`]).
 
 use crate::angle::Angle;
 use crate::modulation::Modulator;
@@ -158,6 +158,13 @@ pub struct CurrentConfig {
     /// PWM periods in a control period.
     pub periods_per_tick: u16,
 }
+
+/// From a sample to the middle of the time in which the compare values made of it act, PWM periods.
+///
+/// The currents are sampled while the counter is at its top, with all low sides on. The compare values are written on the way
+/// down, in time or it is a late period ([`CurrentSample::late`]), and taken over by the timer's update at the bottom, half a
+/// period after the sample. They act from that bottom to the next, around the top between them: a whole period after the sample.
+pub const ACTS_AFTER_PERIODS: u32 = 1;
 
 /// So many late periods in a row are a fault. One is noise: the current moves little in 50 us, and whatever held the loop up is
 /// over. A processor that is too slow for the loop is so in every period.
@@ -401,12 +408,11 @@ impl CurrentLoop {
             return Bridge::Off;
         }
 
-        let moved = |periods_times_2: i64| {
-            // 2^-32 turns to 2^-16, halves of periods to periods.
-            Angle(((i64::from(command.advance) * periods_times_2) >> 17) as u16)
+        let moved = |periods: u32| {
+            // 2^-32 turns to 2^-16.
+            Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
         };
-        let twice = i64::from(self.age) * 2;
-        let current = Rotation::of(command.angle.plus(moved(twice))).park(vector);
+        let current = Rotation::of(command.angle.plus(moved(self.age))).park(vector);
         let error = |wanted: Amps, is: Amps| {
             let limit = config.limit;
             wanted
@@ -431,8 +437,8 @@ impl CurrentLoop {
         let voltage = Dq { d: v_d, q: v_q };
         self.report.current = current;
         self.report.voltage = voltage;
-        // One and a half periods on, where it acts.
-        let vector = Rotation::of(command.angle.plus(moved(twice + 3))).back(voltage);
+        let acts = moved(self.age.saturating_add(ACTS_AFTER_PERIODS));
+        let vector = Rotation::of(command.angle.plus(acts)).back(voltage);
         Bridge::On(config.modulator.duties(vector, self.report.bus))
     }
 }

@@ -1,7 +1,7 @@
 //! A whole knob without a board: the drive's two interrupts around the simulated motor, in lock-step, as the firmware wires them.
 //!
 //! ```text
-//! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act in the next period
+//! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act from half a period later on
 //! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
 //! ```
 
@@ -87,7 +87,7 @@ impl<T: Tamper> Knob<T> {
     #[must_use]
     pub fn new(settings: &Settings, motor: MotorParameters, angle_rad: f64, tamper: T) -> Self {
         let hardware = &IHM08M1;
-        let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).expect("a plant");
+        let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).expect("a plant");
         let device = Device::new(settings, hardware).expect("settings");
         Self {
             current: CurrentLoop::new(device.current_config()),
@@ -154,7 +154,7 @@ impl<T: Tamper> Knob<T> {
         self.hardware_break |= sample.hardware_break;
         let out = self.current.tick(&sample);
         self.report = *self.current.report();
-        // Compare values are taken over at the period's end; off is off at once.
+        // Sampled at the counter's top; compare values are taken over at the bottom, half a period later. Off is off at once.
         self.acting = match (out.bridge, self.preloaded) {
             (touchstone_drive::Bridge::Off, _) => Drive::Off,
             (_, Drive::Off) => Drive::On(IHM08M1.modulator().zero()),
@@ -164,6 +164,8 @@ impl<T: Tamper> Knob<T> {
         if out.pend_control {
             self.control();
         }
+        self.rig.step(self.acting, self.rest_rad);
+        self.acting = self.preloaded;
         self.rig.step(self.acting, self.rest_rad);
         out.pend_control
     }

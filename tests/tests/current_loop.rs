@@ -1,7 +1,7 @@
 //! The current loop around the simulated motor: how fast, how exact, and what it does at its limits.
 
 use touchstone::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
-use touchstone::plant::{BareLinear, Device};
+use touchstone::plant::{BareLinear, Device, State};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{
@@ -35,7 +35,7 @@ impl Setup {
             rig: Rig::new(
                 GIMBAL,
                 Bridge::ideal(bus_v, IHM08M1.timer_top),
-                BareLinear::new(device, PERIOD_S).unwrap(),
+                BareLinear::new(device, PERIOD_S / 2.0).unwrap(),
                 0.0,
             ),
             motor: GIMBAL,
@@ -85,8 +85,10 @@ impl Setup {
                 Drive::On(duties),
             ),
         };
-        self.preloaded = next;
+        // Sampled at the counter's top; the timer takes what was written over at the bottom.
         self.rig.step(acting, 0.0);
+        self.preloaded = next;
+        self.rig.step(next, 0.0);
         out
     }
 
@@ -157,7 +159,7 @@ fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
     for _ in 0..4_000 {
         setup.period();
     }
-    let out = setup.period();
+    setup.period();
     assert!(
         setup.current.report().saturated.wrapping_sub(before) > 3_900,
         "{:?}",
@@ -208,6 +210,45 @@ fn the_torque_stands_while_the_motor_turns() {
         setup.period();
         let (d, q) = setup.rig.dq_a();
         assert!(d.abs() < 0.04 && (q - 1.0).abs() < 0.03, "{d} {q}");
+    }
+}
+
+#[test]
+fn the_voltage_acts_at_the_angle_it_is_made_for() {
+    // Turned from outside at 350 rad/s electrically: a period is one degree.
+    let omega = 350.0;
+    let mut setup = Setup::new(
+        &Device {
+            inertia_kg_m2: 1e3,
+            damping_n_m_s_per_rad: 0.0,
+            friction: None,
+        },
+        24.0,
+    );
+    setup.period();
+    setup.hold(0.0, 0.5);
+    *setup.rig.state_mut() = State::from_array([0.0, omega / f64::from(GIMBAL.pole_pairs)]);
+    for _ in 0..4_000 {
+        setup.period();
+    }
+    let mut mean = [0.0; 2];
+    for _ in 0..1_000 {
+        setup.period();
+        let voltage = setup.current.report().voltage;
+        mean[0] += voltage.d.to_num::<f64>() / 1_000.0;
+        mean[1] += voltage.q.to_num::<f64>() / 1_000.0;
+    }
+    // v = R i + j ω (L i + λ), with i along q.
+    let exact = [
+        -omega * GIMBAL.inductance_h * 0.5,
+        GIMBAL.resistance_ohm * 0.5 + omega * GIMBAL.flux_linkage_wb,
+    ];
+    // Half a period would turn 0.1 V of the one into the other.
+    for axis in 0..2 {
+        assert!(
+            (mean[axis] - exact[axis]).abs() < 0.02,
+            "{mean:?} for {exact:?}"
+        );
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{Injection, OFF_AT_FIRST_BAD, TICK, WATCHDOG, WHOLE_TICK, WINDOW_WATCHDOG, row};
+use super::{FAST_SHAFT, Injection, OFF_AT_FIRST_BAD, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use crate::peripheral::spi::SlaveFault;
@@ -258,23 +258,23 @@ pub const WITH_AS5047P: &[Injection] = &[
     row(
         "shaft turned at +90 rad/s",
         Free,
-        560,
+        845,
         Fault::Turned(90.0),
-        Off(WHOLE_TICK, &[OverSpeed]),
+        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "shaft turned at -90 rad/s",
         Pressed,
-        70,
+        880,
         Fault::Turned(-90.0),
-        Off(WHOLE_TICK, &[OverSpeed]),
+        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "shaft turned at +90 rad/s",
         Ready,
         810,
         Fault::Turned(90.0),
-        Off(WHOLE_TICK, &[OverSpeed]),
+        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "shaft held fast",
@@ -337,14 +337,14 @@ pub const WITH_AS5047P: &[Injection] = &[
         Pressed,
         50,
         Fault::Hang(CONTROL_TICK),
-        Off(2 * TICK + 1_000, &[Watchdog]),
+        Off(TICK, &[Watchdog]),
     ),
     row(
         "control tick hangs",
         Calibrating,
         900,
         Fault::Hang(CONTROL_TICK),
-        Off(2 * TICK + 1_000, &[Watchdog]),
+        Off(TICK, &[Watchdog]),
     ),
     row(
         "current loop hangs",
@@ -393,7 +393,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         Free,
         815,
         Fault::Undefined(CONTROL_TICK),
-        Reset(2 * TICK, &[Panic]),
+        Reset(TICK, &[Panic]),
     ),
     row(
         "undefined instruction, current loop",
@@ -442,7 +442,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         Free,
         280,
         Fault::Reboot,
-        Reset(5_000, &[]),
+        Reset(TICK, &[]),
     ),
     row(
         "20,000 random bytes",
