@@ -5,7 +5,7 @@ use touchstone_protocol::settings::{Decimal, DeviceSettings};
 use touchstone_protocol::{DeviceCommand, Phase, Request};
 
 use crate::bench::{Bench, MS, Setup};
-use crate::board::Encoder;
+use crate::board::{Board, Encoder};
 use crate::cpu::core::Cost;
 use crate::cpu::elf::Program;
 use crate::cpu::exception::Handler;
@@ -153,7 +153,7 @@ pub fn run(program: &Program) -> u8 {
     ];
     for encoder in encoders {
         let setup = Setup {
-            encoder,
+            board: Board::nucleo_g474re(encoder),
             ..Setup::default()
         };
         let mut bench = match Bench::new(program, &setup) {

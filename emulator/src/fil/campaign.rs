@@ -1,13 +1,12 @@
 //! Carries out injections, one after the other on the same device: each begins with the recovery from the one before.
 
 use touchstone::plant::MEDIUM;
-use touchstone_protocol::settings::{Decimal, EncoderKind};
+use touchstone_protocol::settings::Decimal;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
 
 use super::fault::Fault;
 use super::list::{Expect, Injection, When};
 use crate::bench::{Bench, MS, Setup, US};
-use crate::board::Encoder;
 use crate::cpu::elf::Program;
 
 /// What became of an injection.
@@ -38,11 +37,7 @@ impl Campaign {
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut bench = Bench::new(program, setup)?;
         bench.boot()?;
-        let kind = match setup.board.encoder {
-            Encoder::Incremental(_) => EncoderKind::Incremental,
-            Encoder::As5047p => EncoderKind::As5047p,
-            Encoder::Mt6701 => EncoderKind::Mt6701,
-        };
+        let kind = setup.board.encoder.kind();
         bench.configure(|settings| {
             settings.encoder.kind = kind;
             settings.calibration.electrical_turns_per_s = Decimal::lit("16");

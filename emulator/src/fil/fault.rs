@@ -179,9 +179,11 @@ impl Fault {
     #[must_use]
     pub fn lasts(self) -> Option<u64> {
         match self {
-            Self::Break(us) | Self::Comparator(_, us) | Self::Bus(_, us) | Self::Lost(_, us) | Self::HeldOff(us) => {
-                (us > 0).then_some(us * US)
-            }
+            Self::Break(us)
+            | Self::Comparator(_, us)
+            | Self::Bus(_, us)
+            | Self::Lost(_, us)
+            | Self::HeldOff(us) => (us > 0).then_some(us * US),
             Self::BreakWithin(..) => Some(US),
             _ => None,
         }

@@ -2,7 +2,9 @@
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{FAST_SHAFT, Injection, OFF_AT_FIRST_BAD, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
+use super::{
+    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, TICK, WATCHDOG, WINDOW_WATCHDOG, row,
+};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use crate::peripheral::spi::SlaveFault;
@@ -407,7 +409,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         Pressed,
         410,
         Fault::StackOverflow,
-        Reset(TICK, &[Panic, Watchdog]),
+        Reset(LOCKUP, &[Panic, Watchdog]),
     ),
     row(
         "supply sags to 2.5 V",

@@ -5,7 +5,7 @@
 
 use super::Expect::{Off, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Starting};
-use super::{Injection, TICK, WATCHDOG, row};
+use super::{Injection, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
 use crate::fil::fault::{CURRENT_LOOP, Fault};
 use touchstone_protocol::FaultCode::*;
 
@@ -26,7 +26,7 @@ pub const ASKED_FOR: &[Injection] = &[
         Pressed,
         90,
         Fault::Lost(ADC1_2, 0),
-        Reset(WATCHDOG, &[Watchdog]),
+        Reset(WINDOW_WATCHDOG, &[Watchdog]),
     ),
     row(
         "control tick comes no more",

@@ -2,7 +2,7 @@
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready, Starting};
-use super::{Injection, TICK, WATCHDOG, row};
+use super::{FAST_SHAFT, Injection, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL_ESC1};
 use touchstone_protocol::FaultCode::*;
@@ -130,14 +130,14 @@ pub const ON_ESC1: &[Injection] = &[
         Free,
         566,
         Fault::Turned(90.0),
-        Off(20_000, &[OverSpeed]),
+        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "processor 25 times slower",
         Free,
         655,
         Fault::Slow(25),
-        Reset(WATCHDOG, &[DeadlineMiss, StaleCommand, Watchdog]),
+        Reset(TICK, &[DeadlineMiss]),
     ),
     row(
         "storm of interrupts, serial port",
@@ -172,21 +172,21 @@ pub const ON_ESC1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
-        Off(2 * TICK + 1_000, &[Watchdog]),
+        Off(TICK, &[Watchdog]),
     ),
     row(
         "current loop hangs",
         Free,
         377,
         Fault::Hang(CURRENT_LOOP),
-        Reset(WATCHDOG, &[Watchdog]),
+        Reset(WINDOW_WATCHDOG, &[Watchdog]),
     ),
     row(
         "undefined instruction, control tick",
         Free,
         816,
         Fault::Undefined(CONTROL_TICK),
-        Reset(2 * TICK, &[Panic]),
+        Reset(TICK, &[Panic]),
     ),
     row(
         "undefined instruction, current loop",
