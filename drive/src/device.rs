@@ -53,7 +53,7 @@ pub struct ControlOutput {
     pub outputs: Outputs,
     /// For the current loop or the analogue output, see [`ControlOutput::mailbox`] and [`ControlOutput::analogue`].
     pub drive: DriveCommand,
-    /// Clear the timer's break flag, and the encoder's error flag: the fault was left by command.
+    /// Clear the timer's break flag: the fault was left by command.
     pub clear_latches: bool,
     /// The settings of this calibration differ from the last one's: rebuild the current loop from [`Device::current_config`]
     /// before its next sample. The bridge is off.

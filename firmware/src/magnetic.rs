@@ -3,7 +3,9 @@
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Ds, Frxth, Mstr};
 use embassy_stm32::pac::{GPIOD, SPI3};
 use embassy_stm32::{Peri, peripherals, rcc};
-use touchstone_drive::encoder::{AS5047P_READ_ANGLE, EncoderKind, EncoderReading};
+use touchstone_drive::encoder::{
+    AS5047P_READ_ANGLE, AS5047P_READ_ERRORS, EncoderKind, EncoderReading,
+};
 
 /// The chip select, PD2.
 const SELECT: usize = 2;
@@ -51,17 +53,19 @@ pub fn read(kind: EncoderKind) -> EncoderReading {
     }
 }
 
-/// Each frame is answered by the next: the first asks, the second brings the angle of now.
+/// Each frame is answered by the next: the first asks for the angle, the second brings that of now. It asks for the errors, which
+/// the next tick's first frame brings: nobody looks at them, but reading clears them. Otherwise the encoder would mark every
+/// angle as wrong after a single damaged frame.
 fn as5047p() -> EncoderReading {
-    let frame = || {
+    let frame = |word| {
         select();
-        let answer = exchange16(AS5047P_READ_ANGLE);
+        let answer = exchange16(word);
         deselect();
         answer
     };
-    let asked = frame();
+    let asked = frame(AS5047P_READ_ANGLE);
     cortex_m::asm::delay(SETTLE);
-    let answer = asked.and_then(|_| frame());
+    let answer = asked.and_then(|_| frame(AS5047P_READ_ERRORS));
     answer.map_or(EncoderReading::Silent, EncoderReading::As5047p)
 }
 

@@ -9,7 +9,7 @@ use static_cell::StaticCell;
 use touchstone_drive::{CurrentLoop, Device, ResetReason, Settings, wire};
 use touchstone_protocol::session::Session;
 use touchstone_protocol::settings::DeviceSettings;
-use touchstone_protocol::{FaultCode, flash};
+use touchstone_protocol::{Context, FaultCode, Phase, State, flash};
 
 use crate::control::{CONTROL, Control};
 use crate::interrupts::{self, CONTROL_LIVES, CURRENT_LIVES, LATE_PERIODS};
@@ -50,6 +50,12 @@ fn start(spawner: Spawner, mut board: Board) -> &'static mut CurrentLoop {
     // SAFETY: once, at the start; nobody else uses the processor's own peripherals.
     cycles::start(&mut unsafe { cortex_m::Peripherals::steal() });
     let reason = ResetReason::of(&crash::take_reset_flags());
+    defmt::info!(
+        "touchstone {=str} on {=str}, started after: {=str}",
+        env!("CARGO_PKG_VERSION"),
+        board::BOARD.name(),
+        touchstone_protocol::ResetReason::from(reason).words()
+    );
     let (session, are_refused) = session(&mut board.storage);
     let current = control(session.settings(), reason, are_refused);
     let device = Thread::new(board.storage, reason.into());
@@ -97,13 +103,34 @@ fn control(
     current
 }
 
+/// Tells a person with a probe where the device stands, whenever that changed. Not by the control tick: a log takes its time.
+fn tell_state(told: &mut Option<State>) {
+    let state = CONTROL.in_thread(|control| control.as_ref().map(|control| control.state));
+    if state == *told {
+        return;
+    }
+    *told = state;
+    match state {
+        Some(State::Fault(Context { code, tick, value })) => defmt::error!(
+            "fault {=u8} with {=i32} in tick {=u32}: see docs/faults.md",
+            code as u8,
+            value,
+            tick
+        ),
+        Some(state) => defmt::info!("{=str}", Phase::from(state).name()),
+        None => {}
+    }
+}
+
 /// Feeds the watchdog when every stage has shown a sign of life since the last feeding, and only then.
 async fn supervise() -> ! {
     let mut ticker = Ticker::every(SUPERVISION);
     let stages = [&CURRENT_LIVES, &CONTROL_LIVES, &LINK_LIVES];
     let mut late = 0;
+    let mut told = None;
     loop {
         ticker.next().await;
+        tell_state(&mut told);
         let now_late = LATE_PERIODS.load(Relaxed);
         if now_late != late {
             late = now_late;

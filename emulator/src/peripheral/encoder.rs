@@ -37,27 +37,45 @@ impl Angle {
     }
 }
 
-/// AS5047P: each frame answers the command of the frame before.
+/// AS5047P: each frame answers the command of the frame before. The error flag of every answer stays up until `ERRFL` is read.
 #[derive(Debug, Default)]
 pub struct As5047p {
     angle: Angle,
     command: u16,
+    /// `ERRFL`.
+    errors: u16,
 }
+
+/// Parity error in a frame, in `ERRFL`.
+const PARITY_ERROR: u16 = 1 << 2;
 
 impl Slave for As5047p {
     fn select(&mut self) {}
 
     fn exchange(&mut self, sent: u16, bits: u32) -> u16 {
-        let says_error = self.angle.fault == SlaveFault::SaysError;
+        if self.angle.fault == SlaveFault::SaysError {
+            self.errors |= PARITY_ERROR;
+        }
+        let flag = u16::from(self.errors != 0) << 14;
         let data = match self.command & 0x3fff {
             0x3fff | 0x3ffe => self.angle.count(),
-            // ERRFL.
-            0x0001 => u16::from(says_error) << 2,
+            0x0001 => std::mem::take(&mut self.errors),
             _ => 0,
         };
-        let data = data | u16::from(says_error) << 14;
+        let data = data | flag;
         let frame = data | ((data.count_ones() & 1) as u16) << 15;
-        self.command = sent;
+        self.command = match self.angle.fault {
+            SlaveFault::CommandDamaged => {
+                self.angle.fault = SlaveFault::None;
+                sent ^ 1
+            }
+            _ => sent,
+        };
+        if !self.command.count_ones().is_multiple_of(2) {
+            self.errors |= PARITY_ERROR;
+            // Not obeyed.
+            self.command = 0;
+        }
         self.angle.disturb(u32::from(frame), bits) as u16
     }
 
@@ -131,6 +149,20 @@ mod tests {
         assert_eq!(chip.exchange(0xffff, 16), 0x9000);
         chip.set_fault(SlaveFault::FlipBit(3));
         assert_eq!(chip.exchange(0xffff, 16), 0x9008);
+    }
+
+    #[test]
+    fn an_error_of_the_as5047p_stays_until_it_is_read() {
+        let mut chip = As5047p::default();
+        chip.exchange(0xffff, 16);
+        chip.set_fault(SlaveFault::CommandDamaged);
+        chip.exchange(0xffff, 16);
+        for _ in 0..3 {
+            assert_ne!(chip.exchange(0xffff, 16) & 1 << 14, 0);
+        }
+        chip.exchange(0x4001, 16);
+        assert_eq!(chip.exchange(0xffff, 16), 0x4004, "ERRFL, with the flag");
+        assert_eq!(chip.exchange(0xffff, 16) & 1 << 14, 0);
     }
 
     #[test]

@@ -41,6 +41,8 @@ pub enum SlaveFault {
     Jump(u16),
     /// The chip says that it has an error.
     SaysError,
+    /// The next command comes with a bit turned over: the chip keeps saying that it had an error until it is asked for it.
+    CommandDamaged,
 }
 
 /// The controller.

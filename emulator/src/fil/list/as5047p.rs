@@ -216,6 +216,13 @@ pub const WITH_AS5047P: &[Injection] = &[
         Off(OFF_AT_FIRST_BAD, &[EncoderStatus]),
     ),
     row(
+        "one frame to the encoder damaged",
+        Free,
+        275,
+        Fault::Encoder(SlaveFault::CommandDamaged),
+        GoesOn,
+    ),
+    row(
         "encoder's bus hangs",
         Pressed,
         999,
