@@ -7,7 +7,8 @@ use touchstone_drive::DacCode;
 
 use crate::board;
 
-/// Starts it at the middle, which is no torque. The pin is analogue after a reset already.
+/// Sets it up at the middle, which is no torque. The pin is analogue after a reset already, and is not driven before the first
+/// command: without such an amplifier the shield has a potentiometer there.
 pub fn start(_dac: Peri<'static, peripherals::DAC1>) {
     rcc::enable_and_reset::<peripherals::DAC1>();
     // RM0440: above 160 MHz of bus clock.
@@ -16,7 +17,6 @@ pub fn start(_dac: Peri<'static, peripherals::DAC1>) {
         w.set_mode(0, Mode::NORMAL_EXT_BUFEN);
     });
     set(DacCode::ZERO);
-    DAC1.cr().write(|w| w.set_en(0, true));
 }
 
 /// The amplifier off, its command in the middle.
@@ -26,10 +26,11 @@ pub fn off() {
     set(DacCode::ZERO);
 }
 
-/// The amplifier on, with this command.
+/// The amplifier on, with this command. The first one is no torque, as it fades in, while the converter wakes up (8 us).
 #[inline]
 pub fn on(code: DacCode) {
     set(code);
+    DAC1.cr().write(|w| w.set_en(0, true));
     board::enable_amplifier(true);
 }
 
