@@ -112,8 +112,9 @@ const OFF_AT_FIRST_BAD: u64 = TICK;
 /// A shaft at 90 rad/s makes 235 counts in a control period, and 161 are too many: a first reading may see 0.69 of a period and
 /// not be enough, the one after it is. And the PWM period in which its tick switches off, us.
 const FAST_SHAFT: u64 = 1_740;
-/// A lockup pulls the break in hardware: before the window watchdog, which would end it as well.
-const LOCKUP: u64 = 10;
+/// A lockup pulls the break in hardware, well before the window watchdog, which would end it as well. A stack that is at its end is
+/// used by the next interrupt, at most a PWM period later.
+const LOCKUP: u64 = 60;
 /// The window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since the last refresh, us.
 const WINDOW_WATCHDOG: u64 = 270;
 /// The independent watchdog at its slowest, and the longest time without a feeding before it counts (docs/firmware.md).
