@@ -7,8 +7,8 @@
 use touchstone_drive::mailbox::{CommandWords, ReportWords};
 use touchstone_drive::{
     CompactRecord, ControlInput, ControlOutput, CurrentCommand, CurrentConfig, CurrentLoop,
-    CurrentOutput, CurrentReport, CurrentSample, Cycles, Device, Hardware, ResetFlags, ResetReason,
-    Ring, Settings, SettingsError,
+    CurrentOutput, CurrentReport, CurrentSample, Device, Hardware, ResetFlags, ResetReason, Ring,
+    Settings, SettingsError,
 };
 
 /// Validates settings and computes everything.
@@ -83,11 +83,4 @@ pub fn oldest(ring: &mut Ring, index: usize) -> Option<CompactRecord> {
     let record = ring.get(index).map(CompactRecord::from_bytes);
     ring.thaw();
     record
-}
-
-/// A stage's cycles.
-#[inline(never)]
-pub fn stage(cycles: &mut Cycles, took: u32) -> u32 {
-    cycles.add(took);
-    cycles.mean()
 }

@@ -62,7 +62,7 @@ pub use record::Record;
 pub use reset::{ResetFlags, ResetReason};
 pub use ring::{CompactRecord, Ring};
 pub use settings::{Settings, SettingsError};
-pub use timing::{Cycles, TickTiming};
+pub use timing::TickTiming;
 
 pub use touchstone_control::Si;
 

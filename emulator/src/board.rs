@@ -56,8 +56,6 @@ pub enum Source {
     Bus,
     /// The driver's thermistor.
     Temperature,
-    /// The motor's thermistor.
-    MotorTemperature,
 }
 
 /// What is wrong between the world and the chip's pins.
@@ -178,7 +176,7 @@ impl Board {
         match source {
             Source::Current(phase) => self.current.0 + self.current.1 * world.current_a(*phase),
             Source::Bus => world.bridge.bus_v * self.bus_divider,
-            Source::Temperature | Source::MotorTemperature => thermistor_v(world.temperature_c),
+            Source::Temperature => thermistor_v(world.temperature_c),
         }
     }
 

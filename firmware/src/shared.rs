@@ -137,12 +137,3 @@ pub fn raise(most: &AtomicU32, value: u32) {
         most.store(value, Ordering::Relaxed);
     }
 }
-
-/// Adds one, for one writer, and stays at the largest value.
-#[inline]
-pub fn count(counter: &AtomicU32) {
-    counter.store(
-        counter.load(Ordering::Relaxed).saturating_add(1),
-        Ordering::Relaxed,
-    );
-}
