@@ -15,7 +15,8 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
                               boot, calibrate, arm, press, and all fault injections, on one board or both; those with one
                               of the TEXTs in `BOARD, ENCODER: INJECTION, STATE`
   boot ELF [b-g431b-esc1]     boot, calibrate, arm, press; on the other board with its program
-  cycles ELF                  instructions and table cycles of law, control interrupt, current loop; the stack
+  cycles [--nucleo-g474re ELF] [--b-g431b-esc1 ELF]
+                              instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS]
                               the serial port on a socket, in real time; --hand: a hand presses now and then";
@@ -28,7 +29,20 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
     let code = match words.split_first() {
-        Some((&"fil", options)) => campaign(options),
+        Some((&"fil", options)) => boards(options).map_or_else(
+            |code| code,
+            |(programs, only)| fil::report::run(&programs, &only),
+        ),
+        Some((&"cycles", options)) => boards(options).map_or_else(
+            |code| code,
+            |(programs, only)| {
+                if only.is_empty() {
+                    count::run(&programs)
+                } else {
+                    usage()
+                }
+            },
+        ),
         Some((command, [elf, more @ ..])) => match read(elf) {
             Ok(program) => other(command, &program, more),
             Err(code) => code,
@@ -50,8 +64,8 @@ fn read(elf: &str) -> Result<Program, u8> {
     })
 }
 
-/// `fil` and its options, in any order.
-fn campaign(mut options: &[&str]) -> u8 {
+/// The boards' programs and what `--only` names, in any order.
+fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Vec<&'a str>), u8> {
     let mut programs = Programs::default();
     let mut only = Vec::new();
     while let [option, value, more @ ..] = options {
@@ -63,19 +77,16 @@ fn campaign(mut options: &[&str]) -> u8 {
                 options = more;
                 continue;
             }
-            _ => return usage(),
+            _ => return Err(usage()),
         };
-        match read(value) {
-            Ok(program) => *place = Some(program),
-            Err(code) => return code,
-        }
+        *place = Some(read(value)?);
         options = more;
     }
     let is_none = programs.nucleo_g474re.is_none() && programs.b_g431b_esc1.is_none();
     if !options.is_empty() || is_none {
-        return usage();
+        return Err(usage());
     }
-    fil::report::run(&programs, &only)
+    Ok((programs, only))
 }
 
 /// The commands with one program.
@@ -99,7 +110,6 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
             };
             said(fil::report::boot(program, &setup))
         }
-        ("cycles", []) => count::run(program),
         ("serve", ["--tcp", address, more @ ..]) => {
             let (hand, for_s) = match serve_options(more) {
                 Ok(options) => options,

@@ -6,36 +6,20 @@ use std::process::Command;
 use crate::outcome::{Outcome, USAGE};
 use crate::{firmware, setup, shell};
 
-/// The board whose program is emulated where only one is.
-const BOARD: &str = "nucleo-g474re";
-
 /// What Unicorn and its bindings are built with.
 const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
 
 /// Debian's packages of them; the second has no program to be found by.
 pub const PACKAGES: [&str; 3] = ["clang", "libclang-dev", "cmake"];
 
-/// Builds the firmware and the emulator, calls the emulator with a command and the program; what it said last.
+/// Builds the firmware of all boards and the emulator, calls the emulator with a command and the programs; what it said last.
 pub fn call(command: &str, words: &[String]) -> Outcome {
-    let both = firmware_and_emulator(&[BOARD]);
-    both.map_or_else(
-        |outcome| outcome,
-        |(emulator, programs)| {
-            let mut call = shell::program(&emulator);
-            call.arg(command).args(programs).args(words);
-            last_line(&mut call)
-        },
-    )
-}
-
-/// The campaign on all boards.
-pub fn campaign(words: &[String]) -> Outcome {
     let both = firmware_and_emulator(&firmware::BOARDS);
     both.map_or_else(
         |outcome| outcome,
         |(emulator, programs)| {
             let mut call = shell::program(&emulator);
-            call.arg("fil");
+            call.arg(command);
             for (board, program) in firmware::BOARDS.iter().zip(programs) {
                 call.arg(format!("--{board}")).arg(program);
             }

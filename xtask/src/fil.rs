@@ -9,10 +9,10 @@ use crate::sabotage;
 pub fn run(args: &[String]) -> Outcome {
     match args {
         [] => match emulator::test() {
-            Outcome::Ok(_) => emulator::campaign(&[]),
+            Outcome::Ok(_) => emulator::call("fil", &[]),
             other => other,
         },
-        [option, _] if option == "--only" => emulator::campaign(args),
+        [option, _] if option == "--only" => emulator::call("fil", args),
         [option, rest @ ..] if option == "--sabotage" => sabotage::run(rest),
         _ => Outcome::Usage("cargo xtask fil [--only TEXT] | --sabotage [--only TEXT]".into()),
     }
