@@ -2,9 +2,7 @@
 //! value latched, and no way back to armed but through stop and calibration.
 
 use touchstone::motor::{Drive, GIMBAL};
-use touchstone_drive::{
-    ControlInput, CurrentSample, EncoderReading, ResetFlags, ResetReason, Settings, Si, TickTiming,
-};
+use touchstone_drive::{ControlInput, CurrentSample, EncoderReading, Settings, Si, TickTiming};
 use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::knob::{Knob, Tamper};
 
@@ -429,89 +427,4 @@ fn a_control_tick_that_hangs_does_not_leave_the_current_applied() {
     knob.tick();
     assert_eq!(knob.fault(), Some(FaultCode::StaleCommand));
     assert_eq!(knob.acting, Drive::Off);
-}
-
-#[test]
-fn what_the_start_tells() {
-    let cases = [
-        (
-            ResetFlags {
-                independent_watchdog: true,
-                pin: true,
-                ..ResetFlags::default()
-            },
-            Some((FaultCode::Watchdog, 0)),
-        ),
-        (
-            ResetFlags {
-                window_watchdog: true,
-                pin: true,
-                ..ResetFlags::default()
-            },
-            Some((FaultCode::Watchdog, 1)),
-        ),
-        (
-            ResetFlags {
-                brown_out: true,
-                pin: true,
-                memory_kept: true,
-                ..ResetFlags::default()
-            },
-            Some((FaultCode::BrownOut, 0)),
-        ),
-        (
-            ResetFlags {
-                software: true,
-                pin: true,
-                panic: Some(123),
-                ..ResetFlags::default()
-            },
-            Some((FaultCode::Panic, 123)),
-        ),
-        (
-            ResetFlags {
-                brown_out: true,
-                pin: true,
-                ..ResetFlags::default()
-            },
-            None,
-        ),
-        (
-            ResetFlags {
-                software: true,
-                pin: true,
-                memory_kept: true,
-                ..ResetFlags::default()
-            },
-            None,
-        ),
-        (
-            ResetFlags {
-                pin: true,
-                memory_kept: true,
-                ..ResetFlags::default()
-            },
-            None,
-        ),
-        (
-            ResetFlags {
-                brown_out: true,
-                pin: true,
-                panic: Some(5),
-                ..ResetFlags::default()
-            },
-            None,
-        ),
-    ];
-    for (flags, expected) in cases {
-        let mut knob = Knob::new(&settings(), GIMBAL, 0.0, touchstone_tests::knob::Honest);
-        knob.device.started(ResetReason::of(&flags));
-        knob.tick();
-        let fault = knob
-            .device
-            .fault()
-            .map(|context| (context.code, context.value));
-        assert_eq!(fault, expected, "{flags:?}");
-        assert_eq!(knob.acting, Drive::Off);
-    }
 }
