@@ -127,7 +127,7 @@ impl Default for Settings {
                 inductance_h: si!("0.003"),
                 torque_constant_nm_per_a: si!("0.25"),
                 current_limit_a: si!("2"),
-                // With a delay of 1.5 periods of 50 µs: no overshoot.
+                // No overshoot even with a delay of 1.5 periods of 50 µs; it is one (`current::ACTS_AFTER_PERIODS`).
                 current_bandwidth_hz: si!("600"),
             },
             analogue: AnalogueSettings {

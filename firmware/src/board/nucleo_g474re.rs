@@ -2,7 +2,7 @@
 //!
 //! Sources: UM2505 (the board); UM1996 (the shield) and its schematic, as open projects for it quote them (NuttX, oxifoc); the
 //! chip's data sheet DS12288 for which function a pin has. Not checked on a board by us. The shield joins PB15 to PA7's and PB14
-//! to PA6's net: both stay inputs, as they are after a reset.
+//! to PA6's net: both are left as they are after a reset, undriven.
 
 use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};

@@ -300,3 +300,23 @@ fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {
     file.flush()?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_protocol::{Board, Decimal};
+
+    #[test]
+    fn a_slow_calibration_of_many_pole_pairs_is_waited_for() {
+        let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+        // 16 turns there and back at 4 in a second.
+        settings.motor.pole_pairs = 15;
+        assert_eq!(
+            calibration_limit(&settings),
+            CALIBRATION_REST + Duration::from_secs(8)
+        );
+        settings.calibration.electrical_turns_per_s = Decimal::lit("0.8");
+        // 40 s and the rest, less what rounds 0.8 to its format.
+        assert!((54..=55).contains(&calibration_limit(&settings).as_secs()));
+    }
+}
