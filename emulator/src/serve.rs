@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use touchstone::plant::MEDIUM;
+use touchstone_world::plant::MEDIUM;
 use touchstone_protocol::Phase;
 
 use crate::bench::{Bench, MS, Setup};

@@ -5,14 +5,14 @@
 //! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
 //! ```
 
-use touchstone::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
-use touchstone::plant::{HeldLinear, MEDIUM};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,
     EncoderKind, EncoderReading, Record, Settings, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State};
+use touchstone_world::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
+use touchstone_world::plant::{HeldLinear, MEDIUM};
 
 /// PWM period, s.
 pub const PERIOD_S: f64 = 1.0 / 20_000.0;

@@ -4,13 +4,13 @@
 //! one way only, so a constant torque presses the knob into it; that moves the equilibrium inside the wall and changes nothing
 //! else in a linear loop. Whether a stiffness is stable is read off the growth of the oscillation around that equilibrium.
 
-use touchstone::plant::{self, Device};
-use touchstone::run::chain::{Amplifier, Crossing, Sensor};
-use touchstone::run::judge::Tick;
-use touchstone::run::plan::{self, Prepared, Visitor};
-use touchstone::run::wall::Wall;
-use touchstone::run::{self, Recorder};
-use touchstone::scene::{Motion, Scene};
+use touchstone_sim::run::chain::{Amplifier, Crossing, Sensor};
+use touchstone_sim::run::judge::Tick;
+use touchstone_sim::run::plan::{self, Prepared, Visitor};
+use touchstone_sim::run::wall::Wall;
+use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::scene::{Motion, Scene};
+use touchstone_world::plant::{self, Device};
 
 const INERTIA: f64 = 1e-4;
 const DAMPING: f64 = 5e-4;

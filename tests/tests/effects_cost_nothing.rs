@@ -7,8 +7,8 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use touchstone::run::{self, record::Trace};
-use touchstone::scene::Scene;
+use touchstone_sim::run::{self, record::Trace};
+use touchstone_sim::scene::Scene;
 
 /// Ticks between the two runs. Hash seeds make the start of a process differ by some hundred instructions.
 const TICKS: u64 = 50_000;
@@ -17,7 +17,7 @@ fn example() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     // The optimised program, as a user runs it.
     let built = Command::new(env!("CARGO"))
-        .args(["build", "--release", "--quiet", "--package", "touchstone"])
+        .args(["build", "--release", "--quiet", "--package", "touchstone-sim"])
         .args(["--example", "tick_cost", "--message-format=json"])
         .current_dir(root)
         .output()

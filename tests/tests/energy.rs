@@ -1,13 +1,13 @@
 //! Energy over ten million ticks: what the law's side adds up, what crossed the port, and where it all went.
 
-use touchstone::plant::{Coulomb, Device, HeldCoulomb, MEDIUM, Motion as _, State, Stepper};
-use touchstone::run::chain::{Crossing, ExactAngle, Flow, Ideal, Limited};
-use touchstone::run::judge::Tick;
-use touchstone::run::plan::Prepared;
-use touchstone::run::wall::Controlled;
-use touchstone::run::{self, Recorder};
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
+use touchstone_sim::run::chain::{Crossing, ExactAngle, Flow, Ideal, Limited};
+use touchstone_sim::run::judge::Tick;
+use touchstone_sim::run::plan::Prepared;
+use touchstone_sim::run::wall::Controlled;
+use touchstone_sim::run::{self, Recorder};
+use touchstone_world::plant::{Coulomb, Device, HeldCoulomb, MEDIUM, Motion as _, State, Stepper};
 
 const TICKS: u64 = 10_000_000;
 const PERIOD_S: f64 = 1e-3;
@@ -92,7 +92,7 @@ struct Observers {
 
 impl Recorder for Observers {
     const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, _: &impl touchstone::plant::Motion, _: f64, _: f64) {
+    fn take(&mut self, tick: &Tick, _: &impl touchstone_world::plant::Motion, _: f64, _: f64) {
         let (e, f) = (Position(tick.told_rad), Force(tick.force_n_m));
         self.exact.tick(e, f);
         self.thesis.tick(e, f);

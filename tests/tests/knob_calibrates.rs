@@ -1,12 +1,12 @@
 //! Calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses what it cannot believe.
 
 use std::f64::consts::TAU;
-use touchstone::motor::{GIMBAL, MotorParameters};
 use touchstone_drive::{
     ControlInput, CurrentSample, EncoderKind, EncoderReading, Reason, Settings,
 };
 use touchstone_protocol::{Command, FaultCode, State};
 use touchstone_tests::knob::{Honest, Knob, Tamper};
+use touchstone_world::motor::{GIMBAL, MotorParameters};
 
 fn settings(kind: EncoderKind, pole_pairs: u8) -> Settings {
     let mut settings = Settings::default();

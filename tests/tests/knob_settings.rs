@@ -1,10 +1,10 @@
 //! When settings count: from the next calibration on, and never after they were refused.
 
-use touchstone::motor::{Drive, GIMBAL};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{Device, Settings, Si};
 use touchstone_protocol::{Command, FaultCode, State};
 use touchstone_tests::knob::{Honest, Knob};
+use touchstone_world::motor::{Drive, GIMBAL};
 
 #[test]
 fn refused_settings_do_not_calibrate_until_there_are_others() {

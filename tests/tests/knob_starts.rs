@@ -1,9 +1,9 @@
 //! What a reset leaves behind: which starts are faults, and with which value.
 
-use touchstone::motor::{Drive, GIMBAL};
 use touchstone_drive::{ResetFlags, ResetReason, Settings};
 use touchstone_protocol::FaultCode;
 use touchstone_tests::knob::{Honest, Knob};
+use touchstone_world::motor::{Drive, GIMBAL};
 
 #[test]
 fn what_the_start_tells() {

@@ -3,15 +3,15 @@
 //! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
 //! alike: so a difference is the format's and not that of another trajectory.
 
-use touchstone::plant::Motion;
-use touchstone::run::judge::Tick;
-use touchstone::run::record::LawKind;
-use touchstone::run::settings::settings;
-use touchstone::run::wall::{Controlled, Wall};
-use touchstone::run::{self, Recorder};
-use touchstone::scene::Scene;
-use touchstone::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
+use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
+use touchstone_sim::run::judge::Tick;
+use touchstone_sim::run::record::LawKind;
+use touchstone_sim::run::settings::settings;
+use touchstone_sim::run::wall::{Controlled, Wall};
+use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::scene::Scene;
+use touchstone_world::plant::Motion;
 
 /// What the encoder read.
 struct Counts {

@@ -1,4 +1,4 @@
-//! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim`.
+//! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim/sim`.
 //!
 //! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks; the
 //! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
@@ -59,10 +59,10 @@ pub fn run(words: &[String]) -> Outcome {
             "cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS], TICKS below MORE_TICKS";
         return Outcome::Usage(usage.into());
     };
-    let folder = shell::root().join("host-sim/examples");
+    let folder = shell::root().join("host-sim/sim/examples");
     let source = folder.join(format!("{}.rs", plan.example));
     if !source.is_file() && !folder.join(&plan.example).join("main.rs").is_file() {
-        return Outcome::Failed(format!("host-sim has no example `{}`", plan.example));
+        return Outcome::Failed(format!("host-sim/sim has no example `{}`", plan.example));
     }
     if let Some(missing) = setup::missing_valgrind() {
         return missing;
@@ -73,7 +73,7 @@ pub fn run(words: &[String]) -> Outcome {
 /// Counts what was asked for: the configuration named by the arguments, or each that the example lists.
 fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     let mut build = shell::cargo_locked("build");
-    build.args(["--release", "--package", "touchstone", "--example"]);
+    build.args(["--release", "--package", "touchstone-sim", "--example"]);
     let built = shell::run(build.arg(&plan.example));
     if built.is_failure() {
         return Err(built);

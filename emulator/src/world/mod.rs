@@ -1,12 +1,12 @@
 //! What is outside of the board: motor, knob, hand, supply.
 //!
-//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim`; the currents follow every
+//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`; the currents follow every
 //! change of the bridge and every sample of a converter.
 
 use std::fmt;
 
-use touchstone::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
-use touchstone::plant::{
+use touchstone_world::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
+use touchstone_world::plant::{
     BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Motion as _, State, Stepper,
 };
 

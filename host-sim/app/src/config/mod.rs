@@ -1,0 +1,272 @@
+//! `touchstone config`: the settings of a device, one by one or all at once.
+
+mod toml_file;
+mod value;
+
+use super::out::{print, say};
+use super::port::PortOption;
+use clap::Subcommand;
+use std::path::{Path, PathBuf};
+use touchstone_device::Client;
+use touchstone_drive::wire::checked;
+use touchstone_protocol::settings::Invalid;
+use touchstone_protocol::settings::fields::{FIELDS, Field, field};
+use touchstone_protocol::{Board, DeviceSettings, Reply, Request};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::nearest;
+use value::Wrong;
+
+/// Options of `config`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    port: PortOption,
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Clone, Subcommand)]
+enum Action {
+    /// Shows settings: those named, those below a table such as `wall`, or all.
+    Get {
+        /// Paths of settings or tables.
+        paths: Vec<String>,
+    },
+    /// Changes one setting. It counts from the next calibration; `save` keeps it.
+    Set {
+        /// The path, e.g. wall.k_desired_n_m_per_rad.
+        path: String,
+        /// The value, in the unit of its name.
+        #[arg(allow_hyphen_values = true)]
+        value: String,
+    },
+    /// Writes all settings as TOML, with units, ranges and comments.
+    Export {
+        /// The file; without it, standard output.
+        file: Option<PathBuf>,
+    },
+    /// Takes settings from TOML: all are checked before any is changed. What the file leaves out stays as it is.
+    Import {
+        /// The file.
+        file: PathBuf,
+        /// Only checks, and shows what would change.
+        #[arg(long)]
+        dry_run: bool,
+    },
+    /// Back to the defaults of the board; `save` keeps them.
+    Defaults,
+    /// Keeps the settings in the device's flash.
+    Save,
+    /// Lists all settings with units, ranges and meanings; needs no device.
+    Schema {
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let connect = || options.port.connect();
+    match &options.action {
+        Action::Get { paths } => {
+            let shown = select(paths)?;
+            get(&mut connect()?, &shown)
+        }
+        Action::Set { path, value } => {
+            // What no device would accept needs none to be refused.
+            let field = known(path)?;
+            let bytes = value::parse(field, value).map_err(|wrong| option(path, wrong))?;
+            set(&mut connect()?, field, &bytes)
+        }
+        Action::Export { file } => export(&mut connect()?, file.as_deref()),
+        Action::Import { file, dry_run } => {
+            let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
+            // What is wrong for every device needs none to be refused.
+            toml_file::read(&text, file, &DeviceSettings::defaults(Board::NucleoG474re))?;
+            import(&mut connect()?, file, &text, *dry_run)
+        }
+        Action::Defaults => {
+            let mut client = connect()?;
+            let before = settings(&mut client)?;
+            client.tell(&Request::Defaults)?;
+            let after = settings(&mut client)?;
+            changed(&before, &after)
+        }
+        Action::Save => {
+            connect()?.tell(&Request::Save)?;
+            say!("saved");
+            Ok(())
+        }
+        Action::Schema { json } => schema(*json),
+    }
+}
+
+/// All settings of the device.
+pub fn settings(client: &mut Client) -> Result<DeviceSettings> {
+    match client.ask(&Request::GetAll)? {
+        Reply::Settings(settings) => Ok(settings),
+        other => Err(client.odd(&other)),
+    }
+}
+
+fn option(path: &str, (problem, fix): Wrong) -> Error {
+    Error::Option {
+        option: path.to_owned(),
+        problem,
+        fix,
+    }
+}
+
+/// The setting of a path.
+fn known(path: &str) -> Result<&'static Field> {
+    field(path).ok_or_else(|| option(path, unknown(path)))
+}
+
+/// Problem and fix for a path that no setting has.
+fn unknown(path: &str) -> Wrong {
+    let paths: Vec<&str> = FIELDS.iter().map(|field| field.path).collect();
+    let fix = match nearest(path, &paths) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "`touchstone config schema` lists all settings".into(),
+    };
+    ("there is no such setting".into(), fix)
+}
+
+/// The settings that paths of settings or tables name; all without any.
+fn select(paths: &[String]) -> Result<Vec<&'static Field>> {
+    let mut shown: Vec<&'static Field> = Vec::new();
+    for path in paths {
+        let table = format!("{path}.");
+        let before = shown.len();
+        shown.extend(
+            FIELDS
+                .iter()
+                .filter(|field| field.path == path || field.path.starts_with(&table)),
+        );
+        if shown.len() == before {
+            return Err(option(path, unknown(path)));
+        }
+    }
+    if paths.is_empty() {
+        shown.extend(FIELDS);
+    }
+    Ok(shown)
+}
+
+fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
+    let settings = settings(client)?;
+    for field in shown {
+        let value = value::shown(&settings, field);
+        say!("{} = {value}{}", field.path, value::unit(field));
+    }
+    Ok(())
+}
+
+fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
+    let before = settings(client)?;
+    let mut after = before.clone();
+    after
+        .set(field.path, bytes)
+        .map_err(|_| option(field.path, value::wanted(field)))?;
+    // The device's own check, before it is asked: its message is the same, and names what is to be done.
+    if let Err(invalid) = checked(&after, client.identity().board) {
+        let fix = "choose another value, or change several settings at once with: touchstone config import";
+        // A setting that was not named can be refused, for what the new value leaves it.
+        let problem = without_path(&invalid, field.path);
+        return Err(option(field.path, (problem, fix.into())));
+    }
+    client.tell(&Request::Set {
+        path: field.path,
+        value: bytes,
+    })?;
+    changed(&before, &after)
+}
+
+fn export(client: &mut Client, file: Option<&Path>) -> Result<()> {
+    let text = toml_file::write(&settings(client)?, client.identity());
+    let Some(file) = file else {
+        return print(format_args!("{text}"));
+    };
+    std::fs::write(file, text).map_err(|error| io(file, &error))?;
+    say!("{}: {} settings", file.display(), FIELDS.len());
+    Ok(())
+}
+
+fn io(file: &Path, error: &std::io::Error) -> Error {
+    Error::Io {
+        path: file.to_owned(),
+        problem: error.to_string(),
+        fix: "choose another file".into(),
+    }
+}
+
+/// Why a setting is refused, without its path where that stands before it anyway.
+fn without_path(invalid: &Invalid, path: &str) -> String {
+    let text = invalid.to_string();
+    let rest = text
+        .strip_prefix(path)
+        .and_then(|rest| rest.strip_prefix(" = ").or_else(|| rest.strip_prefix(": ")));
+    rest.map_or_else(|| text.clone(), str::to_owned)
+}
+
+fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result<()> {
+    let before = settings(client)?;
+    let (after, lines) = toml_file::read(text, file, &before)?;
+    if let Err(invalid) = checked(&after, client.identity().board) {
+        return Err(Error::File {
+            file: file.to_owned(),
+            // A setting that the file leaves out can be refused too, for what the file says of another.
+            line: lines.get(invalid.path.as_str()).copied().unwrap_or(1),
+            field: invalid.path.to_string(),
+            problem: without_path(&invalid, &invalid.path),
+            fix: "choose another value; nothing was changed".into(),
+        });
+    }
+    say!("{} of {} settings in the file", lines.len(), FIELDS.len());
+    if dry_run {
+        differences(&before, &after)?;
+        say!("nothing was written (--dry-run)");
+        return Ok(());
+    }
+    if before != after {
+        client.tell(&Request::SetAll(after.clone()))?;
+    }
+    changed(&before, &after)
+}
+
+/// Shows what differs, one line a setting.
+fn differences(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
+    for field in FIELDS {
+        let (old, new) = (value::shown(before, field), value::shown(after, field));
+        if old != new {
+            say!("{}: {old} -> {new}{}", field.path, value::unit(field));
+        }
+    }
+    Ok(())
+}
+
+/// Shows what was changed, and what that leaves to do.
+fn changed(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
+    differences(before, after)?;
+    if before == after {
+        say!("nothing to change");
+    } else {
+        say!("from the next calibration on; keep it with: touchstone config save");
+    }
+    Ok(())
+}
+
+fn schema(json: bool) -> Result<()> {
+    if json {
+        let list: Vec<serde_json::Value> = FIELDS.iter().map(value::json).collect();
+        say!("{:#}", serde_json::Value::from(list));
+        return Ok(());
+    }
+    for field in FIELDS {
+        say!("{}", field.path);
+        say!("    {}{}", value::range(field), value::unit(field));
+        say!("    {}", field.about);
+    }
+    Ok(())
+}

@@ -1,0 +1,130 @@
+//! One value between a person's text and the wire.
+
+use touchstone_protocol::DeviceSettings;
+use touchstone_protocol::settings::fields::{Field, Kind};
+use touchstone_protocol::settings::{Decimal, VALUE_MAX};
+use touchstone_sim::scene::{list, nearest};
+
+/// What is wrong with a text, and what would be right.
+pub type Wrong = (String, String);
+
+/// The value that a text stands for, as postcard has it. Numbers are exact: no float comes near them.
+pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
+    let mut buffer = [0; VALUE_MAX];
+    let no = |problem: String| Err((problem, wanted(field).1));
+    let outside = |value: &dyn std::fmt::Display| format!("{value} is outside {}", range(field));
+    let bytes = match field.kind {
+        Kind::Number { least, most } => match text.replace('_', "").parse::<Decimal>() {
+            Err(_) => return no(format!("`{text}` is no decimal number")),
+            Ok(value) if value < least || value > most => return no(outside(&value)),
+            Ok(value) => postcard::to_slice(&value, &mut buffer),
+        },
+        Kind::Whole { least, most } => match text.replace('_', "").parse::<u32>() {
+            Err(_) => return no(format!("`{text}` is no whole number")),
+            Ok(value) if value < least || value > most => return no(outside(&value)),
+            Ok(value) => postcard::to_slice(&value, &mut buffer),
+        },
+        Kind::Choice(words) => match (0_u32..).zip(words).find(|(_, word)| **word == text) {
+            Some((number, _)) => postcard::to_slice(&number, &mut buffer),
+            None => {
+                let fix = match nearest(text, words) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => wanted(field).1,
+                };
+                return Err((format!("`{text}` is none of its words"), fix));
+            }
+        },
+        Kind::Flag => match text.parse::<bool>() {
+            Err(_) => return no(format!("`{text}` is neither true nor false")),
+            Ok(flag) => postcard::to_slice(&flag, &mut buffer),
+        },
+    };
+    Ok(bytes.expect("VALUE_MAX bytes hold every value").to_vec())
+}
+
+/// Problem and fix for a value that is refused without a better reason.
+pub fn wanted(field: &Field) -> Wrong {
+    (
+        "is no value of this setting".into(),
+        format!("give {}{}", range(field), unit(field)),
+    )
+}
+
+/// What a setting may be, in words.
+pub fn range(field: &Field) -> String {
+    match field.kind {
+        Kind::Number { least, most } => format!("{least} to {most}"),
+        Kind::Whole { least, most } => format!("a whole number, {least} to {most}"),
+        Kind::Choice(words) => list(words),
+        Kind::Flag => "true or false".into(),
+    }
+}
+
+/// The unit with a space before it, or nothing.
+pub fn unit(field: &Field) -> String {
+    match field.unit {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
+/// The value of a setting, as [`parse`] takes it.
+pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
+    let mut buffer = [0; VALUE_MAX];
+    // The test below goes through the whole table.
+    let bytes = settings
+        .get(field.path, &mut buffer)
+        .expect("every field is a leaf");
+    match field.kind {
+        Kind::Number { .. } => postcard::from_bytes::<Decimal>(bytes).map(|it| it.to_string()),
+        Kind::Whole { .. } => postcard::from_bytes::<u32>(bytes).map(|it| it.to_string()),
+        Kind::Choice(words) => postcard::from_bytes::<u32>(bytes).map(|number| {
+            let word = words.get(number as usize).copied();
+            word.unwrap_or("unknown").to_owned()
+        }),
+        Kind::Flag => postcard::from_bytes::<bool>(bytes).map(|it| it.to_string()),
+    }
+    .expect("the leaf has the type that the table says")
+}
+
+/// A setting for programs.
+pub fn json(field: &Field) -> serde_json::Value {
+    use serde_json::json;
+    let value = match field.kind {
+        Kind::Number { least, most } => {
+            json!({ "type": "number", "min": least.to_string(), "max": most.to_string() })
+        }
+        Kind::Whole { least, most } => json!({ "type": "integer", "min": least, "max": most }),
+        Kind::Choice(words) => json!({ "type": "word", "words": words }),
+        Kind::Flag => json!({ "type": "boolean" }),
+    };
+    json!({ "path": field.path, "unit": field.unit, "about": field.about, "value": value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_protocol::Board;
+    use touchstone_protocol::settings::fields::FIELDS;
+
+    #[test]
+    fn every_value_is_read_as_it_is_shown() {
+        for board in Board::ALL {
+            let settings = DeviceSettings::defaults(board);
+            for field in FIELDS {
+                let text = shown(&settings, field);
+                let mut again = settings.clone();
+                let bytes = parse(field, &text).expect(field.path);
+                again.set(field.path, &bytes).expect(field.path);
+                assert_eq!(again, settings, "{}", field.path);
+                if let Kind::Choice(words) = field.kind {
+                    for word in words {
+                        let bytes = parse(field, word).expect(word);
+                        again.set(field.path, &bytes).expect(word);
+                        assert_eq!(shown(&again, field), *word);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,322 @@
+//! `touchstone device`: commands, state, fault, and the second before the fault.
+
+use super::config::settings;
+use super::out::say;
+use super::port::PortOption;
+use clap::Subcommand;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use touchstone_device::Client;
+use touchstone_protocol::{
+    Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Identity, Phase, Reply, Request,
+    ResetReason, RingRecord, Status,
+};
+use touchstone_sim::error::{Error, Result};
+
+/// What a calibration takes beside the turns of the field: offsets, alignment, pauses; with a reserve.
+const CALIBRATION_REST: Duration = Duration::from_secs(15);
+
+/// Options of `device`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    port: PortOption,
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Clone, Subcommand)]
+enum Action {
+    /// Who the device is, where it stands, and what it counted.
+    Status,
+    /// Finds direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
+    Calibrate {
+        /// Returns at once.
+        #[arg(long)]
+        no_wait: bool,
+    },
+    /// Switches the outputs on: the wall is there from now on.
+    Arm,
+    /// Switches the outputs off, keeps the calibration.
+    Disarm,
+    /// Switches off and forgets the calibration; clears a fault.
+    Stop,
+    /// Makes this position zero. Not while armed.
+    Zero,
+    /// Switches off and restarts the device.
+    Reboot,
+    /// The latched fault: what it means and where to read on.
+    Fault,
+    /// The last second before the fault, as CSV.
+    Ring {
+        /// The file to write.
+        #[arg(long, value_name = "CSV")]
+        out: PathBuf,
+    },
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let mut client = options.port.connect()?;
+    let mut command = |command| client.tell(&Request::Command(command));
+    match &options.action {
+        Action::Status => return status(&mut client),
+        Action::Calibrate { no_wait } => {
+            command(DeviceCommand::Calibrate)?;
+            if !no_wait {
+                return calibrated(&mut client);
+            }
+        }
+        Action::Arm => command(DeviceCommand::Arm)?,
+        Action::Disarm => command(DeviceCommand::Disarm)?,
+        Action::Stop => command(DeviceCommand::Stop)?,
+        Action::Zero => command(DeviceCommand::Zero)?,
+        Action::Reboot => {
+            command(DeviceCommand::Reboot)?;
+            say!("restarting");
+            return Ok(());
+        }
+        Action::Fault => return fault(&mut client),
+        Action::Ring { out } => return ring(&mut client, out),
+    }
+    say!("{}", status_of(&mut client)?.phase.name());
+    Ok(())
+}
+
+/// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
+fn calibration_limit(settings: &DeviceSettings) -> Duration {
+    let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
+    let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.0.to_num();
+    // Positive by its range; what is not is no reason to panic.
+    CALIBRATION_REST + Duration::try_from_secs_f64(turns / turns_per_s).unwrap_or_default()
+}
+
+/// Waits for the end of a calibration.
+fn calibrated(client: &mut Client) -> Result<()> {
+    let limit = calibration_limit(&settings(client)?);
+    let until = Instant::now() + limit;
+    loop {
+        let status = status_of(client)?;
+        let (problem, fix) = match status.phase {
+            Phase::Ready | Phase::Armed => {
+                say!("{}", status.phase.name());
+                return Ok(());
+            }
+            Phase::Calibrating if Instant::now() < until => {
+                std::thread::sleep(Duration::from_millis(50));
+                continue;
+            }
+            Phase::Calibrating => {
+                // Nobody waits for it any more, and the shaft is driven.
+                client.tell(&Request::Command(DeviceCommand::Stop))?;
+                (
+                    format!(
+                        "the calibration did not end within {} s, and was stopped",
+                        limit.as_secs()
+                    ),
+                    "look for what slows it: touchstone device ring; or wait longer by hand: touchstone device calibrate --no-wait",
+                )
+            }
+            Phase::Fault => (
+                format!(
+                    "the calibration ended with a fault: {}",
+                    status
+                        .fault
+                        .map_or("unknown".into(), |fault| name_of(&fault))
+                ),
+                "look at it: touchstone device fault",
+            ),
+            Phase::Boot | Phase::Stopped => (
+                "the calibration was stopped".to_owned(),
+                "start it again: touchstone device calibrate",
+            ),
+        };
+        return Err(Error::device(client.place(), problem, fix));
+    }
+}
+
+fn status_of(client: &mut Client) -> Result<Status> {
+    match client.ask(&Request::Status)? {
+        Reply::Status(status) => Ok(status),
+        other => Err(client.odd(&other)),
+    }
+}
+
+fn status(client: &mut Client) -> Result<()> {
+    say!("device    {}", described(client.identity()));
+    let last = client.identity().reset_reason;
+    say!("started   {}", started(last));
+    let status = status_of(client)?;
+    say!("state     {}", status.phase.name());
+    if let Some(fault) = status.fault {
+        say!("fault     {}", name_of(&fault));
+    }
+    let kept = if status.unsaved {
+        "changed and not saved: touchstone config save"
+    } else {
+        "as after a restart"
+    };
+    say!("settings  {kept}");
+    let Counters {
+        decode_errors,
+        telemetry_dropped,
+        ticks,
+        tick_cycles_max,
+        lateness_cycles_max,
+        current_loop_cycles_max,
+    } = match client.ask(&Request::Counters)? {
+        Reply::Counters(counters) => counters,
+        other => return Err(client.odd(&other)),
+    };
+    say!("ticks     {ticks}");
+    say!("longest   {tick_cycles_max} cycles a tick, {current_loop_cycles_max} a current loop");
+    say!("latest    {lateness_cycles_max} cycles after a tick was due");
+    say!("lost      {telemetry_dropped} telemetry records, {decode_errors} damaged requests");
+    Ok(())
+}
+
+/// Who it is, on one line.
+pub fn described(identity: &Identity) -> String {
+    use std::fmt::Write;
+    let mut number = String::new();
+    for byte in identity.unique_id {
+        // Writing into a string cannot fail.
+        let _ = write!(number, "{byte:02x}");
+    }
+    format!(
+        "{}, firmware {} ({:016x}), protocol {}, settings {}, number {number}",
+        identity.board.name(),
+        identity.firmware_version,
+        identity.build_hash,
+        identity.protocol_version,
+        identity.settings_version,
+    )
+}
+
+fn started(reason: ResetReason) -> String {
+    match reason {
+        ResetReason::Panic(place) => {
+            format!("after a panic of the firmware (place {place:#010x}): please report it")
+        }
+        other => format!("after: {}", other.words()),
+    }
+}
+
+/// The fault's code and name.
+pub fn name_of(fault: &Fault) -> String {
+    match fault.known() {
+        Some(code) => format!("{:02} {}", fault.code, page(code)),
+        None => format!(
+            "{:02}, which this version of the program does not know",
+            fault.code
+        ),
+    }
+}
+
+/// The name of a fault's page in `docs/faults/`, without its number.
+#[must_use]
+pub fn page(code: FaultCode) -> String {
+    let mut name = String::new();
+    for letter in format!("{code:?}").chars() {
+        if letter.is_ascii_uppercase() && !name.is_empty() {
+            name.push('-');
+        }
+        name.push(letter.to_ascii_lowercase());
+    }
+    name
+}
+
+fn fault(client: &mut Client) -> Result<()> {
+    let fault = match client.ask(&Request::Fault)? {
+        Reply::Fault(fault) => fault,
+        other => return Err(client.odd(&other)),
+    };
+    let Some(fault) = fault else {
+        say!("no fault");
+        return Ok(());
+    };
+    say!("fault  {}", name_of(&fault));
+    say!("tick   {}", fault.tick);
+    say!("value  {}", fault.value);
+    if let Some(code) = fault.known() {
+        say!("page   docs/faults/{:02}-{}.md", fault.code, page(code));
+    }
+    say!("clear  touchstone device stop");
+    Ok(())
+}
+
+/// Columns of the ring's CSV.
+const RING_COLUMNS: [&str; 7] = [
+    "tick_low_16_bits",
+    "count",
+    "force_n_m",
+    "current_q_a",
+    "lateness_cycles",
+    "limits_bits",
+    "state",
+];
+
+fn ring(client: &mut Client, out: &Path) -> Result<()> {
+    // All of it before a file is begun: a cut connection leaves nothing half-written.
+    let mut records: Vec<RingRecord> = Vec::new();
+    loop {
+        let first = u16::try_from(records.len()).unwrap_or(u16::MAX);
+        let chunk = match client.ask(&Request::Ring { first })? {
+            Reply::Ring(chunk) => chunk,
+            other => return Err(client.odd(&other)),
+        };
+        if chunk.records.is_empty() || chunk.first != first {
+            break;
+        }
+        records.extend(&chunk.records);
+        if records.len() >= usize::from(chunk.total) {
+            break;
+        }
+    }
+    write_ring(out, &records).map_err(|error| Error::Io {
+        path: out.to_owned(),
+        problem: error.to_string(),
+        fix: "choose another file with --out".into(),
+    })?;
+    say!("{}: {} ticks", out.display(), records.len());
+    Ok(())
+}
+
+fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {
+    let mut file = csv::Writer::from_path(out)?;
+    file.write_record(RING_COLUMNS)?;
+    for record in records {
+        let phase = Phase::ALL.get(usize::from(record.phase));
+        file.write_record([
+            record.tick.to_string(),
+            record.count.to_string(),
+            (f64::from(record.force) / 4096.0).to_string(),
+            (f64::from(record.current_q) / 1024.0).to_string(),
+            (u32::from(record.lateness_64) * 64).to_string(),
+            record.limits.to_string(),
+            phase.map_or("unknown", |phase| phase.name()).to_owned(),
+        ])?;
+    }
+    file.flush()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_protocol::{Board, Decimal};
+
+    #[test]
+    fn a_slow_calibration_of_many_pole_pairs_is_waited_for() {
+        let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+        // 16 turns there and back at 4 in a second.
+        settings.motor.pole_pairs = 15;
+        assert_eq!(
+            calibration_limit(&settings),
+            CALIBRATION_REST + Duration::from_secs(8)
+        );
+        settings.calibration.electrical_turns_per_s = Decimal::lit("0.8");
+        // 40 s and the rest, less what rounds 0.8 to its format.
+        assert!((54..=55).contains(&calibration_limit(&settings).as_secs()));
+    }
+}

@@ -1,0 +1,204 @@
+//! `touchstone doctor`: everything that a board needs, whether it is there, and how to get what is not.
+
+mod usb;
+
+use super::device::described;
+use super::flash::{BoardName, INSTALL};
+use super::out::print;
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use touchstone_device::{Address, Client, ports};
+use touchstone_protocol::PROTOCOL_VERSION;
+use touchstone_protocol::stored::LAYOUT_VERSION;
+use touchstone_sim::error::Error;
+
+/// The Cortex-M4 with its float unit.
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Options of `doctor`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Serial port or tcp:HOST:PORT; for a TCP port no probe is looked for.
+    #[arg(long, value_name = "PORT")]
+    port: Option<Address>,
+    /// Where the kernel shows USB devices; for tests.
+    #[arg(long, hide = true, default_value = "/sys")]
+    sysfs: PathBuf,
+    /// Where their nodes are; for tests.
+    #[arg(long, hide = true, default_value = "/dev")]
+    dev: PathBuf,
+}
+
+/// What was found of one thing.
+enum Found {
+    /// It is there.
+    There(String),
+    /// It is not, and how to get it.
+    Missing { problem: String, fix: String },
+    /// Not needed, or not to be told here.
+    Skipped(String),
+}
+
+use Found::{Missing, Skipped, There};
+
+/// Not there, and how to get it.
+fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
+    Missing {
+        problem: problem.into(),
+        fix: fix.into(),
+    }
+}
+
+/// Runs it. Exit code 0 if all is there, 1 if something is missing.
+#[must_use]
+pub fn main(options: &Options) -> ExitCode {
+    let mut lacks = 0;
+    let mut tell = |what: &str, found: Found| {
+        // A reader that has gone away still gets the exit code.
+        let _ = match found {
+            There(text) => print(format_args!("ok       {what:<14} {text}\n")),
+            Skipped(text) => print(format_args!("-        {what:<14} {text}\n")),
+            Missing { problem, fix } => {
+                lacks += 1;
+                let fix = fix.replace('\n', &format!("\n{:24}", ""));
+                print(format_args!(
+                    "MISSING  {what:<14} {problem}\n{:24}{fix}\n",
+                    ""
+                ))
+            }
+        };
+    };
+    tell(
+        "touchstone",
+        There(format!(
+            "{}, protocol {PROTOCOL_VERSION}, settings {LAYOUT_VERSION}",
+            env!("CARGO_PKG_VERSION")
+        )),
+    );
+    let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
+    // Behind a TCP port there is no board to be flashed.
+    let for_boards = |found| match found {
+        Missing { problem, .. } if tcp => Skipped(format!("{problem}; not needed for a TCP port")),
+        found => found,
+    };
+    tell("probe-rs", for_boards(probe_rs()));
+    tell("Rust target", for_boards(rust_target()));
+    for board in BoardName::value_variants() {
+        tell("firmware", firmware(*board));
+    }
+    if tcp {
+        tell("probe", Skipped("not needed for a TCP port".into()));
+    } else {
+        usb::look(&options.sysfs, &options.dev, &mut tell);
+    }
+    let address = port(options.port.as_ref(), &mut tell);
+    tell("device", device(address.as_ref()));
+    let _ = match lacks {
+        0 => print(format_args!("all there\n")),
+        1 => print(format_args!("1 thing is missing\n")),
+        _ => print(format_args!("{lacks} things are missing\n")),
+    };
+    ExitCode::from(u8::from(lacks > 0))
+}
+
+/// First line of what a program prints.
+fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(arguments).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    let line = text.lines().next()?.trim();
+    (output.status.success() && !line.is_empty()).then(|| line.to_owned())
+}
+
+fn probe_rs() -> Found {
+    match first_line("probe-rs", &["--version"]) {
+        Some(version) => There(version),
+        None => missing("not on the PATH", INSTALL),
+    }
+}
+
+fn rust_target() -> Found {
+    let Some(sysroot) = first_line("rustc", &["--print", "sysroot"]) else {
+        return missing("no rustc on the PATH", "install Rust: https://rustup.rs");
+    };
+    let version = first_line("rustc", &["--version"]).unwrap_or_default();
+    if Path::new(&sysroot)
+        .join("lib/rustlib")
+        .join(TARGET)
+        .is_dir()
+    {
+        There(format!("{TARGET}, {version}"))
+    } else {
+        missing(
+            format!("{TARGET} is not installed for {version}"),
+            format!("rustup target add {TARGET}"),
+        )
+    }
+}
+
+fn firmware(board: BoardName) -> Found {
+    let (name, program) = (board.name(), board.program());
+    if program.is_file() {
+        There(format!("{name}: {}", program.display()))
+    } else {
+        Skipped(format!(
+            "{name}: not built here yet: cargo xtask firmware --board {name}"
+        ))
+    }
+}
+
+/// The port to ask, if there is one.
+fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<Address> {
+    if let Some(address) = given {
+        tell("port", There(format!("{address}, as given")));
+        return Some(address.clone());
+    }
+    let ports = ports();
+    for port in &ports {
+        let about = format!("{} ({})", port.name, port.about.trim());
+        tell(
+            "port",
+            if port.st_link {
+                There(about)
+            } else {
+                Skipped(about)
+            },
+        );
+    }
+    match Address::given_or_found(None) {
+        Ok(address) => Some(address),
+        Err(Error::Device { problem, fix, .. }) => {
+            let fix = match ports.iter().any(|port| port.st_link) {
+                true => "choose one: touchstone doctor --port PORT".to_owned(),
+                false => fix.replace(", or see `touchstone doctor`", " by USB"),
+            };
+            tell("port", missing(problem, fix));
+            None
+        }
+        Err(other) => {
+            tell("port", missing(other.to_string(), "report this as a bug"));
+            None
+        }
+    }
+}
+
+fn device(address: Option<&Address>) -> Found {
+    let Some(address) = address else {
+        return Skipped("no port to ask it on".into());
+    };
+    match Client::connect(address) {
+        Ok(client) => There(described(client.identity())),
+        Err(Error::Device { problem, .. }) if problem.contains("ermission") => missing(
+            format!("{address}: {problem}"),
+            "sudo usermod -a -G dialout $USER, then log in again; or install the udev rule:\n"
+                .to_owned()
+                + usb::INSTALL_RULE,
+        ),
+        Err(Error::Device { problem, .. }) if problem.starts_with("no answer") => missing(
+            format!("{address}: {problem}"),
+            "flash the firmware: touchstone flash --board BOARD",
+        ),
+        Err(Error::Device { problem, fix, .. }) => missing(format!("{address}: {problem}"), fix),
+        Err(other) => missing(other.to_string(), "report this as a bug"),
+    }
+}

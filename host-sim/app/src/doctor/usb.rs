@@ -1,0 +1,98 @@
+//! The probe at the USB, as Linux shows it in its files; elsewhere probe-rs is asked.
+
+use super::{Found, Skipped, There, first_line, missing};
+use std::fs::{self, OpenOptions};
+use std::io::ErrorKind;
+use std::path::Path;
+use touchstone_device::is_st_link;
+
+/// STMicroelectronics, as in `idVendor`.
+const VENDOR_ST: &str = "0483";
+
+/// The rule, and how to install it. All ST-LINKs that probe-rs knows share these product numbers.
+pub const INSTALL_RULE: &str = "\
+sudo tee /etc/udev/rules.d/70-st-link.rules <<'RULE'
+SUBSYSTEM==\"usb\", ATTRS{idVendor}==\"0483\", ATTRS{idProduct}==\"374[48abdef]\", MODE=\"0660\", TAG+=\"uaccess\"
+SUBSYSTEM==\"usb\", ATTRS{idVendor}==\"0483\", ATTRS{idProduct}==\"375[23457]\", MODE=\"0660\", TAG+=\"uaccess\"
+SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"0483\", ATTRS{idProduct}==\"37[45][0-9a-f]\", MODE=\"0660\", TAG+=\"uaccess\"
+RULE
+sudo udevadm control --reload && sudo udevadm trigger
+then disconnect the board and connect it again";
+
+/// Looks for ST-LINKs and whether this user may use them.
+pub fn look(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
+    let devices = sysfs.join("bus/usb/devices");
+    let Ok(entries) = fs::read_dir(&devices) else {
+        tell("probe", elsewhere(&devices));
+        return;
+    };
+    let mut probes = 0;
+    let mut folders: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+    folders.sort();
+    for folder in folders {
+        let file =
+            |name: &str| fs::read_to_string(folder.join(name)).map(|text| text.trim().to_owned());
+        let (Ok(vendor), Ok(product)) = (file("idVendor"), file("idProduct")) else {
+            continue;
+        };
+        let number = u16::from_str_radix(&product, 16);
+        if vendor != VENDOR_ST || !number.is_ok_and(is_st_link) {
+            continue;
+        }
+        probes += 1;
+        let name = file("product").unwrap_or_else(|_| "ST-LINK".into());
+        let serial = file("serial").unwrap_or_default();
+        let about = format!("{name} {vendor}:{product} {serial}");
+        tell("probe", There(about.trim().to_owned()));
+        let place = file("busnum").and_then(|bus| Ok((bus, file("devnum")?)));
+        tell(
+            "permission",
+            match place {
+                Ok((bus, device)) => {
+                    let node = dev.join(format!("bus/usb/{bus:0>3}/{device:0>3}"));
+                    permission(&node)
+                }
+                Err(_) => Skipped("the kernel does not say where its node is".into()),
+            },
+        );
+    }
+    if probes == 0 {
+        tell(
+            "probe",
+            missing(
+                "no ST-LINK at the USB",
+                "connect the board by its ST-LINK's USB connector, with a cable that carries data",
+            ),
+        );
+    }
+}
+
+/// Whether a node may be read and written, by opening it so.
+fn permission(node: &Path) -> Found {
+    match OpenOptions::new().read(true).write(true).open(node) {
+        Ok(_) => There(format!("{} may be used", node.display())),
+        Err(error) if error.kind() == ErrorKind::PermissionDenied => missing(
+            format!("{} may not be used by this user", node.display()),
+            INSTALL_RULE,
+        ),
+        Err(error) => missing(
+            format!("{}: {error}", node.display()),
+            "connect the board again; in a container, hand the device in",
+        ),
+    }
+}
+
+/// Not Linux, or a container without USB.
+fn elsewhere(devices: &Path) -> Found {
+    match first_line("probe-rs", &["list"]) {
+        Some(line) if !line.contains("No debug probes") => There(line),
+        Some(line) => missing(line, "connect the board by its ST-LINK's USB connector"),
+        None => missing(
+            format!(
+                "{} cannot be read, and there is no probe-rs to ask",
+                devices.display()
+            ),
+            "connect the board; in a container, hand the USB in",
+        ),
+    }
+}

@@ -1,0 +1,134 @@
+//! `touchstone flash`: the firmware into a board. The work is done by probe-rs; its progress is shown as it is.
+
+use super::out::say;
+use clap::ValueEnum;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use touchstone_sim::error::{Error, Result};
+
+/// How to get probe-rs.
+pub const INSTALL: &str = "install it: cargo install probe-rs-tools --locked, or see https://probe.rs/docs/getting-started/installation";
+
+/// Options of `flash`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// The program; without it, what `cargo xtask firmware` built for the board.
+    elf: Option<PathBuf>,
+    /// The board.
+    #[arg(long)]
+    board: BoardName,
+    /// The probe if there are several: VID:PID or VID:PID:SERIAL, as `probe-rs list` shows it.
+    #[arg(long, value_name = "PROBE")]
+    probe: Option<String>,
+}
+
+/// The boards by their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BoardName {
+    /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
+    #[value(name = "nucleo-g474re")]
+    NucleoG474re,
+    /// B-G431B-ESC1.
+    #[value(name = "b-g431b-esc1")]
+    BG431bEsc1,
+}
+
+impl BoardName {
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NucleoG474re => "nucleo-g474re",
+            Self::BG431bEsc1 => "b-g431b-esc1",
+        }
+    }
+
+    /// Its microcontroller, as probe-rs calls it.
+    const fn chip(self) -> &'static str {
+        match self {
+            Self::NucleoG474re => "STM32G474RETx",
+            Self::BG431bEsc1 => "STM32G431CBUx",
+        }
+    }
+
+    /// Where `cargo xtask firmware` puts its program.
+    pub fn program(self) -> PathBuf {
+        let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+        PathBuf::from(folder)
+            .join("firmware")
+            .join(self.name())
+            .join("touchstone.elf")
+    }
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let board = options.board;
+    let program = options.elf.clone().unwrap_or_else(|| board.program());
+    let built = format!(
+        "build it: cargo xtask firmware --board {}, or name an ELF file",
+        board.name()
+    );
+    check(&program, &built)?;
+    say!("{} into {}", program.display(), board.chip());
+    let probe: Vec<&str> = options
+        .probe
+        .iter()
+        .flat_map(|probe| ["--probe", probe])
+        .collect();
+    let chip = ["--chip", board.chip()];
+    probe_rs(
+        Command::new("probe-rs")
+            .arg("download")
+            .args(chip)
+            .args(&probe)
+            .arg("--verify")
+            .arg(&program),
+    )?;
+    probe_rs(
+        Command::new("probe-rs")
+            .arg("reset")
+            .args(chip)
+            .args(&probe),
+    )?;
+    say!("flashed, verified and started");
+    Ok(())
+}
+
+/// Runs probe-rs to its end; it speaks for itself.
+fn probe_rs(command: &mut Command) -> Result<()> {
+    let wrong = |problem: String, fix: &str| Err(Error::device("probe-rs", problem, fix));
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => wrong(
+            format!("ended with {status}"),
+            "its message stands above; `touchstone doctor` looks for what is missing",
+        ),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            wrong("is not on the PATH".into(), INSTALL)
+        }
+        Err(error) => wrong(format!("cannot be run: {error}"), INSTALL),
+    }
+}
+
+/// Whether a file is a program for a Cortex-M, before anything is erased.
+fn check(program: &Path, built: &str) -> Result<()> {
+    /// Magic, 32 bits, little-endian.
+    const START: &[u8] = b"\x7fELF\x01\x01";
+    /// Machine: Arm.
+    const ARM: &[u8] = &[40, 0];
+    let wrong = |problem: String| Error::Io {
+        path: program.to_owned(),
+        problem,
+        fix: built.to_owned(),
+    };
+    let file = std::fs::read(program).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => wrong("there is no such program".into()),
+        _ => wrong(error.to_string()),
+    })?;
+    if file.starts_with(START) && file.get(18..20) == Some(ARM) {
+        Ok(())
+    } else {
+        Err(wrong("is no ELF program for a 32-bit Arm".into()))
+    }
+}

@@ -1,0 +1,308 @@
+//! `touchstone monitor`: what a device measures and does, live; every control tick as CSV.
+
+use super::config;
+use super::device::{name_of, page};
+use super::out::{is_read, print, say};
+use super::port::PortOption;
+use std::fs::File;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use touchstone_device::Client;
+use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
+use touchstone_sim::error::{Error, Result};
+
+/// A line of a terminal is overwritten this often; without a terminal there is a line a second.
+const LIVE: Duration = Duration::from_millis(100);
+const LOGGED: Duration = Duration::from_secs(1);
+/// A device that was told to send and is silent for so long is gone.
+const SILENCE_LIMIT: Duration = Duration::from_secs(2);
+
+/// Options of `monitor`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    port: PortOption,
+    /// Keeps every record that arrives as CSV.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Ends after so many seconds; without it, with Ctrl-C.
+    #[arg(long, value_name = "N")]
+    seconds: Option<f64>,
+    /// One record every so many control ticks.
+    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    decimation: u16,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    if options
+        .seconds
+        .is_some_and(|seconds| !(seconds > 0.0 && seconds <= 1e9))
+    {
+        return Err(Error::Option {
+            option: "--seconds".into(),
+            problem: "is no time".into(),
+            fix: "give more than 0".into(),
+        });
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    // Ends the loop, so that the file is whole and the device goes back to what it sent before.
+    ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)).map_err(|error| {
+        Error::device(
+            "Ctrl-C",
+            error.to_string(),
+            "end the other handler of the signal",
+        )
+    })?;
+    let mut client = options.port.connect()?;
+    let settings = config::settings(&mut client)?;
+    let mut table = match &options.csv {
+        Some(path) => Some(Table::new(path, settings.control.rate_hz)?),
+        None => None,
+    };
+    let dropped_before = dropped(&mut client)?;
+    let decimation = options.decimation;
+    client.tell(&Request::Telemetry { decimation })?;
+    client.forget_telemetry();
+    let watched = watch(&mut client, options, &stop, &mut table);
+    if let Some(table) = &mut table {
+        table.flush()?;
+    }
+    let counted = watched?;
+    // Back to what it does by itself; a device that just left has nothing to be set back.
+    client.tell(&Request::Telemetry {
+        decimation: settings.telemetry.decimation,
+    })?;
+    let dropped = dropped(&mut client)?.wrapping_sub(dropped_before);
+    say!("");
+    say!(
+        "{} records, {} lost on the way ({dropped} dropped by the device, {} frames damaged)",
+        counted.records,
+        counted.lost,
+        client.decode_errors()
+    );
+    if let Some(path) = &options.csv {
+        say!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// Records that the device's port could not carry so far.
+fn dropped(client: &mut Client) -> Result<u32> {
+    match client.ask(&Request::Counters)? {
+        Reply::Counters(counters) => Ok(counters.telemetry_dropped),
+        other => Err(client.odd(&other)),
+    }
+}
+
+/// What came and what did not.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Counted {
+    records: u64,
+    lost: u64,
+    last: Option<u32>,
+}
+
+impl Counted {
+    /// Takes a record; what is missing before it counts as lost.
+    fn take(&mut self, tick: u32, decimation: u16) {
+        if let Some(last) = self.last {
+            let steps = tick.wrapping_sub(last) / u32::from(decimation);
+            // Backwards: the device was restarted.
+            if steps < u32::MAX / 2 / u32::from(decimation) {
+                self.lost += u64::from(steps.saturating_sub(1));
+            }
+        }
+        self.records += 1;
+        self.last = Some(tick);
+    }
+}
+
+fn watch(
+    client: &mut Client,
+    options: &Options,
+    stop: &AtomicBool,
+    table: &mut Option<Table>,
+) -> Result<Counted> {
+    let live = std::io::stdout().is_terminal();
+    let every = if live { LIVE } else { LOGGED };
+    let begun = Instant::now();
+    let (mut counted, mut shown, mut heard) = (Counted::default(), None::<Instant>, begun);
+    let mut state = None;
+    say!("{HEADING}");
+    // With a file the run goes on when the reader of the screen has had enough.
+    while !stop.load(Ordering::Relaxed)
+        && (is_read() || table.is_some())
+        && options
+            .seconds
+            .is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
+    {
+        let Some(record) = client.next_telemetry()? else {
+            if heard.elapsed() > SILENCE_LIMIT {
+                return Err(Error::device(
+                    client.place(),
+                    "no telemetry for 2 s",
+                    "look with `touchstone device status`",
+                ));
+            }
+            continue;
+        };
+        heard = Instant::now();
+        counted.take(record.tick, options.decimation);
+        if let Some(table) = table {
+            table.take(&record)?;
+        }
+        let now = (record.phase, record.fault);
+        let changed = state.replace(now).is_some_and(|before| before != now);
+        if changed || shown.is_none_or(|shown| shown.elapsed() >= every) {
+            shown = Some(Instant::now());
+            let line = line(&record, counted.lost);
+            // What changed stays on the screen; what is only newer is written over.
+            match (live, changed) {
+                (true, false) => print(format_args!("\r{line}"))?,
+                (true, true) => print(format_args!("\r{line}\n"))?,
+                (false, _) => say!("{line}"),
+            }
+        }
+    }
+    Ok(counted)
+}
+
+const HEADING: &str = "      tick  state        depth mrad  force mN·m   energy mJ  current A  cycles    late      lost  limits, fault";
+
+fn line(record: &Telemetry, lost: u64) -> String {
+    let fault = match record.fault {
+        0 => String::new(),
+        code => name_of(&Fault {
+            code,
+            tick: record.tick,
+            value: 0,
+        }),
+    };
+    format!(
+        "{:>10}  {:<11} {:>11.3} {:>11.2} {:>11.4} {:>10.3} {:>7} {:>7} {:>9}  {} {fault:<24}",
+        record.tick,
+        record.phase.name(),
+        1e3 * record.penetration_rad.to_num::<f64>(),
+        1e3 * record.force_n_m.to_num::<f64>(),
+        1e3 * record.energy_j.0.to_num::<f64>(),
+        f64::from(record.current_q_ma) / 1e3,
+        record.cycles,
+        record.lateness_cycles,
+        lost,
+        limits(record.limits),
+    )
+}
+
+/// The limits that act, by their names.
+fn limits(bits: u8) -> String {
+    let limits = Limits::from_wire(bits);
+    let names: Vec<String> = Limit::ALL
+        .into_iter()
+        .filter(|limit| limits.has(*limit))
+        .map(|limit| format!("{limit:?}").to_lowercase())
+        .collect();
+    names.join("+")
+}
+
+/// Columns of the CSV.
+const COLUMNS: [&str; 13] = [
+    "tick",
+    "time_s",
+    "count",
+    "penetration_rad",
+    "force_n_m",
+    "offset_rad",
+    "energy_j",
+    "state",
+    "fault",
+    "limits",
+    "cycles",
+    "lateness_cycles",
+    "current_q_a",
+];
+
+/// The CSV of all records.
+struct Table {
+    file: csv::Writer<File>,
+    path: PathBuf,
+    rate_hz: u32,
+    first: Option<u32>,
+}
+
+impl Table {
+    fn new(path: &Path, rate_hz: u32) -> Result<Self> {
+        let wrong = |error: csv::Error| io(path, &error);
+        let mut file = csv::Writer::from_path(path).map_err(wrong)?;
+        file.write_record(COLUMNS).map_err(wrong)?;
+        Ok(Self {
+            file,
+            path: path.to_owned(),
+            rate_hz,
+            first: None,
+        })
+    }
+
+    /// Numbers in full: the decimal text of a fixed-point number is exact.
+    fn take(&mut self, record: &Telemetry) -> Result<()> {
+        let first = *self.first.get_or_insert(record.tick);
+        let time = f64::from(record.tick.wrapping_sub(first)) / f64::from(self.rate_hz);
+        let fault = match FaultCode::from_wire(record.fault) {
+            _ if record.fault == 0 => String::new(),
+            Some(code) => page(code),
+            None => record.fault.to_string(),
+        };
+        let written = self.file.write_record([
+            record.tick.to_string(),
+            time.to_string(),
+            record.count.to_string(),
+            record.penetration_rad.to_string(),
+            record.force_n_m.to_string(),
+            record.offset_rad.to_string(),
+            record.energy_j.to_string(),
+            Phase::name(record.phase).to_owned(),
+            fault,
+            limits(record.limits),
+            record.cycles.to_string(),
+            record.lateness_cycles.to_string(),
+            (f64::from(record.current_q_ma) / 1e3).to_string(),
+        ]);
+        written.map_err(|error| io(&self.path, &error))
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        let flushed = self.file.flush();
+        flushed.map_err(|error| io(&self.path, &error.into()))
+    }
+}
+
+fn io(path: &Path, error: &csv::Error) -> Error {
+    Error::Io {
+        path: path.to_owned(),
+        problem: error.to_string(),
+        fix: "choose another file with --csv".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Counted;
+
+    #[test]
+    fn gaps_count_across_the_wrap_and_a_restart_does_not() {
+        let mut counted = Counted::default();
+        for tick in [u32::MAX - 1, u32::MAX, 0, 3, 4, 0, 1] {
+            counted.take(tick, 1);
+        }
+        assert_eq!((counted.records, counted.lost), (7, 2));
+        let mut counted = Counted::default();
+        for tick in [10, 20, 40, 50] {
+            counted.take(tick, 10);
+        }
+        assert_eq!((counted.records, counted.lost), (4, 1));
+    }
+}

@@ -1,0 +1,170 @@
+//! `touchstone thesis`: the main job.
+
+use super::out::say;
+use crate::scene_options::check;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::time::Instant;
+use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
+use touchstone_lab::thesis::{self, COUNTS, GRIPS, STIFFNESSES, claims};
+use touchstone_sim::error::Result;
+use touchstone_sim::run::record::{LawKind, Run, Verdict};
+use touchstone_sim::scene::Scene;
+
+/// Options of `thesis`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Folder of the report.
+    #[arg(long, value_name = "DIR", default_value = "touchstone-report")]
+    out: PathBuf,
+    /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Refuses settings beyond a passivity bound instead of warning of them.
+    #[arg(long)]
+    strict_passive: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            out: PathBuf::from("touchstone-report"),
+            sets: Vec::new(),
+            strict_passive: false,
+        }
+    }
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let started = Instant::now();
+    let base = Scene::load("thesis-knob")?.with_overrides(&options.sets)?;
+    let warnings = check(&base, options.strict_passive)?;
+    let cells = thesis::cells(&base)?;
+    let bar = ProgressBar::new(cells.len() as u64 + 1).with_style(style());
+    bar.set_message("comparing laws");
+    let runs = thesis::run_all(&cells, || bar.inc(1))?;
+    bar.set_message("checking claims");
+    let claims = claims::check(&base, &runs)?;
+    bar.inc(1);
+    bar.finish_and_clear();
+
+    let plotted: Vec<Run> = runs
+        .iter()
+        .filter(|run| run.trace.is_some())
+        .cloned()
+        .collect();
+    say!("{}", table::render(&plotted, Colour::detect()).trim_end());
+    say!("");
+    say!("{}", others(&runs));
+    say!("");
+    say!("{}", claims_text(&claims).trim_end());
+
+    let k_critical = 2.0 * base.law.c_i_n_m_s_per_rad * f64::from(base.timing.rate_hz);
+    let section = claims_section(&claims);
+    let row_notes = row_notes();
+    let input = ReportInput {
+        title: "Stiff virtual walls on a knob: five control laws",
+        intro: "The thesis' comparison in one degree of freedom (§5.1), simulated: a light touch, then a press of 0.1 N·m, held \
+                and released. Medium grip and 40,000 counts are plotted; the other grips and a 14-bit encoder follow as tables.",
+        command: &super::command_line(),
+        k_critical: Some(k_critical),
+        runs: &runs,
+        notes: &warnings,
+        row_notes: &row_notes,
+        sections: &[section],
+    };
+    let written = report::write(&input, &options.out)?;
+    say!("");
+    say!(
+        "report  {}  ({} runs, {} files, {:.1} MB, {:.1} s)",
+        written.page.display(),
+        runs.len(),
+        written.files.len(),
+        written.bytes as f64 / 1e6,
+        started.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("{msg:16} [{bar:40}] {pos}/{len} runs  {elapsed}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+/// One line on the cells that have no plot.
+fn others(runs: &[Run]) -> String {
+    let rest: Vec<&Run> = runs.iter().filter(|run| run.trace.is_none()).collect();
+    let same = rest.iter().filter(|run| {
+        let twin = runs.iter().find(|other| {
+            other.trace.is_some()
+                && other.summary.law == run.summary.law
+                && other.summary.k_desired == run.summary.k_desired
+        });
+        let steady = |run: &Run| run.summary.verdict < Verdict::LimitCycle;
+        twin.is_some_and(|twin| steady(twin) == steady(run))
+    });
+    format!(
+        "The same for grips {} and encoders of {} and {} counts: {} of {} further runs agree on what comes to rest.",
+        GRIPS.join(", "),
+        COUNTS[0],
+        COUNTS[1],
+        same.count(),
+        rest.len()
+    )
+}
+
+fn claims_text(claims: &[claims::Claim]) -> String {
+    let mut text = format!(
+        "What the thesis claims in one degree of freedom ({} claims):\n",
+        claims.len()
+    );
+    for claim in claims {
+        text += &format!(
+            "  {:15} {:24} {}\n",
+            claim.outcome.name(),
+            claim.name,
+            claim.statement
+        );
+    }
+    text
+}
+
+fn claims_section(claims: &[claims::Claim]) -> Section {
+    Section {
+        title: "What the thesis claims, and what the simulation shows".to_owned(),
+        body: vec![
+            Block::Text("Each statement is checked against the runs of this report and a few more. One that does not reproduce is listed so.".to_owned()),
+            Block::Table {
+                caption: "Claims of the thesis in one degree of freedom".to_owned(),
+                header: ["Claim", "Where", "Statement", "Outcome", "Measured"].map(str::to_owned).to_vec(),
+                rows: claims
+                    .iter()
+                    .map(|claim| {
+                        vec![
+                            claim.name.to_owned(),
+                            claim.source.to_owned(),
+                            claim.statement.to_owned(),
+                            claim.outcome.name().to_owned(),
+                            claim.measured.clone(),
+                        ]
+                    })
+                    .collect(),
+            },
+        ],
+    }
+}
+
+fn row_notes() -> Vec<(f64, String)> {
+    let notes = [
+        "Fig. 5.2. Below k_v the enhanced law is a plain spring; original SFA needs an offset below zero and shows too much.",
+        "Fig. 5.3. The critical stiffness: what sampling shows unaided with this device and grip.",
+        "Fig. 5.4. Spring, TDPA and original SFA give energy away at every sample; FBA shows k_c instead.",
+        "Figs. 5.5 to 5.7. The equilibrium is pulled out of the wall until the displayed stiffness is k_de.",
+    ];
+    debug_assert_eq!(thesis::LAWS[4], LawKind::EnhancedSfa);
+    STIFFNESSES
+        .into_iter()
+        .zip(notes.map(str::to_owned))
+        .collect()
+}

@@ -1,0 +1,199 @@
+//! Where a device is: a serial port, by name or found by itself, or a TCP socket behind which there is one.
+
+use serialport::{SerialPortInfo, SerialPortType};
+use std::fmt;
+use std::str::FromStr;
+use touchstone_sim::error::{Error, Result};
+
+/// STMicroelectronics.
+const VENDOR_ST: u16 = 0x0483;
+
+/// Where a device is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Address {
+    /// A serial port by its name, e.g. `/dev/ttyACM0` or `COM3`.
+    Serial(String),
+    /// `HOST:PORT` of an emulator or a serial server.
+    Tcp(String),
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Address::Serial(name) => f.write_str(name),
+            Address::Tcp(socket) => write!(f, "tcp:{socket}"),
+        }
+    }
+}
+
+impl FromStr for Address {
+    type Err = String;
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.strip_prefix("tcp:") {
+            None if text.is_empty() => {
+                Err("is empty; give /dev/ttyACM0, COM3 or tcp:HOST:PORT".into())
+            }
+            None => Ok(Address::Serial(text.into())),
+            Some(socket) => match socket.rsplit_once(':') {
+                Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => {
+                    Ok(Address::Tcp(socket.into()))
+                }
+                _ => Err("is no HOST:PORT; give e.g. tcp:localhost:4000".into()),
+            },
+        }
+    }
+}
+
+/// A serial port that the system knows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Port {
+    /// Its name.
+    pub name: String,
+    /// Whether it is the virtual port of an ST-LINK.
+    pub st_link: bool,
+    /// What it is, for people.
+    pub about: String,
+}
+
+impl From<SerialPortInfo> for Port {
+    fn from(info: SerialPortInfo) -> Self {
+        match info.port_type {
+            SerialPortType::UsbPort(usb) => Port {
+                name: info.port_name,
+                // An ST-LINK shows itself by its name; ST's other virtual ports have the same vendor.
+                st_link: usb.vid == VENDOR_ST && is_st_link(usb.pid),
+                about: format!(
+                    "USB {:04x}:{:04x} {}",
+                    usb.vid,
+                    usb.pid,
+                    usb.product.unwrap_or_default()
+                ),
+            },
+            _ => Port {
+                name: info.port_name,
+                st_link: false,
+                about: "no USB port".into(),
+            },
+        }
+    }
+}
+
+/// The product numbers of ST-LINK/V2-1 and V3, with a virtual port or without.
+#[must_use]
+pub const fn is_st_link(product: u16) -> bool {
+    matches!(
+        product,
+        0x3744 | 0x3748 | 0x374a | 0x374b | 0x374d | 0x374e | 0x374f | 0x3752..=0x3755 | 0x3757
+    )
+}
+
+/// All serial ports, ST-LINKs first.
+#[must_use]
+pub fn ports() -> Vec<Port> {
+    let mut ports: Vec<Port> = serialport::available_ports()
+        .unwrap_or_default()
+        .into_iter()
+        .map(Port::from)
+        .collect();
+    ports.sort_by_key(|port| (!port.st_link, port.name.clone()));
+    ports
+}
+
+impl Address {
+    /// What was given, or the one ST-LINK port that there is.
+    ///
+    /// # Errors
+    /// None is given, and there is none or more than one.
+    pub fn given_or_found(given: Option<&Address>) -> Result<Address> {
+        match given {
+            Some(address) => Ok(address.clone()),
+            None => Self::among(&ports()),
+        }
+    }
+
+    /// The one ST-LINK port among these.
+    fn among(ports: &[Port]) -> Result<Address> {
+        let own: Vec<&Port> = ports.iter().filter(|port| port.st_link).collect();
+        let wrong = |problem: String, fix: &str| Err(Error::device("port", problem, fix));
+        match (own.as_slice(), ports) {
+            ([one], _) => Ok(Address::Serial(one.name.clone())),
+            ([], []) => wrong(
+                "there is no serial port".into(),
+                "connect the board, or see `touchstone doctor`",
+            ),
+            ([], _) => wrong(
+                format!("no ST-LINK among {}", names(ports.iter())),
+                "choose one with --port",
+            ),
+            (several, _) => wrong(
+                format!(
+                    "{} ST-LINKs: {}",
+                    several.len(),
+                    names(several.iter().copied())
+                ),
+                "choose one with --port",
+            ),
+        }
+    }
+}
+
+fn names<'p>(ports: impl Iterator<Item = &'p Port>) -> String {
+    let names: Vec<String> = ports
+        .map(|port| format!("{} ({})", port.name, port.about.trim()))
+        .collect();
+    names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn port(name: &str, st_link: bool) -> Port {
+        Port {
+            name: name.into(),
+            st_link,
+            about: "USB".into(),
+        }
+    }
+
+    #[test]
+    fn the_one_st_link_is_taken_and_of_several_none() {
+        let (a, b, c) = (port("a", true), port("b", false), port("c", true));
+        let found = Address::among(&[a.clone(), b.clone()]);
+        assert_eq!(found, Ok(Address::Serial("a".into())));
+        for (ports, part) in [
+            (vec![], "there is no serial port"),
+            (vec![b], "no ST-LINK among b (USB)"),
+            (vec![a, c], "2 ST-LINKs: a (USB), c (USB)"),
+        ] {
+            let error = Address::among(&ports).expect_err(part);
+            assert!(error.to_string().contains(part), "{error}");
+            assert_eq!(error.exit_code(), 1);
+        }
+    }
+
+    #[test]
+    fn addresses_come_back_as_written() {
+        for text in [
+            "/dev/ttyACM0",
+            "COM3",
+            "tcp:localhost:4000",
+            "tcp:[::1]:4000",
+        ] {
+            assert_eq!(
+                text.parse::<Address>().map(|a| a.to_string()),
+                Ok(text.into())
+            );
+        }
+        for text in [
+            "",
+            "tcp:",
+            "tcp:host",
+            "tcp::1",
+            "tcp:host:x",
+            "tcp:host:70000",
+        ] {
+            assert!(text.parse::<Address>().is_err(), "{text}");
+        }
+    }
+}

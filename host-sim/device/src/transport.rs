@@ -1,0 +1,125 @@
+//! Bytes to and from a device, with time limits.
+
+use super::Address;
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::Duration;
+use touchstone_sim::error::{Error, Result};
+
+/// The port's rate: 115,200 would not carry telemetry.
+const BAUD: u32 = 921_600;
+/// A read that found nothing returns after this.
+const PATIENCE: Duration = Duration::from_millis(20);
+/// A connection or a write that takes longer has failed.
+const LIMIT: Duration = Duration::from_secs(2);
+
+/// What a read gave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Received {
+    /// So many bytes.
+    Bytes(usize),
+    /// Nothing for some 20 ms.
+    Quiet,
+}
+
+/// Bytes to and from a device.
+pub trait Transport {
+    /// Waits for bytes, some 20 ms at most.
+    ///
+    /// # Errors
+    /// The connection is gone.
+    fn receive(&mut self, buffer: &mut [u8]) -> Result<Received>;
+
+    /// Sends all bytes.
+    ///
+    /// # Errors
+    /// The connection is gone, or takes nothing any more.
+    fn send(&mut self, bytes: &[u8]) -> Result<()>;
+}
+
+/// Opens the connection to a device.
+///
+/// # Errors
+/// There is none, or it may not be used.
+pub fn open(address: &Address) -> Result<Box<dyn Transport>> {
+    match address {
+        Address::Serial(name) => serial(name),
+        Address::Tcp(socket) => tcp(socket),
+    }
+}
+
+fn serial(name: &str) -> Result<Box<dyn Transport>> {
+    let port = serialport::new(name, BAUD).timeout(PATIENCE).open();
+    let stream = port.map_err(|error| {
+        let fix = match error.kind() {
+            serialport::ErrorKind::NoDevice => {
+                "connect the board, or choose another port with --port"
+            }
+            serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
+                "`touchstone doctor` shows how to get the permission"
+            }
+            serialport::ErrorKind::Io(ErrorKind::NotFound) => {
+                "connect the board, or choose another port with --port"
+            }
+            _ => "close what else uses it, or see `touchstone doctor`",
+        };
+        Error::device(name, format!("cannot be opened: {error}"), fix)
+    })?;
+    Ok(Box::new(Stream {
+        stream,
+        name: name.into(),
+    }))
+}
+
+fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
+    let name = format!("tcp:{socket}");
+    let refused = |error: std::io::Error| {
+        let fix = "start the emulator or the serial server, or give its HOST:PORT";
+        Error::device(&*name, format!("cannot be reached: {error}"), fix)
+    };
+    let place = socket.to_socket_addrs().map_err(refused)?.next();
+    let place = place.ok_or_else(|| refused(ErrorKind::NotFound.into()))?;
+    let stream = TcpStream::connect_timeout(&place, LIMIT).map_err(refused)?;
+    stream.set_read_timeout(Some(PATIENCE)).map_err(refused)?;
+    stream.set_write_timeout(Some(LIMIT)).map_err(refused)?;
+    // A request is one small frame that waits for its answer.
+    stream.set_nodelay(true).map_err(refused)?;
+    Ok(Box::new(Stream { stream, name }))
+}
+
+/// Anything that reads and writes within a time.
+struct Stream<S> {
+    stream: S,
+    name: String,
+}
+
+impl<S: Read + Write> Stream<S> {
+    fn gone(&self, why: impl std::fmt::Display) -> Error {
+        let fix =
+            "connect it again; a board that resets itself shows why in `touchstone device status`";
+        Error::device(&*self.name, format!("the connection is gone: {why}"), fix)
+    }
+}
+
+impl<S: Read + Write> Transport for Stream<S> {
+    fn receive(&mut self, buffer: &mut [u8]) -> Result<Received> {
+        match self.stream.read(buffer) {
+            Ok(0) => Err(self.gone("its other end closed it")),
+            Ok(count) => Ok(Received::Bytes(count)),
+            Err(error) => match error.kind() {
+                ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => {
+                    Ok(Received::Quiet)
+                }
+                _ => Err(self.gone(error)),
+            },
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        let sent = self
+            .stream
+            .write_all(bytes)
+            .and_then(|()| self.stream.flush());
+        sent.map_err(|error| self.gone(error))
+    }
+}

@@ -1,0 +1,91 @@
+//! A trace as CSV: one header line, one line a tick, columns of [`COLUMNS`].
+
+use std::io::{self, Write};
+
+use super::columns::{self, COLUMNS};
+use touchstone_sim::run::record::Trace;
+
+/// Writes `trace`. Every number has as many digits as it takes to read the very same `f64` back; what does not exist is `NaN`.
+///
+/// # Errors
+/// What the system said when writing failed.
+pub fn write(out: impl Write, trace: &Trace) -> io::Result<()> {
+    let mut csv = ::csv::Writer::from_writer(out);
+    csv.write_record(COLUMNS.iter().map(|column| column.name))?;
+    let values: Vec<&[f64]> = COLUMNS
+        .iter()
+        .map(|column| (column.values)(trace))
+        .collect();
+    for row in 0..columns::len(trace) {
+        for column in &values {
+            csv.write_field(Decimal::new(column[row]).as_str())?;
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}
+
+/// A number's shortest exact decimal form, with an exponent where plain digits would be long.
+struct Decimal {
+    text: [u8; 32],
+    len: usize,
+}
+
+impl Decimal {
+    fn new(value: f64) -> Self {
+        let mut decimal = Decimal {
+            text: [0; 32],
+            len: 0,
+        };
+        let mut rest = &mut decimal.text[..];
+        // `{:?}` turns to an exponent below 1e-5 and from 1e16; at most 24 characters, and NaN is `NaN`.
+        write!(rest, "{value:?}").expect("an f64 in 32 characters");
+        decimal.len = 32 - rest.len();
+        decimal
+    }
+
+    fn as_str(&self) -> &str {
+        std::str::from_utf8(&self.text[..self.len]).expect("digits are ASCII")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::synthetic;
+    use touchstone_sim::run::record::LawKind;
+
+    #[test]
+    fn reads_back_to_the_bit() {
+        let mut trace = synthetic::run(LawKind::Spring, 5.0, 0.2).trace.unwrap();
+        trace.force_n_m[3] = -f64::MIN_POSITIVE / 3.0;
+        trace.force_n_m[4] = -f64::MAX;
+        let mut file = Vec::new();
+        write(&mut file, &trace).unwrap();
+        let mut csv = ::csv::Reader::from_reader(&file[..]);
+        assert_eq!(
+            csv.headers().unwrap(),
+            COLUMNS.iter().map(|c| c.name).collect::<Vec<_>>()
+        );
+        let mut read = vec![Vec::new(); COLUMNS.len()];
+        for record in csv.records() {
+            for (column, field) in read.iter_mut().zip(&record.unwrap()) {
+                column.push(field.parse::<f64>().unwrap());
+            }
+        }
+        assert_eq!(read[0].len(), 200);
+        for (column, read) in COLUMNS.iter().zip(&read) {
+            for (a, b) in (column.values)(&trace).iter().zip(read) {
+                assert!(
+                    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()),
+                    "{}: {a} {b}",
+                    column.name
+                );
+            }
+        }
+        assert!(
+            trace.energy_observed_j[0].is_nan(),
+            "the spring has no observer, so NaN was tried too"
+        );
+    }
+}

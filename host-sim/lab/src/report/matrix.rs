@@ -1,0 +1,121 @@
+//! Sorts runs into tables: one for each set of conditions, desired stiffness downwards, laws across.
+
+use super::label::{Condition, law_order};
+use touchstone_sim::run::record::{LawKind, Run};
+
+/// Runs under the same conditions as a table of `k_de` × law.
+pub struct Matrix {
+    /// What the runs share.
+    pub condition: Condition,
+    /// The parts of `condition` that are not the same throughout the report; empty if there is one table only.
+    pub distinction: String,
+    /// Rows: desired stiffness, N·m/rad, rising.
+    pub stiffnesses: Vec<f64>,
+    /// Columns.
+    pub laws: Vec<LawKind>,
+    /// `cells[row][column]` holds indices into the runs, several if the same cell was run more than once.
+    pub cells: Vec<Vec<Vec<usize>>>,
+}
+
+impl Matrix {
+    /// All runs of a row, left to right.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
+        self.cells[row].iter().flatten().copied()
+    }
+}
+
+/// The tables of a report, in the order in which their conditions first appear.
+pub fn matrices(runs: &[Run]) -> Vec<Matrix> {
+    let conditions: Vec<Condition> = runs.iter().map(|run| Condition::of(&run.summary)).collect();
+    let mut distinct: Vec<&Condition> = Vec::new();
+    for condition in &conditions {
+        if !distinct.contains(&condition) {
+            distinct.push(condition);
+        }
+    }
+    let varies: Vec<bool> = (0..5)
+        .map(|part| {
+            distinct
+                .iter()
+                .any(|c| c.parts[part] != distinct[0].parts[part])
+        })
+        .collect();
+    distinct
+        .iter()
+        .map(|&condition| {
+            let members: Vec<usize> = (0..runs.len())
+                .filter(|&index| conditions[index] == *condition)
+                .collect();
+            let mut stiffnesses: Vec<f64> = members
+                .iter()
+                .map(|&index| runs[index].summary.k_desired)
+                .collect();
+            stiffnesses.sort_by(f64::total_cmp);
+            stiffnesses.dedup();
+            let mut laws: Vec<LawKind> = members
+                .iter()
+                .map(|&index| runs[index].summary.law)
+                .collect();
+            laws.sort_by_key(|&law| law_order(law));
+            laws.dedup();
+            let at = |k: f64, law: LawKind| {
+                let here = |&&i: &&usize| {
+                    runs[i].summary.law == law && runs[i].summary.k_desired.total_cmp(&k).is_eq()
+                };
+                members.iter().filter(here).copied().collect()
+            };
+            let cells = stiffnesses
+                .iter()
+                .map(|&k| laws.iter().map(|&law| at(k, law)).collect())
+                .collect();
+            let parts = condition
+                .parts
+                .iter()
+                .zip(&varies)
+                .filter(|(_, varies)| **varies);
+            Matrix {
+                condition: condition.clone(),
+                distinction: parts
+                    .map(|(part, _)| part.as_str())
+                    .collect::<Vec<_>>()
+                    .join(" · "),
+                stiffnesses,
+                laws,
+                cells,
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::synthetic;
+
+    #[test]
+    fn one_table_for_each_condition() {
+        let mut runs = Vec::new();
+        for grip in ["medium", "light"] {
+            for (law, k) in [
+                (LawKind::Tdpa, 5.0),
+                (LawKind::Spring, 0.5),
+                (LawKind::Spring, 5.0),
+            ] {
+                let mut run = synthetic::run(law, k, 0.01);
+                run.summary.grip = grip.to_owned();
+                runs.push(run);
+            }
+        }
+        let tables = matrices(&runs);
+        assert_eq!(tables.len(), 2);
+        assert_eq!(tables[1].distinction, "light grip");
+        assert_eq!(tables[0].stiffnesses, [0.5, 5.0]);
+        assert_eq!(tables[0].laws, [LawKind::Spring, LawKind::Tdpa]);
+        assert_eq!(
+            tables[0].cells,
+            [vec![vec![1], vec![]], vec![vec![2], vec![0]]]
+        );
+        assert_eq!(tables[1].row(1).collect::<Vec<_>>(), [5, 3]);
+        assert!(matrices(&[]).is_empty());
+    }
+}

@@ -1,0 +1,215 @@
+//! A trace as Parquet, for pandas, polars, DuckDB and the like: doubles, with units and the run's summary in the metadata.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
+use ::parquet::data_type::DoubleType;
+use ::parquet::errors::ParquetError;
+use ::parquet::file::metadata::KeyValue;
+use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::schema::types::Type;
+
+use super::columns::{self, COLUMNS};
+use super::label::law_key;
+use touchstone_sim::run::record::{Run, Trace};
+
+/// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can
+/// still be read in parts.
+const GROUP: usize = 60_000;
+
+/// Writes the trace of `run`.
+///
+/// File metadata: `scene`, `law`, `summary` (the run of `results.json`), `units` (column to unit), `columns` (column to
+/// meaning); the last three are JSON. What does not exist is NaN, not null: columns stay plain vectors.
+///
+/// # Errors
+/// What the system said when writing failed.
+pub fn write(out: impl Write + Send, run: &Run, trace: &Trace) -> io::Result<()> {
+    write_file(out, run, trace).map_err(|error| match error {
+        // The system's own error is wrapped; its kind is what decides on the advice given to the user.
+        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
+            Ok(error) => *error,
+            Err(other) => io::Error::other(other),
+        },
+        other => io::Error::other(other),
+    })
+}
+
+fn write_file(out: impl Write + Send, run: &Run, trace: &Trace) -> Result<(), ParquetError> {
+    let fields = COLUMNS
+        .iter()
+        .map(|column| {
+            let field = Type::primitive_type_builder(column.name, Physical::DOUBLE);
+            field
+                .with_repetition(Repetition::REQUIRED)
+                .build()
+                .map(Arc::new)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let schema = Type::group_type_builder("trace")
+        .with_fields(fields)
+        .build()?;
+    let mut file = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties(run)))?;
+    let len = columns::len(trace);
+    // An empty trace still has its columns, so it gets no group and stays readable.
+    for start in (0..len).step_by(GROUP) {
+        let end = len.min(start + GROUP);
+        let mut group = file.next_row_group()?;
+        for column in COLUMNS {
+            let mut writer = group.next_column()?.expect("as many columns as the schema");
+            writer.typed::<DoubleType>().write_batch(
+                &(column.values)(trace)[start..end],
+                None,
+                None,
+            )?;
+            writer.close()?;
+        }
+        group.close()?;
+    }
+    file.close()?;
+    Ok(())
+}
+
+fn properties(run: &Run) -> WriterProperties {
+    let map = |value: fn(&columns::Column) -> &'static str| {
+        let map: serde_json::Map<_, _> = COLUMNS
+            .iter()
+            .map(|c| (c.name.to_owned(), value(c).into()))
+            .collect();
+        serde_json::Value::Object(map).to_string()
+    };
+    let summary = serde_json::to_string(&run.summary)
+        .expect("a summary has only string keys and plain values");
+    let entries = [
+        ("scene", run.summary.scene.clone()),
+        ("law", law_key(run.summary.law).to_owned()),
+        ("summary", summary),
+        ("units", map(|column| column.unit)),
+        ("columns", map(|column| column.meaning)),
+    ];
+    WriterProperties::builder()
+        .set_created_by(concat!("touchstone ", env!("CARGO_PKG_VERSION")).to_owned())
+        .set_compression(Compression::SNAPPY)
+        // Samples hardly repeat, so a dictionary is wasted. Splitting doubles into byte planes puts slowly changing signs and
+        // exponents side by side, which Snappy then packs.
+        .set_dictionary_enabled(false)
+        .set_encoding(Encoding::BYTE_STREAM_SPLIT)
+        .set_key_value_metadata(Some(
+            entries
+                .into_iter()
+                .map(|(key, value)| KeyValue::new(key.to_owned(), value))
+                .collect(),
+        ))
+        .build()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+
+    use ::parquet::column::reader::ColumnReader;
+    use ::parquet::file::reader::{FileReader, SerializedFileReader};
+
+    use super::*;
+    use crate::report::synthetic;
+    use touchstone_sim::run::record::LawKind;
+
+    /// Writes and reads back: columns and metadata.
+    fn round_trip(run: &Run, name: &str) -> (Trace, Vec<(String, String)>, usize) {
+        let path =
+            std::env::temp_dir().join(format!("touchstone-{}-{name}.parquet", std::process::id()));
+        write(
+            File::create(&path).unwrap(),
+            run,
+            run.trace.as_ref().unwrap(),
+        )
+        .unwrap();
+        let file = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        let meta = file.metadata().file_metadata();
+        let names: Vec<&str> = meta
+            .schema_descr()
+            .columns()
+            .iter()
+            .map(|c| c.name())
+            .collect();
+        assert_eq!(names, COLUMNS.iter().map(|c| c.name).collect::<Vec<_>>());
+        let pairs = meta.key_value_metadata().unwrap().iter();
+        let pairs = pairs
+            .map(|pair| (pair.key.clone(), pair.value.clone().unwrap()))
+            .collect();
+        let mut read = vec![Vec::new(); COLUMNS.len()];
+        for group in 0..file.num_row_groups() {
+            let group = file.get_row_group(group).unwrap();
+            for (index, column) in read.iter_mut().enumerate() {
+                let ColumnReader::DoubleColumnReader(mut reader) =
+                    group.get_column_reader(index).unwrap()
+                else {
+                    panic!("not a column of doubles");
+                };
+                reader.read_records(usize::MAX, None, None, column).unwrap();
+            }
+        }
+        (columns::from_columns(read), pairs, file.num_row_groups())
+    }
+
+    fn assert_same(a: &Trace, b: &Trace) {
+        for column in COLUMNS {
+            let bits = |trace| {
+                (column.values)(trace)
+                    .iter()
+                    .map(|v: &f64| v.to_bits())
+                    .collect::<Vec<_>>()
+            };
+            assert_eq!(bits(a), bits(b), "{}", column.name);
+        }
+    }
+
+    #[test]
+    fn reads_back_to_the_bit_with_metadata() {
+        let run = synthetic::run(LawKind::Tdpa, 2.5, 0.5);
+        let (read, meta, groups) = round_trip(&run, "short");
+        assert_same(run.trace.as_ref().unwrap(), &read);
+        assert_eq!(groups, 1);
+        let value = |key: &str| meta.iter().find(|pair| pair.0 == key).unwrap().1.clone();
+        assert_eq!(value("law"), "tdpa");
+        assert_eq!(value("scene"), run.summary.scene);
+        let units: serde_json::Value = serde_json::from_str(&value("units")).unwrap();
+        assert_eq!(units["force_n_m"], "N·m");
+        let summary: serde_json::Value = serde_json::from_str(&value("summary")).unwrap();
+        assert_eq!(summary["k_desired"], 2.5);
+    }
+
+    #[test]
+    fn a_long_trace_has_several_groups_and_an_empty_one_none() {
+        let mut run = synthetic::run(LawKind::Spring, 1.0, 0.01);
+        let column = |c: usize| (0..GROUP + 5).map(|i| (i * (c + 1)) as f64 * 0.1).collect();
+        run.trace = Some(columns::from_columns(
+            (0..COLUMNS.len()).map(column).collect(),
+        ));
+        let (read, _, groups) = round_trip(&run, "long");
+        assert_same(run.trace.as_ref().unwrap(), &read);
+        assert_eq!(groups, 2);
+        run.trace = Some(Trace::default());
+        let (read, _, groups) = round_trip(&run, "empty");
+        assert_eq!((columns::len(&read), groups), (0, 0));
+    }
+
+    #[test]
+    fn a_full_disk_keeps_its_kind() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::StorageFull.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let run = synthetic::run(LawKind::Spring, 1.0, 0.01);
+        let error = write(Full, &run, run.trace.as_ref().unwrap()).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+    }
+}

@@ -1,0 +1,291 @@
+//! What the plots show of one run: where it touches the wall, its displayed stiffness, its path, and axes that suit it.
+
+use super::svg::Range;
+use touchstone_sim::run::record::{Run, Trace};
+
+/// Stretches of a path of (angle, force), rad and N·m.
+pub type Strokes = Vec<Vec<(f64, f64)>>;
+
+/// What can be seen of one run: its trace with what all plots need to know about it.
+pub struct View<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Its trace.
+    pub trace: &'a Trace,
+    /// Critical stiffness, N·m/rad.
+    pub k_critical: Option<f64>,
+    /// Samples from the first to the last one with a force or inside the wall.
+    pub contact: std::ops::Range<usize>,
+    /// Below this penetration |f|/e is not drawn, rad.
+    pub shallow: f64,
+}
+
+/// Ends of the axes, SI.
+#[derive(Debug, Clone, Copy)]
+pub struct Ranges {
+    /// Time, s.
+    pub time: Range,
+    /// HIP angle near the wall, rad.
+    pub angle: Range,
+    /// Force, N·m.
+    pub force: Range,
+    /// Displayed stiffness, N·m/rad.
+    pub stiffness: Range,
+    /// True and observed energy, J.
+    pub energy: Range,
+}
+
+impl Ranges {
+    /// One set of axes for two runs that are to be compared.
+    pub fn union(self, other: Ranges) -> Self {
+        Ranges {
+            time: self.time.union(other.time),
+            angle: self.angle.union(other.angle),
+            force: self.force.union(other.force),
+            stiffness: self.stiffness.union(other.stiffness),
+            energy: self.energy.union(other.energy),
+        }
+    }
+}
+
+impl<'a> View<'a> {
+    /// `None` if the run kept no trace.
+    pub fn new(run: &'a Run, k_critical: Option<f64>) -> Option<Self> {
+        let trace = run
+            .trace
+            .as_ref()
+            .filter(|trace| super::columns::len(trace) > 0)?;
+        let touches =
+            |&i: &usize| trace.force_n_m[i] != 0.0 || trace.angle_rad[i] > trace.surface_rad[i];
+        let mut touching = (0..super::columns::len(trace)).filter(touches);
+        let first = touching.next();
+        let contact = first.map_or(0..0, |first| {
+            first..touching.next_back().unwrap_or(first) + 1
+        });
+        let deepest = contact
+            .clone()
+            .map(|i| trace.angle_rad[i] - trace.surface_rad[i])
+            .fold(0.0, f64::max);
+        // At a count or less the quotient is one of two or three values and says nothing (the singularity of thesis (2.13)).
+        // Without an encoder there is no such grain; a thousandth of the penetration keeps 0/0 out.
+        let shallow = run
+            .summary
+            .encoder_counts_per_rev
+            .map_or(deepest / 1000.0, |counts| {
+                2.0 * std::f64::consts::TAU / counts
+            });
+        Some(View {
+            run,
+            trace,
+            k_critical,
+            contact,
+            shallow,
+        })
+    }
+
+    /// Samples.
+    fn len(&self) -> usize {
+        super::columns::len(self.trace)
+    }
+
+    /// Undeformed surface at the first contact, rad. Only where there is a contact.
+    pub fn surface(&self) -> f64 {
+        self.trace.surface_rad[self.contact.start]
+    }
+
+    /// Measured penetration, what the law acts on, rad.
+    fn penetration(&self, index: usize) -> f64 {
+        self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
+    }
+
+    /// |f|/e, NaN where the penetration is too small to say, N·m/rad.
+    pub fn displayed(&self, index: usize) -> f64 {
+        let e = self.penetration(index);
+        // A hair of slack: two counts exactly, in f64, may come out a bit below.
+        if e > 0.0 && e >= self.shallow * (1.0 - 1e-9) {
+            self.trace.force_n_m[index].abs() / e
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// Axes that show this run well by itself.
+    pub fn ranges(&self) -> Ranges {
+        let trace = self.trace;
+        let k_de = self.run.summary.k_desired;
+        // Where a force acts: free flight before and after would squeeze the wall into a corner.
+        let acting = self
+            .contact
+            .clone()
+            .filter(|&i| trace.force_n_m[i] != 0.0)
+            .map(|i| trace.angle_rad[i]);
+        let whole = || Range::of(trace.angle_rad.iter().copied());
+        let angle = if self.contact.is_empty() {
+            whole()
+        } else {
+            Range::of(acting).with(self.surface())
+        };
+        let force = Range::of(trace.force_n_m.iter().copied()).with(0.0);
+        let mut shown: Vec<f64> = self
+            .contact
+            .clone()
+            .map(|i| self.displayed(i))
+            .filter(|k| k.is_finite())
+            .collect();
+        shown.sort_by(f64::total_cmp);
+        // The highest few values come from the shallowest contacts; they may leave the plot, k_de and k_c may not.
+        let high = shown
+            .get(shown.len() * 98 / 100)
+            .copied()
+            .unwrap_or(0.0)
+            .min(2.0 * k_de);
+        let top = high
+            .max(k_de)
+            .max(self.k_critical.unwrap_or(0.0).min(2.0 * k_de));
+        let energy = Range::of(
+            trace
+                .energy_true_j
+                .iter()
+                .chain(&trace.energy_observed_j)
+                .copied(),
+        )
+        .with(0.0);
+        Ranges {
+            time: Range::of(trace.time_s.iter().copied()),
+            angle: angle.padded(0.12, 0.06),
+            force: force.padded(0.05, 0.08),
+            stiffness: Range {
+                min: 0.0,
+                max: 1.15 * top,
+            },
+            energy: energy.padded(0.06, 0.08),
+        }
+    }
+
+    /// `values` against time.
+    pub fn over_time<'b>(&'b self, values: &'b [f64]) -> impl Iterator<Item = (f64, f64)> + 'b {
+        self.trace
+            .time_s
+            .iter()
+            .copied()
+            .zip(values.iter().copied())
+    }
+
+    /// The path of (angle, force), parted where the motion turns by more than `hysteresis` (rad).
+    ///
+    /// Between samples the force is held while the device moves on, so the path is a staircase, and the area that it encloses
+    /// is the true energy of the port. Straight lines between samples would hide just what makes a stiff wall active.
+    pub fn strokes(&self, hysteresis: f64) -> (Strokes, Strokes) {
+        let (angle, force) = (&self.trace.angle_rad, &self.trace.force_n_m);
+        let mut parts: (Strokes, Strokes) = Default::default();
+        // One sample more on either side, so that the way in and out of contact is seen.
+        let from = self.contact.start.saturating_sub(1);
+        let to = (self.contact.end + 1).min(self.len());
+        let mut put = |inbound: bool, stretch: std::ops::RangeInclusive<usize>| {
+            let (first, last) = stretch.into_inner();
+            if last > first {
+                let mut steps = vec![(angle[first], force[first])];
+                for i in first + 1..=last {
+                    steps.extend([(angle[i], force[i - 1]), (angle[i], force[i])]);
+                }
+                if inbound {
+                    parts.0.push(steps)
+                } else {
+                    parts.1.push(steps)
+                }
+            }
+        };
+        let (mut start, mut extreme, mut inbound) = (from, from, true);
+        for i in from..to {
+            let back = if inbound {
+                angle[extreme] - angle[i]
+            } else {
+                angle[i] - angle[extreme]
+            };
+            if back <= 0.0 {
+                extreme = i;
+            } else if back > hysteresis {
+                put(inbound, start..=extreme);
+                (start, extreme, inbound) = (extreme, i, !inbound);
+            }
+        }
+        if to > from {
+            put(inbound, start..=to - 1);
+        }
+        parts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::synthetic;
+    use touchstone_sim::run::record::LawKind;
+
+    #[test]
+    fn the_area_under_the_strokes_is_the_true_energy() {
+        for law in [LawKind::Spring, LawKind::EnhancedSfa] {
+            let run = synthetic::run(law, 5.0, 3.2);
+            let view = View::new(&run, None).unwrap();
+            let (inbound, outbound) = view.strokes(1e-3);
+            let under = |stroke: &Vec<(f64, f64)>| -> f64 {
+                stroke
+                    .windows(2)
+                    .map(|w| (w[1].0 - w[0].0) * (w[0].1 + w[1].1) / 2.0)
+                    .sum()
+            };
+            let area: f64 = inbound.iter().chain(&outbound).map(under).sum();
+            let last = *view.trace.energy_true_j.last().unwrap();
+            assert!(
+                (area - last).abs() < 1e-9 + 1e-9 * last.abs(),
+                "{area} {last}"
+            );
+        }
+    }
+
+    #[test]
+    fn strokes_turn_where_the_motion_does() {
+        let run = synthetic::run(LawKind::Fba, 1.0, 3.2);
+        let view = View::new(&run, None).unwrap();
+        let (inbound, outbound) = view.strokes(2e-3);
+        let net = |stroke: &Vec<(f64, f64)>| stroke.last().unwrap().0 - stroke[0].0;
+        assert!(inbound.iter().all(|s| net(s) > 0.0) && outbound.iter().all(|s| net(s) < 0.0));
+        // In, two wiggles, out: no more turns than a person would count.
+        assert!(
+            (3..12).contains(&(inbound.len() + outbound.len())),
+            "{} {}",
+            inbound.len(),
+            outbound.len()
+        );
+    }
+
+    #[test]
+    fn stiffness_is_hidden_below_two_counts() {
+        let mut run = synthetic::run(LawKind::Spring, 2.5, 0.01);
+        let count = std::f64::consts::TAU / 16_384.0;
+        let trace = run.trace.as_mut().unwrap();
+        for (i, counts) in [-3.0, 0.0, 1.0, 2.0, 3.0].into_iter().enumerate() {
+            trace.angle_measured_rad[i] = trace.surface_rad[i] + counts * count;
+            trace.force_n_m[i] = 2.5 * counts * count;
+        }
+        let view = View::new(&run, None).unwrap();
+        let shown: Vec<bool> = (0..5).map(|i| view.displayed(i).is_finite()).collect();
+        assert_eq!(shown, [false, false, false, true, true]);
+        assert!((view.displayed(4) - 2.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_run_that_never_touches_has_a_view() {
+        let run = synthetic::run(LawKind::Spring, 2.5, 0.2);
+        let view = View::new(&run, Some(1.0)).unwrap();
+        assert!(view.contact.is_empty());
+        let ranges = view.ranges();
+        assert!(ranges.angle.min < ranges.angle.max && ranges.stiffness.max > 2.5);
+        assert_eq!(view.strokes(1e-3), (Strokes::new(), Strokes::new()));
+        let bare = Run {
+            trace: Some(Trace::default()),
+            ..run.clone()
+        };
+        assert!(View::new(&bare, None).is_none());
+    }
+}

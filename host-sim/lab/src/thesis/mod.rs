@@ -1,0 +1,101 @@
+//! The thesis' comparison in one degree of freedom (§5.1), as the main job: four stiffnesses, five laws, one knob.
+//!
+//! The comparison itself (medium grip, 40,000 counts) keeps its traces for the plots; the same matrix for the other grips and
+//! for a 14-bit encoder, and the row beyond the thesis at 20 `k_c`, run beside it for their numbers. [`claims`] then holds
+//! each statement of the thesis against them.
+
+pub mod claims;
+
+use rayon::prelude::*;
+use touchstone_sim::error::Result;
+use touchstone_sim::run::{self, record::LawKind, record::Run};
+use touchstone_sim::scene::Scene;
+
+/// Desired stiffnesses of §5.1, N·m/rad.
+pub const STIFFNESSES: [f64; 4] = [0.5, 1.0, 2.5, 5.0];
+/// Beyond the thesis: twenty times its critical stiffness, N·m/rad.
+pub const BEYOND: f64 = 20.0;
+/// Laws of §5.1, in its order.
+pub const LAWS: [LawKind; 5] = [
+    LawKind::Spring,
+    LawKind::Tdpa,
+    LawKind::Fba,
+    LawKind::Sfa,
+    LawKind::EnhancedSfa,
+];
+/// Grips, the thesis' first.
+pub const GRIPS: [&str; 3] = ["medium", "light", "firm"];
+/// Encoders, the finer one first.
+pub const COUNTS: [u32; 2] = [40_000, 16_384];
+
+/// One cell of the comparison.
+#[derive(Debug, Clone)]
+pub struct Cell {
+    /// The scene.
+    pub scene: Scene,
+    /// Whether its trace is kept for the plots.
+    pub plotted: bool,
+}
+
+/// The scene of one cell: `base` with stiffness, law, grip and encoder.
+///
+/// TDPA runs with the thesis' observer, since it is the thesis' TDPA that is compared; every other choice is the scene's.
+///
+/// # Errors
+/// A base scene that does not go with one of them.
+pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: &str, counts: u32) -> Result<Scene> {
+    let name = serde_json::to_value(law)
+        .ok()
+        .and_then(|name| name.as_str().map(str::to_owned))
+        .unwrap_or_default();
+    let mut sets = vec![
+        format!("wall.k_desired_n_m_per_rad={k_desired}"),
+        format!("law.kind={name}"),
+        format!("operator.grip={grip}"),
+        format!("encoder.counts_per_rev={counts}"),
+    ];
+    if law == LawKind::Tdpa {
+        sets.push("law.observer=thesis".to_owned());
+    }
+    base.with_overrides(&sets)
+}
+
+/// All cells: the plotted comparison first, then the other grips and encoder, then the row beyond the thesis.
+///
+/// # Errors
+/// As [`cell`].
+pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
+    let mut cells = Vec::new();
+    for counts in COUNTS {
+        for grip in GRIPS {
+            let plotted = counts == COUNTS[0] && grip == GRIPS[0];
+            for k_desired in STIFFNESSES.into_iter().chain([BEYOND]) {
+                for law in LAWS {
+                    // Beyond the thesis only the enhanced law has something to show.
+                    if k_desired != BEYOND || law == LawKind::EnhancedSfa {
+                        cells.push(Cell {
+                            scene: cell(base, k_desired, law, grip, counts)?,
+                            plotted,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    Ok(cells)
+}
+
+/// Runs the cells on all cores, in their order; `done` is told of each that is finished.
+///
+/// # Errors
+/// The first cell that cannot run.
+pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Run>> {
+    cells
+        .par_iter()
+        .map(|cell| {
+            let run = run::run(&cell.scene, cell.plotted);
+            done();
+            run
+        })
+        .collect()
+}

@@ -1,0 +1,88 @@
+//! The configurations: one scene without effects, and each effect added to it.
+
+use std::cell::Cell;
+use std::path::Path;
+use touchstone_sim::run::chain::Amplifier;
+use touchstone_sim::scene::Scene;
+
+/// Names, and what each sets beside [`BARE`].
+pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
+    ("bare", &[]),
+    ("encoder", &["encoder.counts_per_rev=40000"]),
+    ("friction", &["device.friction.kinetic_n_m=3e-4"]),
+    ("hand", &["operator.grip=medium"]),
+    ("delay", &["timing.computational_delay_s=1e-3"]),
+    ("limit", &["device.torque_limit_n_m=0.5"]),
+    ("steps", &["device.amplifier_step_n_m=1e-5"]),
+    (
+        "enhanced",
+        &["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=5"],
+    ),
+    (
+        "held",
+        &["operator.grip=medium", "encoder.counts_per_rev=40000"],
+    ),
+    (
+        "held-enhanced",
+        &[
+            "operator.grip=medium",
+            "encoder.counts_per_rev=40000",
+            "law.kind=enhanced-sfa",
+            "wall.k_desired_n_m_per_rad=5",
+        ],
+    ),
+];
+
+/// A knob that nobody holds in a wall that every configuration keeps stable, one tick of delay included.
+const BARE: &str = "
+name = \"tick-cost\"
+[device]
+inertia_kg_m2 = 1e-4
+damping_n_m_s_per_rad = 4e-4
+initial_angle_rad = 0.55
+[timing]
+rate_hz = 1000
+duration_s = 1.0
+[wall]
+surface_rad = 0.5
+k_desired_n_m_per_rad = 0.2
+[law]
+kind = \"spring\"
+";
+
+/// The scene of a configuration.
+pub fn scene(name: &str) -> Option<Scene> {
+    let (_, sets) = CONFIGURATIONS.iter().find(|(known, _)| *known == name)?;
+    Scene::parse(BARE, Path::new("tick-cost.toml"))
+        .and_then(|scene| scene.with_overrides(sets))
+        .ok()
+}
+
+/// A steady press with a jolt every 32 ticks, in place of a hand: the knob stays in the wall, and in motion.
+#[derive(Debug, Clone)]
+pub struct Pressed<A> {
+    inner: A,
+    ticks: Cell<u32>,
+}
+
+/// Torque of the press and of the jolt around it, N·m.
+const PRESS: [f64; 2] = [0.022, 0.018];
+
+impl<A> Pressed<A> {
+    /// Around an amplifier.
+    pub fn new(inner: A) -> Self {
+        Self {
+            inner,
+            ticks: Cell::new(0),
+        }
+    }
+}
+
+impl<A: Amplifier> Amplifier for Pressed<A> {
+    #[inline(always)]
+    fn torque(&self, command_n_m: f64) -> f64 {
+        let tick = self.ticks.get();
+        self.ticks.set(tick.wrapping_add(1));
+        self.inner.torque(command_n_m) + PRESS[(tick as usize >> 5) & 1]
+    }
+}

@@ -1,0 +1,167 @@
+//! Explains a name that no scene has: a wrong unit, the wrong table, a slip of the keys.
+
+use toml::Value;
+
+use super::schema::{self, Field, Kind};
+use super::units;
+
+/// Problem and fix for a field or table that does not exist at `path`.
+///
+/// `motion` is the kind of motion in the scene, where it is known: it decides which fields `[operator.motion]` has.
+pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -> (String, String) {
+    let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
+    if let Some(field) = schema::at(path) {
+        return (
+            format!(
+                "the motion `{}` has no such field",
+                motion.unwrap_or("none")
+            ),
+            format!("remove it, or use it with {}", list(field.motions)),
+        );
+    }
+    let here: Vec<&Field> = schema::FIELDS
+        .iter()
+        .filter(|field| field.table() == table && motion.is_none_or(|motion| field.suits(motion)))
+        .collect();
+    if let Some(answer) = wrong_unit(name, &here, value) {
+        return answer;
+    }
+    if let Some(field) = schema::FIELDS.iter().find(|field| field.name() == name) {
+        return (
+            format!("unknown field in {}", heading(table)),
+            format!("move it to {}", heading(field.table())),
+        );
+    }
+    let names = schema::inside(table);
+    let names: Vec<&str> = names
+        .into_iter()
+        .filter(|name| {
+            schema::is_table(&join(table, name)) || here.iter().any(|field| field.name() == *name)
+        })
+        .collect();
+    let what = if matches!(value, Some(Value::Table(_))) {
+        "table"
+    } else {
+        "field"
+    };
+    let problem = format!("unknown {what}");
+    match nearest(name, &names).or_else(|| nearest_stem(name, &here)) {
+        Some(near) => (problem, format!("did you mean {near}?")),
+        None => (problem, format!("{} has {}", heading(table), list(&names))),
+    }
+}
+
+/// Problem and fix where `name` is one of these fields with another unit, or without any.
+pub(crate) fn wrong_unit(
+    name: &str,
+    fields: &[&Field],
+    value: Option<&Value>,
+) -> Option<(String, String)> {
+    // The longest stem first: `damping_to_ground_…` begins with `damping`.
+    let mut stems: Vec<(&str, &Field)> = fields
+        .iter()
+        .filter_map(|field| Some((field.stem()?, *field)))
+        .collect();
+    stems.sort_by_key(|(stem, _)| std::cmp::Reverse(stem.len()));
+    for (stem, field) in stems {
+        let Some(rest) = name.strip_prefix(stem) else {
+            continue;
+        };
+        if rest.is_empty() {
+            let problem = format!(
+                "the unit is missing, this field is in {}",
+                field.unit_shown()
+            );
+            return Some((problem, format!("write {}", field.name())));
+        }
+        let Some(end) = rest
+            .strip_prefix('_')
+            .filter(|end| units::looks_like_unit(end))
+        else {
+            continue;
+        };
+        let problem = format!("wrong unit, this field is in {}", field.unit_shown());
+        return Some((problem, converted(field, end, value)));
+    }
+    None
+}
+
+/// "write inertia_kg_m2 = 1e-5": the field with the value in its own unit where the given unit is known.
+fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
+    let own = units::by_suffix(field.unit).expect("a field with a stem has a unit");
+    let known = units::by_suffix(given).filter(|unit| unit.dimension == own.dimension);
+    let value = match value {
+        Some(Value::Float(value)) => Some(*value),
+        Some(Value::Integer(value)) => Some(*value as f64),
+        _ => None,
+    };
+    match (known, value) {
+        (Some(unit), Some(value)) => {
+            let value = value * unit.si / own.si;
+            let whole = matches!(field.kind, Kind::Whole(..)) && value.fract() == 0.0;
+            let value = if whole {
+                format!("{value:.0}")
+            } else {
+                units::tidy(value)
+            };
+            format!("write {} = {value}", field.name())
+        }
+        (Some(unit), None) => {
+            format!(
+                "write {} (1 {} = {} {})",
+                field.name(),
+                unit.shown,
+                units::tidy(unit.si / own.si),
+                own.shown
+            )
+        }
+        (None, _) => format!("write {} and give the value in {}", field.name(), own.shown),
+    }
+}
+
+/// The name that a slip of the keys turned into `name`, if one is near enough: a quarter of its letters, at least one.
+pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
+    let near = |candidate: &str| strsim::damerau_levenshtein(name, candidate);
+    let best = names
+        .iter()
+        .copied()
+        .min_by_key(|candidate| near(candidate))?;
+    (near(best) <= (name.len() / 4).max(1)).then_some(best)
+}
+
+/// The field whose name without the unit is near.
+fn nearest_stem(name: &str, fields: &[&Field]) -> Option<&'static str> {
+    let stems: Vec<&str> = fields.iter().filter_map(|field| field.stem()).collect();
+    let stem = nearest(name, &stems)?;
+    fields
+        .iter()
+        .find(|field| field.stem() == Some(stem))
+        .map(|field| field.name())
+}
+
+/// `[law.filter]`, or words for the top of the file.
+fn heading(table: &str) -> String {
+    if table.is_empty() {
+        "the top of the scene".to_owned()
+    } else {
+        format!("[{table}]")
+    }
+}
+
+/// Table and name, dotted.
+pub(crate) fn join(table: &str, name: &str) -> String {
+    if table.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{table}.{name}")
+    }
+}
+
+/// "a, b or c".
+pub fn list(words: &[&str]) -> String {
+    match words {
+        [] => "nothing".to_owned(),
+        [one] => (*one).to_owned(),
+        [most @ .., last] => format!("{} or {last}", most.join(", ")),
+    }
+}

@@ -1,0 +1,209 @@
+//! The equations of motion once more, in absolute angles and with no code in common with the plant.
+
+use touchstone_world::plant::{Coulomb, Device, Hand};
+
+/// The thesis' knob: 3e-4 N·m·s/rad of its own, light enough for the pad to matter.
+pub const KNOB: Device = Device {
+    inertia_kg_m2: 2e-5,
+    damping_n_m_s_per_rad: 3e-4,
+    friction: None,
+};
+
+/// Dry friction as large as a wall's torque at a degree or so.
+pub const FRICTION: Coulomb = Coulomb {
+    kinetic_n_m: 2e-3,
+    static_n_m: 3e-3,
+};
+
+pub const STICKY_KNOB: Device = Device {
+    friction: Some(FRICTION),
+    ..KNOB
+};
+
+/// `[x, v, x_h, v_h]` and, integrated along, `[b ∫v², ∫|v|, b_h ∫v_h² + b_p ∫(v - v_h)²]`.
+pub type Full = [f64; 7];
+
+pub struct Oracle {
+    pub device: Device,
+    pub hand: Option<Hand>,
+}
+
+impl Oracle {
+    fn pad(&self, z: &Full) -> f64 {
+        self.hand.map_or(0.0, |hand| {
+            hand.pad_stiffness_n_m_per_rad * (z[2] - z[0])
+                + hand.pad_damping_n_m_s_per_rad * (z[3] - z[1])
+        })
+    }
+
+    fn rates(&self, z: &Full, u: f64, r: f64, stuck: bool) -> Full {
+        let [_, v, x_h, v_h, ..] = *z;
+        let pad = self.pad(z);
+        let b = self.device.damping_n_m_s_per_rad;
+        let mut rates = [
+            v,
+            (u + pad - b * v) / self.device.inertia_kg_m2,
+            0.0,
+            0.0,
+            b * v * v,
+            v.abs(),
+            0.0,
+        ];
+        if let Some(hand) = self.hand {
+            rates[2] = v_h;
+            rates[3] =
+                (hand.stiffness_n_m_per_rad * (r - x_h) - hand.damping_n_m_s_per_rad * v_h - pad)
+                    / hand.inertia_kg_m2;
+            rates[6] = hand.damping_n_m_s_per_rad * v_h * v_h
+                + hand.pad_damping_n_m_s_per_rad * (v - v_h) * (v - v_h);
+        }
+        if stuck {
+            (rates[0], rates[1]) = (0.0, 0.0);
+        }
+        rates
+    }
+
+    /// One classical fourth-order Runge–Kutta step.
+    fn substep(&self, z: &Full, u: f64, r: f64, stuck: bool, h: f64) -> Full {
+        let shifted = |k: &Full, f: f64| std::array::from_fn(|i| z[i] + f * k[i]);
+        let k1 = self.rates(z, u, r, stuck);
+        let k2 = self.rates(&shifted(&k1, h / 2.0), u, r, stuck);
+        let k3 = self.rates(&shifted(&k2, h / 2.0), u, r, stuck);
+        let k4 = self.rates(&shifted(&k3, h), u, r, stuck);
+        std::array::from_fn(|i| z[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    }
+
+    /// The linear plant over `h` in `n` steps.
+    pub fn runge_kutta(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
+        (0..n).fold(*z, |z, _| self.substep(&z, u, r, false, h / f64::from(n)))
+    }
+
+    /// The plant with friction over `h` in `n` steps, each event located by bisection; also the number of events.
+    pub fn with_events(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> (Full, u32) {
+        let friction = self.device.friction.expect("an oracle with friction");
+        let mut z = *z;
+        let at_rest = |z: &Full| u + self.pad(z);
+        let mut mode = if z[1] != 0.0 {
+            z[1].signum()
+        } else if at_rest(&z).abs() > friction.static_n_m {
+            at_rest(&z).signum()
+        } else {
+            0.0
+        };
+        let mut events = 0;
+        for _ in 0..n {
+            let mut left = h / f64::from(n);
+            while left > 0.0 {
+                let go =
+                    |t: f64| self.substep(&z, u - mode * friction.kinetic_n_m, r, mode == 0.0, t);
+                let over = |z: &Full| {
+                    if mode == 0.0 {
+                        at_rest(z).abs() > friction.static_n_m
+                    } else {
+                        mode * z[1] < 0.0
+                    }
+                };
+                if !over(&go(left)) {
+                    z = go(left);
+                    break;
+                }
+                let (mut before, mut after) = (0.0, left);
+                for _ in 0..80 {
+                    let middle = 0.5 * (before + after);
+                    if over(&go(middle)) {
+                        after = middle
+                    } else {
+                        before = middle
+                    }
+                }
+                z = go(after);
+                left -= after;
+                events += 1;
+                mode = if mode == 0.0 || at_rest(&Full::from_rest(&z)).abs() > friction.static_n_m {
+                    at_rest(&Full::from_rest(&z)).signum()
+                } else {
+                    0.0
+                };
+                z[1] = 0.0;
+            }
+        }
+        (z, events)
+    }
+
+    /// The plant with friction in `n` set-valued implicit Euler steps (Kikuuwe et al., T-RO 22(6) 1176, 2006):
+    /// first order, but with true rest and no notion of an event.
+    pub fn implicit_euler(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
+        let friction = self.device.friction.expect("an oracle with friction");
+        let h = h / f64::from(n);
+        let (j, b) = (self.device.inertia_kg_m2, self.device.damping_n_m_s_per_rad);
+        let mut z = *z;
+        for _ in 0..n {
+            let rates = self.rates(&z, u, r, false);
+            let impulse = j / h * z[1] + u + self.pad(&z);
+            let level = if z[1] == 0.0 {
+                friction.static_n_m
+            } else {
+                friction.kinetic_n_m
+            };
+            z[1] = if impulse.abs() <= level {
+                0.0
+            } else {
+                (impulse - friction.kinetic_n_m.copysign(impulse)) / (j / h + b)
+            };
+            z[0] += h * z[1];
+            z[3] += h * rates[3];
+            z[2] += h * z[3];
+        }
+        z
+    }
+}
+
+trait FromRest {
+    fn from_rest(z: &Full) -> Full;
+}
+
+impl FromRest for Full {
+    fn from_rest(z: &Full) -> Full {
+        let mut z = *z;
+        z[1] = 0.0;
+        z
+    }
+}
+
+/// A small deterministic generator (xorshift), uniform in `[-1, 1)`.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn uniform(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Differences relative to the largest magnitude, before or after, among angles and among velocities: a step adds an
+/// increment, so what decays to nothing within one step decays to the rounding of what it was.
+pub fn assert_close<const N: usize>(
+    value: [f64; N],
+    expected: &[f64],
+    before: &[f64],
+    tolerance: f64,
+    what: &str,
+) {
+    for parity in 0..2 {
+        let pick = |i: &usize| i % 2 == parity;
+        let scale = (0..N).filter(pick).fold(f64::MIN_POSITIVE, |s, i| {
+            expected[i].abs().max(before[i].abs()).max(s)
+        });
+        for i in (0..N).filter(pick) {
+            let error = (value[i] - expected[i]).abs() / scale;
+            assert!(
+                error <= tolerance,
+                "{what}: entry {i} is {} for {}, off by {error:e}",
+                value[i],
+                expected[i]
+            );
+        }
+    }
+}
