@@ -148,8 +148,8 @@ fn assert_critical(rate_hz: u32, delay_s: f64, golden: f64) {
     let found = found(rate_hz, delay_s);
     let formula = DAMPING / (0.5 / f64::from(rate_hz) + delay_s);
     let device = Device {
-        inertia_kg_m2: INERTIA,
-        damping_n_m_s_per_rad: DAMPING,
+        inertia: INERTIA,
+        damping: DAMPING,
         friction: None,
     };
     let exact = plant::critical_stiffness(&device, None, f64::from(rate_hz), delay_s).unwrap();

@@ -121,7 +121,7 @@ impl Setup {
 
 /// A shaft too heavy to move.
 const BLOCKED: Device = Device {
-    inertia_kg_m2: 1e3,
+    inertia: 1e3,
     ..KNOB
 };
 
@@ -190,8 +190,8 @@ fn the_torque_stands_while_the_motor_turns() {
     // of resistance, below what 28 V leave beside the time for sampling: 14.4 V.
     let mut setup = Setup::new(
         &Device {
-            inertia_kg_m2: 1e-4,
-            damping_n_m_s_per_rad: 0.25 / 40.0,
+            inertia: 1e-4,
+            damping: 0.25 / 40.0,
             friction: None,
         },
         28.0,
@@ -219,8 +219,8 @@ fn the_voltage_acts_at_the_angle_it_is_made_for() {
     let omega = 350.0;
     let mut setup = Setup::new(
         &Device {
-            inertia_kg_m2: 1e3,
-            damping_n_m_s_per_rad: 0.0,
+            inertia: 1e3,
+            damping: 0.0,
             friction: None,
         },
         24.0,

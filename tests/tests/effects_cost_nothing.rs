@@ -17,7 +17,13 @@ fn example() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     // The optimised program, as a user runs it.
     let built = Command::new(env!("CARGO"))
-        .args(["build", "--release", "--quiet", "--package", "touchstone-sim"])
+        .args([
+            "build",
+            "--release",
+            "--quiet",
+            "--package",
+            "touchstone-sim",
+        ])
         .args(["--example", "tick_cost", "--message-format=json"])
         .current_dir(root)
         .output()

@@ -67,9 +67,9 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
         books.rest_point.add(
             self.plant.stored_energy_j(state, rest_rad) - self.plant.stored_energy_j(state, last),
         );
-        let before = state.angle_rad();
+        let before = state.position();
         let loss = self.plant.step_with_loss(state, torque_n_m, rest_rad);
-        let motor_j = torque_n_m * (state.angle_rad() - before);
+        let motor_j = torque_n_m * (state.position() - before);
         books.motor.add(motor_j);
         books.throughput += motor_j.abs();
         books.device_loss.add(loss.device_j);
@@ -117,11 +117,11 @@ struct Finished {
 
 fn press(settings: &Settings) -> Finished {
     let device = Device {
-        inertia_kg_m2: 1e-4,
-        damping_n_m_s_per_rad: 4e-4,
+        inertia: 1e-4,
+        damping: 4e-4,
         friction: Some(Coulomb {
-            kinetic_n_m: 3e-4,
-            static_n_m: 3e-4,
+            kinetic: 3e-4,
+            breakaway: 3e-4,
         }),
     };
     let plant = HeldCoulomb::new(&device, &MEDIUM, PERIOD_S).unwrap();
@@ -129,8 +129,8 @@ fn press(settings: &Settings) -> Finished {
     let scale = CountScale::new(1, Si::ZERO).unwrap();
     let mut wall = Controlled::<f64>::new(settings, scale).unwrap();
     let mut observers = Observers {
-        exact: ExactObserver::new(Position(start.angle_rad() - SURFACE_RAD)),
-        thesis: ThesisObserver::new(Position(start.angle_rad() - SURFACE_RAD)),
+        exact: ExactObserver::new(Position(start.position() - SURFACE_RAD)),
+        thesis: ThesisObserver::new(Position(start.position() - SURFACE_RAD)),
         contact: 0,
         port: Sum::default(),
     };
@@ -162,7 +162,7 @@ fn press(settings: &Settings) -> Finished {
         observers,
         books,
         stored_change: plant.stored_energy_j(&end, last_rest) - stored_before,
-        end_rad: end.angle_rad(),
+        end_rad: end.position(),
     }
 }
 

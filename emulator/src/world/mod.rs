@@ -30,11 +30,11 @@ fn seconds(cycles: u64) -> f64 {
 
 /// The thesis' knob, with the dry friction of a small motor.
 const KNOB: Device = Device {
-    inertia_kg_m2: 1e-4,
-    damping_n_m_s_per_rad: 4e-4,
+    inertia: 1e-4,
+    damping: 4e-4,
     friction: Some(Coulomb {
-        kinetic_n_m: 1e-3,
-        static_n_m: 1e-3,
+        kinetic: 1e-3,
+        breakaway: 1e-3,
     }),
 };
 
@@ -119,8 +119,8 @@ impl World {
 
     fn angle_and_speed(&self) -> (f64, f64) {
         match &self.grip {
-            Grip::Free(_, state) => (state.angle_rad(), state.velocity_rad_per_s()),
-            Grip::Held { state, .. } => (state.angle_rad(), state.velocity_rad_per_s()),
+            Grip::Free(_, state) => (state.position(), state.velocity()),
+            Grip::Held { state, .. } => (state.position(), state.velocity()),
             Grip::Forced {
                 angle_rad,
                 rad_per_s,

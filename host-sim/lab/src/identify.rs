@@ -82,7 +82,7 @@ impl Recorder for Windows {
     fn take(&mut self, tick: &Tick, state: &impl touchstone_world::plant::Motion, _: f64, _: f64) {
         for (bounds, range) in self.bounds.iter().zip(&mut self.ranges) {
             if (bounds.0..bounds.1).contains(&tick.index) {
-                let angle = state.angle_rad();
+                let angle = state.position();
                 *range = (range.0.min(angle), range.1.max(angle));
             }
         }

@@ -48,7 +48,7 @@ fn measure<P: Stepper>(name: &str, plant: &P) {
                 for _ in 0..TICKS / inputs.len() {
                     second(&mut state);
                 }
-                black_box(state.angle_rad());
+                black_box(state.position());
                 start.elapsed().as_secs_f64() * 1e9 / TICKS as f64
             })
             .fold(f64::INFINITY, f64::min)
@@ -56,7 +56,7 @@ fn measure<P: Stepper>(name: &str, plant: &P) {
     // One call crosses a second, so that the call through `dyn` does not count.
     let plain = best(&|state| {
         for &(push, rest) in &inputs {
-            let torque = torque(push, state.angle_rad());
+            let torque = torque(push, state.position());
             plant.step(state, torque, rest);
         }
     });
@@ -64,7 +64,7 @@ fn measure<P: Stepper>(name: &str, plant: &P) {
         let mut loss = 0.0;
         for &(push, rest) in &inputs {
             loss += plant
-                .step_with_loss(state, torque(push, state.angle_rad()), rest)
+                .step_with_loss(state, torque(push, state.position()), rest)
                 .total_j();
         }
         black_box(loss);
@@ -74,11 +74,11 @@ fn measure<P: Stepper>(name: &str, plant: &P) {
     let (mut contact, mut events) = (0, 0);
     for tick in 0..TICKS {
         let (push, rest) = inputs[tick % inputs.len()];
-        let before = state.velocity_rad_per_s();
-        contact += usize::from(penetration(state.angle_rad()) != 0.0);
-        let torque = torque(push, state.angle_rad());
+        let before = state.velocity();
+        contact += usize::from(penetration(state.position()) != 0.0);
+        let torque = torque(push, state.position());
         plant.step(&mut state, torque, rest);
-        let after = state.velocity_rad_per_s();
+        let after = state.velocity();
         events += usize::from(before != after && before * after <= 0.0);
     }
     let percent = |count: usize| 100.0 * count as f64 / TICKS as f64;
@@ -91,12 +91,12 @@ fn measure<P: Stepper>(name: &str, plant: &P) {
 
 fn main() -> Result<(), Invalid> {
     let friction = Some(Coulomb {
-        kinetic_n_m: 2e-3,
-        static_n_m: 2.5e-3,
+        kinetic: 2e-3,
+        breakaway: 2.5e-3,
     });
     let device = Device {
-        inertia_kg_m2: 2e-5,
-        damping_n_m_s_per_rad: 3e-4,
+        inertia: 2e-5,
+        damping: 3e-4,
         friction,
     };
     println!(

@@ -195,6 +195,6 @@ fn the_same_inputs_give_the_same_bits() {
     let plant = BareLinear::new(&KNOB, PERIOD_S).unwrap();
     assert_eq!(plant.interval_s(), PERIOD_S);
     let mut rig = Rig::new(GIMBAL, Bridge::ideal(24.0, TOP), plant, 0.5);
-    assert_eq!(rig.state_mut().angle_rad(), 0.5);
+    assert_eq!(rig.state_mut().position(), 0.5);
     assert_eq!(rig.step(Drive::Off, 0.0).angle_rad, 0.5);
 }

@@ -18,10 +18,10 @@ pub fn bare(ticks: u64) -> Option<f64> {
     let mut state = State::from_array([0.55, 0.0]);
     let surface_rad = scene.wall.surface_rad;
     for _ in 0..ticks {
-        let force = wall.at_penetration(state.angle_rad() - surface_rad);
+        let force = wall.at_penetration(state.position() - surface_rad);
         plant.step(&mut state, press.torque(-force), 0.0);
     }
-    Some(state.angle_rad())
+    Some(state.position())
 }
 
 /// Ticks of the configuration `held`.
@@ -36,11 +36,11 @@ pub fn held_with_encoder(ticks: u64) -> Option<f64> {
     let mut state = State::from_array([rest_rad, 0.0, rest_rad, 0.0]);
     let per_rad = 1.0 / scene.encoder.as_ref()?.step_rad();
     for _ in 0..ticks {
-        let shifted = state.angle_rad() * per_rad + 0.5;
+        let shifted = state.position() * per_rad + 0.5;
         let cut = shifted as i64;
         let count = cut - i64::from((cut as f64) > shifted);
         let force = wall.at_count(count);
         plant.step(&mut state, press.torque(-force), rest_rad);
     }
-    Some(state.angle_rad())
+    Some(state.position())
 }

@@ -38,7 +38,7 @@ impl Visitor for Ticks {
             sensor: prepared.sensor,
             amplifier: Pressed::new(prepared.amplifier),
         };
-        run::follow(pressed, wall, motion, self.ticks, self.period_s, &mut ()).angle_rad()
+        run::follow(pressed, wall, motion, self.ticks, self.period_s, &mut ()).position()
     }
 }
 

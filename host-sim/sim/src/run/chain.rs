@@ -140,20 +140,20 @@ use touchstone_world::plant::Motion;
 
 #[inline(always)]
 fn plain<S: Stepper>(plant: &S, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
-    let before = state.angle_rad();
+    let before = state.position();
     plant.step(state, torque_n_m, rest_rad);
     Flow {
-        motor_j: torque_n_m * (state.angle_rad() - before),
+        motor_j: torque_n_m * (state.position() - before),
         device_loss_j: 0.0,
     }
 }
 
 #[inline(always)]
 fn with_loss<S: Stepper>(plant: &S, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
-    let before = state.angle_rad();
+    let before = state.position();
     let loss = plant.step_with_loss(state, torque_n_m, rest_rad);
     Flow {
-        motor_j: torque_n_m * (state.angle_rad() - before),
+        motor_j: torque_n_m * (state.position() - before),
         device_loss_j: loss.device_j,
     }
 }

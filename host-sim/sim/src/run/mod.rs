@@ -216,12 +216,12 @@ impl Recorder for Traced {
     ) {
         let trace = &mut self.trace;
         trace.time_s.push(time_s);
-        trace.angle_rad.push(state.angle_rad());
-        trace.velocity_rad_per_s.push(state.velocity_rad_per_s());
+        trace.angle_rad.push(state.position());
+        trace.velocity_rad_per_s.push(state.velocity());
         trace
             .angle_measured_rad
             .push(tick.told_rad + self.surface_rad);
-        trace.hand_rad.push(state.hand_angle_rad());
+        trace.hand_rad.push(state.hand_position());
         trace.rest_rad.push(rest_rad);
         trace.force_n_m.push(tick.force_n_m);
         trace.surface_rad.push(self.surface_rad);
@@ -231,7 +231,7 @@ impl Recorder for Traced {
         trace.mass_rad.push(
             tick.inside
                 .mass_rad
-                .map_or(state.angle_rad(), |mass| mass + self.surface_rad),
+                .map_or(state.position(), |mass| mass + self.surface_rad),
         );
         trace.energy_observed_j.push(tick.inside.energy_j);
         // Up to the sample, as the observed energy: what this tick moves comes after it.
@@ -300,7 +300,7 @@ pub fn cycle<C: Crossing, S: Sensor, A: Amplifier, R: Recorder>(
     for index in 0..ticks {
         let time_s = index as f64 * period_s;
         let rest = rest_rad(time_s);
-        let angle_rad = state.angle_rad();
+        let angle_rad = state.position();
         let (force, told_rad) = sensor.read(wall, angle_rad);
         // The wall pushes out, along -x.
         let torque = amplifier.torque(-force);

@@ -42,15 +42,15 @@ pub trait Visitor {
 #[must_use]
 pub fn device(scene: &Scene) -> plant::Device {
     plant::Device {
-        inertia_kg_m2: scene.device.inertia_kg_m2,
-        damping_n_m_s_per_rad: scene.device.damping_n_m_s_per_rad,
+        inertia: scene.device.inertia_kg_m2,
+        damping: scene.device.damping_n_m_s_per_rad,
         friction: scene
             .device
             .friction
             .as_ref()
             .map(|friction| plant::Coulomb {
-                kinetic_n_m: friction.kinetic_n_m,
-                static_n_m: friction.static_n_m(),
+                kinetic: friction.kinetic_n_m,
+                breakaway: friction.static_n_m(),
             }),
     }
 }
@@ -59,11 +59,11 @@ pub fn device(scene: &Scene) -> plant::Device {
 #[must_use]
 pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     scene.operator.hand().map(|hand| plant::Hand {
-        inertia_kg_m2: hand.inertia_kg_m2,
-        damping_n_m_s_per_rad: hand.damping_n_m_s_per_rad,
-        stiffness_n_m_per_rad: hand.stiffness_n_m_per_rad,
-        pad_damping_n_m_s_per_rad: hand.pad_damping_n_m_s_per_rad,
-        pad_stiffness_n_m_per_rad: hand.pad_stiffness_n_m_per_rad,
+        inertia: hand.inertia_kg_m2,
+        damping: hand.damping_n_m_s_per_rad,
+        stiffness: hand.stiffness_n_m_per_rad,
+        pad_damping: hand.pad_damping_n_m_s_per_rad,
+        pad_stiffness: hand.pad_stiffness_n_m_per_rad,
     })
 }
 
@@ -118,7 +118,7 @@ impl<V: Visitor> Next<'_, V> {
         let period = scene.timing.period_s();
         let delay = scene.timing.computational_delay_s;
         let built = |interval| plant(interval).map_err(|invalid| refused(scene, &invalid));
-        debug_assert!(state.angle_rad().is_finite());
+        debug_assert!(state.position().is_finite());
         if delay == 0.0 {
             return Ok(self.sensor(Prompt(built(period)?), state));
         }
@@ -198,10 +198,23 @@ impl<V: Visitor> Next<'_, V> {
     }
 }
 
-/// A plant's refusal, at its place in the scene as far as the plant's field can be found there.
+/// A plant's refusal, at its place in the scene.
 fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
+    // The plant speaks of positions and forces of any kind, the scene of angles and torques.
+    let path = match invalid.field {
+        "inertia" => "device.inertia_kg_m2",
+        "damping" => "device.damping_n_m_s_per_rad",
+        "kinetic" => "device.friction.kinetic_n_m",
+        "breakaway" => "device.friction.static_n_m",
+        "hand.inertia" => "operator.hand.inertia_kg_m2",
+        "hand.damping" => "operator.hand.damping_n_m_s_per_rad",
+        "hand.stiffness" => "operator.hand.stiffness_n_m_per_rad",
+        "hand.pad_damping" => "operator.hand.pad_damping_n_m_s_per_rad",
+        "hand.pad_stiffness" => "operator.hand.pad_stiffness_n_m_per_rad",
+        _ => "device",
+    };
     scene.error(
-        &format!("device.{}", invalid.field),
+        path,
         format!("{} is not usable", invalid.value),
         format!("give {}", invalid.needs),
     )

@@ -69,11 +69,11 @@ impl Grip {
             Grip::None | Grip::Custom => return None,
         };
         Some(Hand {
-            pad_stiffness_n_m_per_rad: hand.pad_stiffness_n_m_per_rad,
-            pad_damping_n_m_s_per_rad: hand.pad_damping_n_m_s_per_rad,
-            inertia_kg_m2: hand.inertia_kg_m2,
-            damping_n_m_s_per_rad: hand.damping_n_m_s_per_rad,
-            stiffness_n_m_per_rad: hand.stiffness_n_m_per_rad,
+            pad_stiffness_n_m_per_rad: hand.pad_stiffness,
+            pad_damping_n_m_s_per_rad: hand.pad_damping,
+            inertia_kg_m2: hand.inertia,
+            damping_n_m_s_per_rad: hand.damping,
+            stiffness_n_m_per_rad: hand.stiffness,
         })
     }
 }

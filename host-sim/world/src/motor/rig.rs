@@ -46,8 +46,8 @@ impl<S: Stepper> Rig<S> {
     pub fn now(&self) -> Reading {
         Reading {
             currents_a: self.windings.currents_a(),
-            angle_rad: self.state.angle_rad(),
-            speed_rad_per_s: self.state.velocity_rad_per_s(),
+            angle_rad: self.state.position(),
+            speed_rad_per_s: self.state.velocity(),
             torque_n_m: self.torque_n_m,
         }
     }
@@ -55,7 +55,7 @@ impl<S: Stepper> Rig<S> {
     /// Crosses one PWM period with these duties at work and the hand's rest point here (rad; not read without a hand).
     /// Returns what can be measured at its end.
     pub fn step(&mut self, drive: Drive, rest_rad: f64) -> Reading {
-        let angle = self.state.angle_rad();
+        let angle = self.state.position();
         let torque_n_m = match drive {
             Drive::Off => self
                 .windings
@@ -65,7 +65,7 @@ impl<S: Stepper> Rig<S> {
                 // The period's mean speed, looked up ahead with the torque of the period before.
                 let mut ahead = self.state;
                 self.plant.step(&mut ahead, self.torque_n_m, rest_rad);
-                let speed = (ahead.angle_rad() - angle) / self.plant.interval_s();
+                let speed = (ahead.position() - angle) / self.plant.interval_s();
                 self.windings.step(voltages, angle, speed)
             }
         };
@@ -77,7 +77,7 @@ impl<S: Stepper> Rig<S> {
     /// Currents `(i_d, i_q)` in the rotor's true frame, A.
     #[must_use]
     pub fn dq_a(&self) -> (f64, f64) {
-        self.windings.dq_a(self.state.angle_rad())
+        self.windings.dq_a(self.state.position())
     }
 
     /// The plant's state, to start it elsewhere or to disturb it.
@@ -88,7 +88,7 @@ impl<S: Stepper> Rig<S> {
 
 /// The thesis' knob: 1e-4 kg·m², 4e-4 N·m·s/rad, without its dry friction.
 pub const KNOB: Device = Device {
-    inertia_kg_m2: 1e-4,
-    damping_n_m_s_per_rad: 4e-4,
+    inertia: 1e-4,
+    damping: 4e-4,
     friction: None,
 };

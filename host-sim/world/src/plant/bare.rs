@@ -30,8 +30,8 @@ impl BareLinear {
     pub fn new(device: &Device, interval_s: f64) -> Result<Self, Invalid> {
         device.validate()?;
         not_negative("interval_s", interval_s)?;
-        let inertia = device.inertia_kg_m2;
-        let damping = device.damping_n_m_s_per_rad;
+        let inertia = device.inertia;
+        let damping = device.damping;
         let m = matrix![-damping / inertia, 1.0 / inertia; 0.0, 0.0];
         let rates = matrix![1.0, 0.0; -damping / inertia, 1.0 / inertia];
         let viscous: SMatrix<f64, 2, 2> = matrix![damping, 0.0; 0.0, 0.0];
@@ -65,21 +65,21 @@ impl Stepper for BareLinear {
     }
 
     #[inline]
-    fn step(&self, state: &mut State<2>, torque_n_m: f64, _rest_rad: f64) {
-        state.add(&self.increment(state.0[1], torque_n_m));
+    fn step(&self, state: &mut State<2>, force: f64, _rest: f64) {
+        state.add(&self.increment(state.0[1], force));
     }
 
     #[inline]
-    fn step_with_loss(&self, state: &mut State<2>, torque_n_m: f64, rest_rad: f64) -> Loss {
-        let device_j = self.viscous_loss(state.0[1], torque_n_m);
-        self.step(state, torque_n_m, rest_rad);
+    fn step_with_loss(&self, state: &mut State<2>, force: f64, rest: f64) -> Loss {
+        let device_j = self.viscous_loss(state.0[1], force);
+        self.step(state, force, rest);
         Loss {
             device_j,
             hand_j: 0.0,
         }
     }
 
-    fn stored_energy_j(&self, state: &State<2>, _rest_rad: f64) -> f64 {
+    fn stored_energy_j(&self, state: &State<2>, _rest: f64) -> f64 {
         0.5 * self.inertia * state.0[1] * state.0[1]
     }
 }

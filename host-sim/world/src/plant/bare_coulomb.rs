@@ -28,14 +28,11 @@ impl BareCoulomb {
     /// [`Invalid`] when device or interval are out of range, or when the device has no friction.
     pub fn new(device: &Device, interval_s: f64) -> Result<Self, Invalid> {
         let sliding = BareLinear::new(device, interval_s)?;
-        let Coulomb {
-            kinetic_n_m,
-            static_n_m,
-        } = device.required_friction()?;
+        let Coulomb { kinetic, breakaway } = device.required_friction()?;
         Ok(Self {
             sliding,
-            kinetic: kinetic_n_m,
-            breakaway: static_n_m,
+            kinetic: kinetic,
+            breakaway: breakaway,
         })
     }
 
@@ -197,17 +194,17 @@ impl Stepper for BareCoulomb {
     }
 
     #[inline]
-    fn step(&self, state: &mut State<2>, torque_n_m: f64, _rest_rad: f64) {
-        self.advance::<false>(state, torque_n_m);
+    fn step(&self, state: &mut State<2>, force: f64, _rest: f64) {
+        self.advance::<false>(state, force);
     }
 
     #[inline]
-    fn step_with_loss(&self, state: &mut State<2>, torque_n_m: f64, _rest_rad: f64) -> Loss {
-        self.advance::<true>(state, torque_n_m)
+    fn step_with_loss(&self, state: &mut State<2>, force: f64, _rest: f64) -> Loss {
+        self.advance::<true>(state, force)
     }
 
-    fn stored_energy_j(&self, state: &State<2>, rest_rad: f64) -> f64 {
-        self.sliding.stored_energy_j(state, rest_rad)
+    fn stored_energy_j(&self, state: &State<2>, rest: f64) -> f64 {
+        self.sliding.stored_energy_j(state, rest)
     }
 }
 
@@ -254,12 +251,12 @@ mod tests {
 
     fn stepper(b: f64) -> BareCoulomb {
         let friction = Some(Coulomb {
-            kinetic_n_m: 2e-3,
-            static_n_m: 3e-3,
+            kinetic: 2e-3,
+            breakaway: 3e-3,
         });
         let device = Device {
-            inertia_kg_m2: 1e-4,
-            damping_n_m_s_per_rad: b,
+            inertia: 1e-4,
+            damping: b,
             friction,
         };
         BareCoulomb::new(&device, 1.0).unwrap()

@@ -3,27 +3,27 @@
 /// A one-axis device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Device {
-    /// Inertia `J` of everything that turns with the knob, kg·m²; above zero.
-    pub inertia_kg_m2: f64,
-    /// Viscous damping `b` to ground, N·m·s/rad; zero or more.
+    /// Inertia `J` of everything that turns with the knob, kg·m² (kg); above zero.
+    pub inertia: f64,
+    /// Viscous damping `b` to ground, N·m·s/rad (N·s/m); zero or more.
     ///
     /// This is the device's own. The `c_i` that the thesis found by feel contains the fingertip as well, see
     /// [`super::Hand`].
-    pub damping_n_m_s_per_rad: f64,
+    pub damping: f64,
     /// Dry friction to ground; `None` for a device without any.
     pub friction: Option<Coulomb>,
 }
 
 /// Coulomb friction with a static level of its own (Amontons–Coulomb).
 ///
-/// While the device turns, friction is `kinetic_n_m` against the motion. At rest it balances whatever the rest of the
-/// plant exerts, up to `static_n_m` inclusive; more than that sets the device in motion.
+/// While the device turns, friction is `kinetic` against the motion. At rest it balances whatever the rest of the
+/// plant exerts, up to `breakaway` inclusive; more than that sets the device in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
-    /// Friction in motion `F_k`, N·m; zero or more.
-    pub kinetic_n_m: f64,
-    /// Largest friction at rest `F_s`, N·m; at least the kinetic one.
-    pub static_n_m: f64,
+    /// Friction in motion `F_k`, N·m (N); zero or more.
+    pub kinetic: f64,
+    /// Largest friction at rest `F_s`, N·m (N); at least the kinetic one.
+    pub breakaway: f64,
 }
 
 /// A plant parameter that no plant can have.
@@ -44,8 +44,8 @@ impl Device {
     /// # Errors
     /// [`Invalid`] names the first field out of range.
     pub fn validate(&self) -> Result<(), Invalid> {
-        positive("inertia_kg_m2", self.inertia_kg_m2)?;
-        not_negative("damping_n_m_s_per_rad", self.damping_n_m_s_per_rad)?;
+        positive("inertia", self.inertia)?;
+        not_negative("damping", self.damping)?;
         self.friction.map_or(Ok(()), |friction| friction.validate())
     }
 
@@ -65,13 +65,13 @@ impl Coulomb {
     /// # Errors
     /// [`Invalid`] names the first field out of range.
     pub fn validate(&self) -> Result<(), Invalid> {
-        not_negative("kinetic_n_m", self.kinetic_n_m)?;
-        not_negative("static_n_m", self.static_n_m)?;
-        if self.static_n_m < self.kinetic_n_m {
+        not_negative("kinetic", self.kinetic)?;
+        not_negative("breakaway", self.breakaway)?;
+        if self.breakaway < self.kinetic {
             return Err(Invalid {
-                field: "static_n_m",
-                value: self.static_n_m,
-                needs: "at least kinetic_n_m",
+                field: "breakaway",
+                value: self.breakaway,
+                needs: "at least kinetic",
             });
         }
         Ok(())
@@ -102,11 +102,11 @@ mod tests {
     use super::*;
 
     const KNOB: Device = Device {
-        inertia_kg_m2: 1e-4,
-        damping_n_m_s_per_rad: 5e-4,
+        inertia: 1e-4,
+        damping: 5e-4,
         friction: Some(Coulomb {
-            kinetic_n_m: 2e-3,
-            static_n_m: 2e-3,
+            kinetic: 2e-3,
+            breakaway: 2e-3,
         }),
     };
 
@@ -115,32 +115,32 @@ mod tests {
         assert_eq!(KNOB.validate(), Ok(()));
         for inertia in [0.0, -1e-4, f64::NAN, f64::INFINITY, 1e-310] {
             let field = Device {
-                inertia_kg_m2: inertia,
+                inertia: inertia,
                 ..KNOB
             }
             .validate()
             .unwrap_err()
             .field;
-            assert_eq!(field, "inertia_kg_m2", "{inertia}");
+            assert_eq!(field, "inertia", "{inertia}");
         }
         for damping in [-1e-9, f64::NAN, f64::INFINITY] {
             let field = Device {
-                damping_n_m_s_per_rad: damping,
+                damping: damping,
                 ..KNOB
             }
             .validate()
             .unwrap_err()
             .field;
-            assert_eq!(field, "damping_n_m_s_per_rad", "{damping}");
+            assert_eq!(field, "damping", "{damping}");
         }
         for (kinetic, stat, field) in [
-            (-1e-3, 1e-3, "kinetic_n_m"),
-            (1e-3, f64::NAN, "static_n_m"),
-            (2e-3, 1e-3, "static_n_m"),
+            (-1e-3, 1e-3, "kinetic"),
+            (1e-3, f64::NAN, "breakaway"),
+            (2e-3, 1e-3, "breakaway"),
         ] {
             let friction = Coulomb {
-                kinetic_n_m: kinetic,
-                static_n_m: stat,
+                kinetic: kinetic,
+                breakaway: stat,
             };
             let device = Device {
                 friction: Some(friction),
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(
             Device {
                 friction: None,
-                damping_n_m_s_per_rad: 0.0,
+                damping: 0.0,
                 ..KNOB
             }
             .validate(),
@@ -162,14 +162,14 @@ mod tests {
     #[test]
     fn the_message_says_what_to_mend() {
         let error = Device {
-            inertia_kg_m2: -1.0,
+            inertia: -1.0,
             ..KNOB
         }
         .validate()
         .unwrap_err();
         assert_eq!(
             error.to_string(),
-            "inertia_kg_m2 is -1, it must be finite and above zero"
+            "inertia is -1, it must be finite and above zero"
         );
     }
 }

@@ -14,16 +14,16 @@ use super::device::{Invalid, not_negative, positive};
 /// The damper `b_h` acts from the hand to ground and not to the rest point's velocity, which a held `r` does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
-    /// Inertia `J_h` of the hand about the knob's axis, kg·m²; above zero.
-    pub inertia_kg_m2: f64,
-    /// Damping `b_h` of the hand to ground, N·m·s/rad; zero or more.
-    pub damping_n_m_s_per_rad: f64,
-    /// Stiffness `k_h` of the hand to its rest point, N·m/rad; zero or more.
-    pub stiffness_n_m_per_rad: f64,
-    /// Damping `b_p` of the pad between device and hand, N·m·s/rad; zero or more.
-    pub pad_damping_n_m_s_per_rad: f64,
-    /// Stiffness `k_p` of the pad between device and hand, N·m/rad; zero or more.
-    pub pad_stiffness_n_m_per_rad: f64,
+    /// Inertia `J_h` of the hand about the knob's axis, kg·m² (kg); above zero.
+    pub inertia: f64,
+    /// Damping `b_h` of the hand to ground, N·m·s/rad (N·s/m); zero or more.
+    pub damping: f64,
+    /// Stiffness `k_h` of the hand to its rest point, N·m/rad (N/m); zero or more.
+    pub stiffness: f64,
+    /// Damping `b_p` of the pad between device and hand, N·m·s/rad (N·s/m); zero or more.
+    pub pad_damping: f64,
+    /// Stiffness `k_p` of the pad between device and hand, N·m/rad (N/m); zero or more.
+    pub pad_stiffness: f64,
 }
 
 /// Square of the radius of 15 mm at which a knob is gripped, m²: turns N/m into N·m/rad and kg into kg·m².
@@ -35,14 +35,14 @@ const fn grip(
     damping_n_s_per_m: f64,
     stiffness_n_per_m: f64,
     pad_stiffness_n_per_m: f64,
-    pad_damping_n_m_s_per_rad: f64,
+    pad_damping: f64,
 ) -> Hand {
     Hand {
-        inertia_kg_m2: mass_kg * GRIP_RADIUS_SQUARED_M2,
-        damping_n_m_s_per_rad: damping_n_s_per_m * GRIP_RADIUS_SQUARED_M2,
-        stiffness_n_m_per_rad: stiffness_n_per_m * GRIP_RADIUS_SQUARED_M2,
-        pad_damping_n_m_s_per_rad,
-        pad_stiffness_n_m_per_rad: pad_stiffness_n_per_m * GRIP_RADIUS_SQUARED_M2,
+        inertia: mass_kg * GRIP_RADIUS_SQUARED_M2,
+        damping: damping_n_s_per_m * GRIP_RADIUS_SQUARED_M2,
+        stiffness: stiffness_n_per_m * GRIP_RADIUS_SQUARED_M2,
+        pad_damping,
+        pad_stiffness: pad_stiffness_n_per_m * GRIP_RADIUS_SQUARED_M2,
     }
 }
 
@@ -66,17 +66,11 @@ impl Hand {
     /// # Errors
     /// [`Invalid`] names the first field out of range.
     pub fn validate(&self) -> Result<(), Invalid> {
-        positive("hand.inertia_kg_m2", self.inertia_kg_m2)?;
-        not_negative("hand.damping_n_m_s_per_rad", self.damping_n_m_s_per_rad)?;
-        not_negative("hand.stiffness_n_m_per_rad", self.stiffness_n_m_per_rad)?;
-        not_negative(
-            "hand.pad_damping_n_m_s_per_rad",
-            self.pad_damping_n_m_s_per_rad,
-        )?;
-        not_negative(
-            "hand.pad_stiffness_n_m_per_rad",
-            self.pad_stiffness_n_m_per_rad,
-        )
+        positive("hand.inertia", self.inertia)?;
+        not_negative("hand.damping", self.damping)?;
+        not_negative("hand.stiffness", self.stiffness)?;
+        not_negative("hand.pad_damping", self.pad_damping)?;
+        not_negative("hand.pad_stiffness", self.pad_stiffness)
     }
 }
 
@@ -90,23 +84,23 @@ mod tests {
             assert_eq!(hand.validate(), Ok(()));
         }
         for pair in [LIGHT, MEDIUM, FIRM].windows(2) {
-            assert!(pair[0].inertia_kg_m2 < pair[1].inertia_kg_m2);
-            assert!(pair[0].pad_stiffness_n_m_per_rad < pair[1].pad_stiffness_n_m_per_rad);
-            assert!(pair[0].pad_damping_n_m_s_per_rad < pair[1].pad_damping_n_m_s_per_rad);
+            assert!(pair[0].inertia < pair[1].inertia);
+            assert!(pair[0].pad_stiffness < pair[1].pad_stiffness);
+            assert!(pair[0].pad_damping < pair[1].pad_damping);
         }
     }
 
     #[test]
     fn medium_grip_and_thesis_knob_sum_to_the_thesis_damping() {
         let knob = 4e-4;
-        assert!((knob + MEDIUM.pad_damping_n_m_s_per_rad - 5e-4).abs() < 1e-18);
+        assert!((knob + MEDIUM.pad_damping - 5e-4).abs() < 1e-18);
     }
 
     #[test]
     fn linear_values_are_converted_with_the_square_of_the_radius() {
-        assert!((MEDIUM.inertia_kg_m2 - 6.75e-5).abs() < 1e-18);
-        assert!((MEDIUM.stiffness_n_m_per_rad - 0.0225).abs() < 1e-15);
-        assert!((FIRM.pad_stiffness_n_m_per_rad - 0.45).abs() < 1e-15);
-        assert!((LIGHT.damping_n_m_s_per_rad - 2.25e-4).abs() < 1e-18);
+        assert!((MEDIUM.inertia - 6.75e-5).abs() < 1e-18);
+        assert!((MEDIUM.stiffness - 0.0225).abs() < 1e-15);
+        assert!((FIRM.pad_stiffness - 0.45).abs() < 1e-15);
+        assert!((LIGHT.damping - 2.25e-4).abs() < 1e-18);
     }
 }

@@ -35,13 +35,9 @@ pub(super) fn drive(state: &State<4>, torque: f64, rest: f64) -> Drive {
 
 /// `M` in `y' = M y` for the drive `y`.
 pub(super) fn drive_matrix(device: &Device, hand: &Hand) -> SMatrix<f64, 5, 5> {
-    let (b, k_p, b_p) = (
-        device.damping_n_m_s_per_rad,
-        hand.pad_stiffness_n_m_per_rad,
-        hand.pad_damping_n_m_s_per_rad,
-    );
-    let (b_h, k_h) = (hand.damping_n_m_s_per_rad, hand.stiffness_n_m_per_rad);
-    let (j, j_h) = (device.inertia_kg_m2, hand.inertia_kg_m2);
+    let (b, k_p, b_p) = (device.damping, hand.pad_stiffness, hand.pad_damping);
+    let (b_h, k_h) = (hand.damping, hand.stiffness);
+    let (j, j_h) = (device.inertia, hand.inertia);
     matrix![
         -(b + b_p) / j, k_p / j,    b_p / j,            0.0,       1.0 / j;
         -1.0,           0.0,        1.0,                0.0,       0.0;
@@ -68,13 +64,13 @@ impl HeldLinear {
         rates.set_row(3, &m.row(2));
 
         let mut viscous = SMatrix::<f64, 5, 5>::zeros();
-        viscous[(0, 0)] = device.damping_n_m_s_per_rad;
-        let pad = hand.pad_damping_n_m_s_per_rad;
+        viscous[(0, 0)] = device.damping;
+        let pad = hand.pad_damping;
         let mut hand_viscous = SMatrix::<f64, 5, 5>::zeros();
         hand_viscous[(0, 0)] = pad;
         hand_viscous[(0, 2)] = -pad;
         hand_viscous[(2, 0)] = -pad;
-        hand_viscous[(2, 2)] = pad + hand.damping_n_m_s_per_rad;
+        hand_viscous[(2, 2)] = pad + hand.damping;
         Ok(Self {
             step: columns(&(rates * flow_integral(&m, interval_s))),
             device_loss: columns(&quadratic_integral(&m, &viscous, interval_s)),
@@ -109,23 +105,23 @@ impl Stepper for HeldLinear {
     }
 
     #[inline]
-    fn step(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) {
-        state.add(&self.increment(&drive(state, torque_n_m, rest_rad)));
+    fn step(&self, state: &mut State<4>, force: f64, rest: f64) {
+        state.add(&self.increment(&drive(state, force, rest)));
     }
 
     #[inline]
-    fn step_with_loss(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) -> Loss {
-        let drive = drive(state, torque_n_m, rest_rad);
+    fn step_with_loss(&self, state: &mut State<4>, force: f64, rest: f64) -> Loss {
+        let drive = drive(state, force, rest);
         state.add(&self.increment(&drive));
         self.viscous_loss(&drive)
     }
 
-    fn stored_energy_j(&self, state: &State<4>, rest_rad: f64) -> f64 {
-        let [v, pad_strain, v_h, hand_strain, _] = drive(state, 0.0, rest_rad);
-        0.5 * (self.device.inertia_kg_m2 * v * v
-            + self.hand.pad_stiffness_n_m_per_rad * pad_strain * pad_strain
-            + self.hand.inertia_kg_m2 * v_h * v_h
-            + self.hand.stiffness_n_m_per_rad * hand_strain * hand_strain)
+    fn stored_energy_j(&self, state: &State<4>, rest: f64) -> f64 {
+        let [v, pad_strain, v_h, hand_strain, _] = drive(state, 0.0, rest);
+        0.5 * (self.device.inertia * v * v
+            + self.hand.pad_stiffness * pad_strain * pad_strain
+            + self.hand.inertia * v_h * v_h
+            + self.hand.stiffness * hand_strain * hand_strain)
     }
 }
 

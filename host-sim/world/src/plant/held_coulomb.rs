@@ -75,17 +75,11 @@ impl HeldCoulomb {
     /// is thousands of times longer than the plant's fastest motion.
     pub fn new(device: &Device, hand: &Hand, interval_s: f64) -> Result<Self, Invalid> {
         let sliding = HeldLinear::new(device, hand, interval_s)?;
-        let Coulomb {
-            kinetic_n_m,
-            static_n_m,
-        } = device.required_friction()?;
+        let Coulomb { kinetic, breakaway } = device.required_friction()?;
 
-        let (k_p, b_p) = (
-            hand.pad_stiffness_n_m_per_rad,
-            hand.pad_damping_n_m_s_per_rad,
-        );
-        let (b_h, k_h) = (hand.damping_n_m_s_per_rad, hand.stiffness_n_m_per_rad);
-        let j_h = hand.inertia_kg_m2;
+        let (k_p, b_p) = (hand.pad_stiffness, hand.pad_damping);
+        let (b_h, k_h) = (hand.damping, hand.stiffness);
+        let j_h = hand.inertia;
         let m = drive_matrix(device, hand);
         let stuck = matrix![
             0.0,        1.0,                0.0;
@@ -100,7 +94,7 @@ impl HeldCoulomb {
 
         // With angles scaled by the fastest eigenfrequency, all rates of the plant are comparable and their norm says how
         // far a series reaches.
-        let j = device.inertia_kg_m2;
+        let j = device.inertia;
         let scale = (k_p / j)
             .max(k_p / j_h)
             .max(k_h / j_h)
@@ -121,8 +115,8 @@ impl HeldCoulomb {
 
         Ok(Self {
             sliding,
-            kinetic: kinetic_n_m,
-            breakaway: static_n_m,
+            kinetic: kinetic,
+            breakaway: breakaway,
             slide_guard: curvature_guard(matrix![1.0, 0.0, 0.0, 0.0, 0.0], &m, interval_s),
             stuck: columns(&(stuck_rates * flow_integral(&stuck, interval_s))),
             stuck_loss: columns(&quadratic_integral(&stuck, &stuck_viscous, interval_s)),
@@ -135,7 +129,7 @@ impl HeldCoulomb {
     #[inline(always)]
     fn torque_at_rest(&self, strain: f64, v_h: f64, torque: f64) -> f64 {
         let hand = &self.sliding.hand;
-        torque + (hand.pad_stiffness_n_m_per_rad * strain + hand.pad_damping_n_m_s_per_rad * v_h)
+        torque + (hand.pad_stiffness * strain + hand.pad_damping * v_h)
     }
 
     /// One interval; the losses are worked out only where `LOSS` asks for them.
@@ -210,16 +204,16 @@ impl Stepper for HeldCoulomb {
     }
 
     #[inline]
-    fn step(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) {
-        self.advance::<false>(state, torque_n_m, rest_rad);
+    fn step(&self, state: &mut State<4>, force: f64, rest: f64) {
+        self.advance::<false>(state, force, rest);
     }
 
     #[inline]
-    fn step_with_loss(&self, state: &mut State<4>, torque_n_m: f64, rest_rad: f64) -> Loss {
-        self.advance::<true>(state, torque_n_m, rest_rad)
+    fn step_with_loss(&self, state: &mut State<4>, force: f64, rest: f64) -> Loss {
+        self.advance::<true>(state, force, rest)
     }
 
-    fn stored_energy_j(&self, state: &State<4>, rest_rad: f64) -> f64 {
-        self.sliding.stored_energy_j(state, rest_rad)
+    fn stored_energy_j(&self, state: &State<4>, rest: f64) -> f64 {
+        self.sliding.stored_energy_j(state, rest)
     }
 }

@@ -28,7 +28,7 @@ pub fn closed_loop_matrix<const N: usize, S>(
     before: &S,
     after: &S,
     whole_ticks: usize,
-    stiffness_n_m_per_rad: f64,
+    stiffness: f64,
 ) -> DMatrix<f64>
 where
     S: LinearStepper<State = State<N>>,
@@ -42,7 +42,7 @@ where
         let mut unit = DVector::<f64>::zeros(size);
         unit[column] = 1.0;
         let mut state = State::from_array(std::array::from_fn(|row| unit[row]));
-        let command = -stiffness_n_m_per_rad * unit[0];
+        let command = -stiffness * unit[0];
         // Commands by age in ticks: the one computed at this sample has age 0.
         let aged = |age: usize| if age == 0 { command } else { unit[N + age - 1] };
         if fraction {
@@ -103,10 +103,7 @@ pub fn critical_stiffness(
     let after_s = period - before_s;
     let whole = whole as usize;
 
-    let damping = device.damping_n_m_s_per_rad
-        + hand.map_or(0.0, |hand| {
-            hand.pad_damping_n_m_s_per_rad + hand.damping_n_m_s_per_rad
-        });
+    let damping = device.damping + hand.map_or(0.0, |hand| hand.pad_damping + hand.damping);
     let expected = damping / (0.5 * period + delay_s);
     match hand {
         None => {
@@ -168,8 +165,8 @@ mod tests {
     #[test]
     fn commands_in_flight_move_up_by_one_each_tick() {
         let device = Device {
-            inertia_kg_m2: 1.0,
-            damping_n_m_s_per_rad: 0.0,
+            inertia: 1.0,
+            damping: 0.0,
             friction: None,
         };
         let whole = BareLinear::new(&device, 1.0).unwrap();

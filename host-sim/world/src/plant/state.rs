@@ -3,15 +3,15 @@
 /// Read access to a plant's state, the same for every plant.
 pub trait Motion: Copy {
     /// Everything at one angle and at rest: device, hand, and no strain in the pad.
-    fn at_rest(angle_rad: f64) -> Self;
-    /// Angle `x` of the device (the HIP), rad.
-    fn angle_rad(&self) -> f64;
-    /// Velocity `v` of the device, rad/s.
-    fn velocity_rad_per_s(&self) -> f64;
-    /// Angle `x_h` of the hand's mass, rad; the device's own where there is no hand.
-    fn hand_angle_rad(&self) -> f64;
-    /// Velocity `v_h` of the hand's mass, rad/s; the device's own where there is no hand.
-    fn hand_velocity_rad_per_s(&self) -> f64;
+    fn at_rest(position: f64) -> Self;
+    /// Angle `x` of the device (the HIP), rad (m).
+    fn position(&self) -> f64;
+    /// Velocity `v` of the device, rad/s (m/s).
+    fn velocity(&self) -> f64;
+    /// Angle `x_h` of the hand's mass, rad (m); the device's own where there is no hand.
+    fn hand_position(&self) -> f64;
+    /// Velocity `v_h` of the hand's mass, rad/s (m/s); the device's own where there is no hand.
+    fn hand_velocity(&self) -> f64;
 }
 
 /// State of a plant: `[x, v]` without a hand, `[x, v, x_h, v_h]` with one; rad and rad/s.
@@ -43,30 +43,30 @@ impl<const N: usize> State<N> {
 }
 
 impl<const N: usize> Motion for State<N> {
-    fn at_rest(angle_rad: f64) -> Self {
+    fn at_rest(position: f64) -> Self {
         Self(std::array::from_fn(|index| {
-            if index % 2 == 0 { angle_rad } else { 0.0 }
+            if index % 2 == 0 { position } else { 0.0 }
         }))
     }
 
     #[inline(always)]
-    fn angle_rad(&self) -> f64 {
+    fn position(&self) -> f64 {
         self.0[0]
     }
 
     #[inline(always)]
-    fn velocity_rad_per_s(&self) -> f64 {
+    fn velocity(&self) -> f64 {
         self.0[1]
     }
 
     // The last pair belongs to the hand, and to the device where it is the only pair.
     #[inline(always)]
-    fn hand_angle_rad(&self) -> f64 {
+    fn hand_position(&self) -> f64 {
         self.0[N - 2]
     }
 
     #[inline(always)]
-    fn hand_velocity_rad_per_s(&self) -> f64 {
+    fn hand_velocity(&self) -> f64 {
         self.0[N - 1]
     }
 }

@@ -12,17 +12,17 @@ pub trait Stepper {
 
     /// Crosses one interval.
     ///
-    /// `torque_n_m` acts on the device along `+x`; `rest_rad` is the hand's rest point (not read without a hand).
-    fn step(&self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
+    /// `force` acts on the device along `+x`; `rest` is the hand's rest point (not read without a hand).
+    fn step(&self, state: &mut Self::State, force: f64, rest: f64);
 
     /// As [`Stepper::step`], to the same bit, and says what was dissipated on the way.
-    fn step_with_loss(&self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Loss;
+    fn step_with_loss(&self, state: &mut Self::State, force: f64, rest: f64) -> Loss;
 
     /// Kinetic and spring energy of device and hand, J.
     ///
-    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest_rad` in both terms; a jump
+    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms; a jump
     /// of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
-    fn stored_energy_j(&self, state: &Self::State, rest_rad: f64) -> f64;
+    fn stored_energy_j(&self, state: &Self::State, rest: f64) -> f64;
 }
 
 /// A [`Stepper`] whose step is linear in state, torque and rest point.

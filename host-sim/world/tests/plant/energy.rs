@@ -42,15 +42,15 @@ fn audit<P: Stepper>(plant: &P, ticks: u32) -> Books {
             jumps += jump;
             books.throughput += jump.abs();
         }
-        let x = state.angle_rad();
+        let x = state.position();
         let torque = push - 0.2 * (x - x.clamp(-0.1, 0.1));
-        let v = state.velocity_rad_per_s();
+        let v = state.velocity();
         books.loss += plant.step_with_loss(&mut state, torque, rest);
-        let work = torque * (state.angle_rad() - x);
+        let work = torque * (state.position() - x);
         books.work += work;
         books.throughput += work.abs();
-        books.turns += u32::from(v * state.velocity_rad_per_s() < 0.0);
-        books.rests += u32::from(state.velocity_rad_per_s() == 0.0);
+        books.turns += u32::from(v * state.velocity() < 0.0);
+        books.rests += u32::from(state.velocity() == 0.0);
     }
     let stored = plant.stored_energy_j(&state, rest) - start;
     books.imbalance = (books.work + jumps - books.loss.total_j() - stored) / books.throughput;
@@ -121,12 +121,12 @@ fn held_coulomb_books_close() {
 #[test]
 fn without_any_damping_energy_is_kept() {
     let device = Device {
-        damping_n_m_s_per_rad: 0.0,
+        damping: 0.0,
         ..KNOB
     };
     let hand = touchstone_world::plant::Hand {
-        damping_n_m_s_per_rad: 0.0,
-        pad_damping_n_m_s_per_rad: 0.0,
+        damping: 0.0,
+        pad_damping: 0.0,
         ..MEDIUM
     };
     let plant = HeldLinear::new(&device, &hand, 1e-3).unwrap();
@@ -153,5 +153,5 @@ fn left_alone_stored_energy_never_rises() {
         );
         stored = now;
     }
-    assert_eq!(state.velocity_rad_per_s(), 0.0);
+    assert_eq!(state.velocity(), 0.0);
 }

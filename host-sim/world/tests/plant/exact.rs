@@ -13,12 +13,9 @@ const INTERVALS: [f64; 4] = [1e-5, 1e-3, 2.5e-3, 0.02];
 
 #[test]
 fn bare_step_and_loss_are_what_runge_kutta_converges_to() {
-    for damping_n_m_s_per_rad in DAMPINGS {
+    for damping in DAMPINGS {
         for h in INTERVALS {
-            let device = Device {
-                damping_n_m_s_per_rad,
-                ..KNOB
-            };
+            let device = Device { damping, ..KNOB };
             let plant = BareLinear::new(&device, h).unwrap();
             let oracle = Oracle { device, hand: None };
             for (v, u) in [(0.0, 0.01), (3.0, 0.0), (3.0, -0.02)] {
@@ -26,7 +23,7 @@ fn bare_step_and_loss_are_what_runge_kutta_converges_to() {
                 let expected = oracle.runge_kutta(&[0.2, v, 0.2, v, 0.0, 0.0, 0.0], u, 0.0, h, n);
                 let mut state = State::from_array([0.2, v]);
                 let loss = plant.step_with_loss(&mut state, u, 9.0);
-                let what = format!("b {damping_n_m_s_per_rad}, h {h}, v {v}, u {u}");
+                let what = format!("b {damping}, h {h}, v {v}, u {u}");
                 assert_close(state.to_array(), &expected, &[0.2, v], 2e-12, &what);
                 assert!(
                     (loss.device_j - expected[4]).abs() <= 1e-11 * expected[4],
@@ -41,12 +38,9 @@ fn bare_step_and_loss_are_what_runge_kutta_converges_to() {
 #[test]
 fn held_step_and_loss_are_what_runge_kutta_converges_to() {
     for hand in [LIGHT, MEDIUM, FIRM] {
-        for damping_n_m_s_per_rad in DAMPINGS {
+        for damping in DAMPINGS {
             for h in INTERVALS {
-                let device = Device {
-                    damping_n_m_s_per_rad,
-                    ..KNOB
-                };
+                let device = Device { damping, ..KNOB };
                 let plant = HeldLinear::new(&device, &hand, h).unwrap();
                 let oracle = Oracle {
                     device,
@@ -60,7 +54,7 @@ fn held_step_and_loss_are_what_runge_kutta_converges_to() {
                     let expected = oracle.runge_kutta(&full, u, r, h, 10_000);
                     let mut state = State::from_array(z);
                     let loss = plant.step_with_loss(&mut state, u, r);
-                    let what = format!("b {damping_n_m_s_per_rad}, h {h}");
+                    let what = format!("b {damping}, h {h}");
                     assert_close(state.to_array(), &expected, &z, 2e-12, &what);
                     assert!(
                         (loss.device_j - expected[4]).abs() <= 1e-11 * expected[4],
@@ -80,17 +74,13 @@ fn held_step_and_loss_are_what_runge_kutta_converges_to() {
 fn held_step_is_the_matrix_exponential_in_absolute_angles() {
     // [x, v, x_h, v_h, u, r], the exponential by nalgebra's Padé approximant.
     let (d, p) = (KNOB, MEDIUM);
-    let (j, j_h) = (d.inertia_kg_m2, p.inertia_kg_m2);
-    let (k_p, b_p) = (p.pad_stiffness_n_m_per_rad, p.pad_damping_n_m_s_per_rad);
-    let (k_h, b_h) = (p.stiffness_n_m_per_rad, p.damping_n_m_s_per_rad);
+    let (j, j_h) = (d.inertia, p.inertia);
+    let (k_p, b_p) = (p.pad_stiffness, p.pad_damping);
+    let (k_h, b_h) = (p.stiffness, p.damping);
     let mut a = SMatrix::<f64, 6, 6>::zeros();
     (a[(0, 1)], a[(2, 3)]) = (1.0, 1.0);
-    (a[(1, 0)], a[(1, 1)], a[(1, 2)], a[(1, 3)]) = (
-        -k_p / j,
-        -(b_p + d.damping_n_m_s_per_rad) / j,
-        k_p / j,
-        b_p / j,
-    );
+    (a[(1, 0)], a[(1, 1)], a[(1, 2)], a[(1, 3)]) =
+        (-k_p / j, -(b_p + d.damping) / j, k_p / j, b_p / j);
     a[(1, 4)] = 1.0 / j;
     (a[(3, 0)], a[(3, 1)], a[(3, 2)], a[(3, 3)]) =
         (k_p / j_h, b_p / j_h, -(k_p + k_h) / j_h, -(b_p + b_h) / j_h);
@@ -162,15 +152,15 @@ fn two_part_steps_make_one_whole() {
 #[test]
 fn without_damping_the_bare_device_falls_on_a_parabola() {
     let device = Device {
-        damping_n_m_s_per_rad: 0.0,
+        damping: 0.0,
         ..KNOB
     };
     let (h, v, u) = (1e-3, 1.5, -0.013);
-    let a = u / device.inertia_kg_m2;
+    let a = u / device.inertia;
     let fall = |b: f64| {
         let plant = BareLinear::new(
             &Device {
-                damping_n_m_s_per_rad: b,
+                damping: b,
                 ..device
             },
             h,
@@ -181,12 +171,12 @@ fn without_damping_the_bare_device_falls_on_a_parabola() {
         state
     };
     let still = fall(0.0);
-    assert!((still.angle_rad() - (v * h + a * h * h / 2.0)).abs() < 4e-16 * v * h);
-    assert!((still.velocity_rad_per_s() - (v + a * h)).abs() < 4e-16 * v);
+    assert!((still.position() - (v * h + a * h * h / 2.0)).abs() < 4e-16 * v * h);
+    assert!((still.velocity() - (v + a * h)).abs() < 4e-16 * v);
     // First order in b, from the parabola: dv = -(b/J)(v h + a h²/2). A closed form that divides by b loses this.
     for b in [1e-6, 1e-8, 1e-10] {
-        let change = fall(b).velocity_rad_per_s() - still.velocity_rad_per_s();
-        let expected = -b / device.inertia_kg_m2 * (v * h + a * h * h / 2.0);
+        let change = fall(b).velocity() - still.velocity();
+        let expected = -b / device.inertia * (v * h + a * h * h / 2.0);
         assert!(
             (change - expected).abs() < 1e-4 * expected.abs() + 4e-16,
             "b {b:e}: {change:e}, {expected:e}"
@@ -198,8 +188,8 @@ fn without_damping_the_bare_device_falls_on_a_parabola() {
 #[test]
 fn a_pad_that_transmits_nothing_leaves_the_device_alone() {
     let loose = Hand {
-        pad_stiffness_n_m_per_rad: 0.0,
-        pad_damping_n_m_s_per_rad: 0.0,
+        pad_stiffness: 0.0,
+        pad_damping: 0.0,
         ..MEDIUM
     };
     let held = HeldLinear::new(&KNOB, &loose, 1e-3).unwrap();
@@ -213,7 +203,7 @@ fn a_pad_that_transmits_nothing_leaves_the_device_alone() {
         bare.step(&mut b, 0.01, f64::NAN);
     }
     assert_close(
-        [a.angle_rad(), a.velocity_rad_per_s()],
+        [a.position(), a.velocity()],
         &b.to_array(),
         &[0.1, 2.0],
         1e-14,
@@ -267,10 +257,10 @@ fn run<P: Stepper>(plant: &P, mirror: f64, scale: f64, mut each: impl FnMut(usiz
 
 fn entries<S: Motion>(state: S) -> [f64; 4] {
     [
-        state.angle_rad(),
-        state.velocity_rad_per_s(),
-        state.hand_angle_rad(),
-        state.hand_velocity_rad_per_s(),
+        state.position(),
+        state.velocity(),
+        state.hand_position(),
+        state.hand_velocity(),
     ]
 }
 
@@ -349,9 +339,6 @@ fn angles_far_from_zero_are_as_good_as_near() {
         held.step_with_loss(&mut far, 0.01, 4096.5),
     );
     assert_eq!(losses.0, losses.1);
-    assert_eq!(near.velocity_rad_per_s(), far.velocity_rad_per_s());
-    assert_eq!(
-        near.hand_velocity_rad_per_s(),
-        far.hand_velocity_rad_per_s()
-    );
+    assert_eq!(near.velocity(), far.velocity());
+    assert_eq!(near.hand_velocity(), far.hand_velocity());
 }

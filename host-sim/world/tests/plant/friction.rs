@@ -7,19 +7,16 @@ use touchstone_world::plant::{
 
 use crate::oracle::{FRICTION, Full, KNOB, Oracle, Random, STICKY_KNOB, assert_close};
 
-fn with_friction(kinetic_n_m: f64, static_n_m: f64) -> Device {
+fn with_friction(kinetic: f64, breakaway: f64) -> Device {
     Device {
-        friction: Some(Coulomb {
-            kinetic_n_m,
-            static_n_m,
-        }),
+        friction: Some(Coulomb { kinetic, breakaway }),
         ..KNOB
     }
 }
 
 #[test]
 fn below_break_away_nothing_moves_at_all() {
-    let torque = 0.9 * FRICTION.static_n_m;
+    let torque = 0.9 * FRICTION.breakaway;
     let bare = BareCoulomb::new(&STICKY_KNOB, 1e-3).unwrap();
     let mut state = State::from_array([0.123, 0.0]);
     for _ in 0..10_000 {
@@ -34,11 +31,8 @@ fn below_break_away_nothing_moves_at_all() {
     for tick in 0..10_000 {
         let rest = 0.123 + 0.01 * (0.01 * f64::from(tick)).sin();
         held.step(&mut state, torque, rest);
-        assert_eq!(
-            (state.angle_rad(), state.velocity_rad_per_s()),
-            (0.123, 0.0)
-        );
-        swing = swing.max((state.hand_angle_rad() - 0.123).abs());
+        assert_eq!((state.position(), state.velocity()), (0.123, 0.0));
+        swing = swing.max((state.hand_position() - 0.123).abs());
     }
     assert!(swing > 5e-4, "the hand did not move: {swing}");
 }
@@ -49,18 +43,18 @@ fn break_away_is_at_the_static_level_and_not_at_it() {
     let held = HeldCoulomb::new(&STICKY_KNOB, &MEDIUM, 1e-3).unwrap();
     for sign in [1.0, -1.0] {
         for at_rest in [0.0, -0.0] {
-            let level = sign * FRICTION.static_n_m;
+            let level = sign * FRICTION.breakaway;
             let mut state = State::from_array([0.5, at_rest]);
             bare.step(&mut state, level, 0.0);
             assert_eq!(state, State::from_array([0.5, 0.0]));
-            bare.step(&mut state, sign * FRICTION.static_n_m.next_up(), 0.0);
-            assert!(sign * state.velocity_rad_per_s() > 0.0);
+            bare.step(&mut state, sign * FRICTION.breakaway.next_up(), 0.0);
+            assert!(sign * state.velocity() > 0.0);
 
             let mut state = State::from_array([0.5, at_rest, 0.5, 0.0]);
             held.step(&mut state, level, 0.5);
             assert_eq!(state, State::from_array([0.5, 0.0, 0.5, 0.0]));
-            held.step(&mut state, sign * FRICTION.static_n_m.next_up(), 0.5);
-            assert!(sign * state.velocity_rad_per_s() > 0.0);
+            held.step(&mut state, sign * FRICTION.breakaway.next_up(), 0.5);
+            assert!(sign * state.velocity() > 0.0);
         }
     }
 }
@@ -72,11 +66,11 @@ fn a_torque_of_exactly_the_kinetic_level_lets_the_device_coast() {
     let free = BareLinear::new(&KNOB, 1e-3).unwrap();
     let (mut state, mut expected) = (State::from_array([0.0, 2.0]), State::from_array([0.0, 2.0]));
     for _ in 0..1_000 {
-        bare.step(&mut state, FRICTION.kinetic_n_m, 0.0);
+        bare.step(&mut state, FRICTION.kinetic, 0.0);
         free.step(&mut expected, 0.0, 0.0);
     }
     assert_eq!(state, expected);
-    assert!(state.velocity_rad_per_s() > 0.0);
+    assert!(state.velocity() > 0.0);
 }
 
 #[test]
@@ -103,7 +97,7 @@ fn zero_friction_is_no_friction() {
         );
         bare.0.step(&mut a, u, r);
         bare.1.step(&mut b, u, r);
-        if z[1] * b.velocity_rad_per_s() > 0.0 {
+        if z[1] * b.velocity() > 0.0 {
             assert_eq!(a, b, "to the bit where nothing turns");
         } else {
             turns[0] += 1;
@@ -115,7 +109,7 @@ fn zero_friction_is_no_friction() {
         let (mut a, mut b) = (State::from_array(z), State::from_array(z));
         held.0.step(&mut a, u, r);
         held.1.step(&mut b, u, r);
-        if z[1] * b.velocity_rad_per_s() < 0.0 {
+        if z[1] * b.velocity() < 0.0 {
             turns[1] += 1;
         }
         for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
@@ -133,10 +127,10 @@ fn a_tick_without_event_is_the_linear_tick_to_the_bit() {
     let mut expected = state;
     for _ in 0..20 {
         held.step(&mut state, 1e-3, 0.2);
-        linear.step(&mut expected, 1e-3 - FRICTION.kinetic_n_m, 0.2);
+        linear.step(&mut expected, 1e-3 - FRICTION.kinetic, 0.2);
         assert_eq!(state, expected);
     }
-    assert!(state.velocity_rad_per_s() > 0.0);
+    assert!(state.velocity() > 0.0);
 }
 
 fn full(z: [f64; 4]) -> Full {
@@ -161,7 +155,7 @@ fn compare_ticks(
     // Fine enough that what remains is rounding, in long intervals too.
     let substeps = 400.max((1e5 * h) as u32);
     // Velocities that a tick's net torque can undo, so that about half the ticks have events.
-    let turn = friction.static_n_m * h / device.inertia_kg_m2;
+    let turn = friction.breakaway * h / device.inertia;
     for tick in 0..ticks {
         let mut z = full(std::array::from_fn(|_| random.uniform()));
         z[0] *= 0.2;
@@ -172,7 +166,7 @@ fn compare_ticks(
             (z[2], z[3]) = (z[0], z[1]);
         }
         let (u, r) = (
-            2.0 * friction.static_n_m * random.uniform(),
+            2.0 * friction.breakaway * random.uniform(),
             z[0] + 0.1 * random.uniform(),
         );
         let (expected, events) = oracle.with_events(&z, u, r, h, substeps);
@@ -184,7 +178,7 @@ fn compare_ticks(
             if events == 0 && z[1] != 0.0 {
                 // Also where it took a look inside the tick to know that there is none.
                 let mut expected = State::from_array([z[0], z[1], z[2], z[3]]);
-                let w = u - friction.kinetic_n_m.copysign(z[1]);
+                let w = u - friction.kinetic.copysign(z[1]);
                 linear.as_ref().unwrap().step(&mut expected, w, r);
                 assert_eq!(state, expected, "tick {tick}");
             }
@@ -203,8 +197,8 @@ fn compare_ticks(
                 "tick {tick}, {events} events: {state:?} {expected:?}"
             );
         }
-        let device_j = expected[4] + friction.kinetic_n_m * expected[5];
-        let scale = device_j + expected[6] + friction.static_n_m * turn * h;
+        let device_j = expected[4] + friction.kinetic * expected[5];
+        let scale = device_j + expected[6] + friction.breakaway * turn * h;
         assert!(
             (loss.device_j - device_j).abs() < tolerance * scale,
             "tick {tick}: {loss:?} {device_j:e}"
@@ -219,9 +213,9 @@ fn compare_ticks(
 
 #[test]
 fn bare_ticks_agree_with_located_events() {
-    for (damping_n_m_s_per_rad, h) in [(3e-4, 1e-3), (0.0, 1e-3), (0.02, 1e-3), (3e-4, 0.02)] {
+    for (damping, h) in [(3e-4, 1e-3), (0.0, 1e-3), (0.02, 1e-3), (3e-4, 0.02)] {
         let device = Device {
-            damping_n_m_s_per_rad,
+            damping,
             ..STICKY_KNOB
         };
         let seen = compare_ticks(device, None, h, 2_000, 1e-11);
@@ -264,7 +258,7 @@ fn long_ticks_with_several_events_agree_with_located_events() {
 fn a_velocity_that_dips_below_zero_within_a_tick_is_seen() {
     let hand = FIRM;
     let device = Device {
-        inertia_kg_m2: 1e-4,
+        inertia: 1e-4,
         ..STICKY_KNOB
     };
     let oracle = Oracle {
@@ -278,15 +272,15 @@ fn a_velocity_that_dips_below_zero_within_a_tick_is_seen() {
     let (u, r) = (1.2e-3, 0.0);
     // Under friction of one sign the velocity would end positive, as it began: only a look inside shows the dip.
     let mut unseen = State::from_array([z[0], z[1], z[2], z[3]]);
-    linear.step(&mut unseen, u - FRICTION.kinetic_n_m, r);
-    assert!(unseen.velocity_rad_per_s() > 0.0);
+    linear.step(&mut unseen, u - FRICTION.kinetic, r);
+    assert!(unseen.velocity() > 0.0);
 
     let (expected, events) = oracle.with_events(&z, u, r, h, 4_000);
     assert!(events >= 2, "{events}");
     let mut state = State::from_array([z[0], z[1], z[2], z[3]]);
     plant.step(&mut state, u, r);
     assert_close(state.to_array(), &expected, &z, 1e-10, "dip");
-    assert!((state.velocity_rad_per_s() - unseen.velocity_rad_per_s()).abs() > 1e-3);
+    assert!((state.velocity() - unseen.velocity()).abs() > 1e-3);
 }
 
 /// A run of half a second that sticks and slips: torque to and fro, hand following.
@@ -338,20 +332,20 @@ fn set_valued_implicit_euler_converges_to_these_runs() {
 fn go<P: Stepper>(plant: &P, state: &mut P::State, tick: u32) -> f64 {
     let (u, r) = inputs(tick);
     plant.step(state, u, r);
-    state.angle_rad()
+    state.position()
 }
 
 #[test]
 fn a_storm_of_events_ends_at_rest_and_makes_no_energy() {
     // Ticks of a second, in which a pad with hardly any damping swings for a long time: more events than are followed.
     let device = Device {
-        inertia_kg_m2: 1e-4,
-        damping_n_m_s_per_rad: 0.0,
+        inertia: 1e-4,
+        damping: 0.0,
         ..with_friction(5e-5, 6e-5)
     };
     let hand = Hand {
-        damping_n_m_s_per_rad: 1e-7,
-        pad_damping_n_m_s_per_rad: 1e-7,
+        damping: 1e-7,
+        pad_damping: 1e-7,
         ..FIRM
     };
     let plant = HeldCoulomb::new(&device, &hand, 1.0).unwrap();
@@ -374,7 +368,7 @@ fn a_storm_of_events_ends_at_rest_and_makes_no_energy() {
         assert!(loss.device_j > 0.0 && loss.hand_j > 0.0);
         if events > 12 {
             storms += 1;
-            assert_eq!(state.velocity_rad_per_s(), 0.0, "{events} events");
+            assert_eq!(state.velocity(), 0.0, "{events} events");
         }
     }
     assert!(storms > 5, "{storms}");
@@ -388,19 +382,19 @@ fn random_plants_agree_with_located_events() {
     for _ in 0..200 {
         let kinetic = decades(1e-4, 1e-2);
         let device = Device {
-            inertia_kg_m2: decades(1e-6, 1e-3),
-            damping_n_m_s_per_rad: decades(1e-6, 1e-2),
+            inertia: decades(1e-6, 1e-3),
+            damping: decades(1e-6, 1e-2),
             friction: Some(Coulomb {
-                kinetic_n_m: kinetic,
-                static_n_m: kinetic * decades(1.0, 2.0),
+                kinetic: kinetic,
+                breakaway: kinetic * decades(1.0, 2.0),
             }),
         };
         let hand = Hand {
-            inertia_kg_m2: decades(1e-5, 1e-3),
-            damping_n_m_s_per_rad: decades(1e-5, 1e-2),
-            stiffness_n_m_per_rad: decades(1e-3, 1.0),
-            pad_damping_n_m_s_per_rad: decades(1e-6, 1e-2),
-            pad_stiffness_n_m_per_rad: decades(1e-2, 3.0),
+            inertia: decades(1e-5, 1e-3),
+            damping: decades(1e-5, 1e-2),
+            stiffness: decades(1e-3, 1.0),
+            pad_damping: decades(1e-6, 1e-2),
+            pad_stiffness: decades(1e-2, 3.0),
         };
         let seen = compare_ticks(device, Some(hand), 1e-3, 30, 1e-7);
         events += seen[1] + seen[2] + seen[3] + seen[4];
@@ -426,11 +420,11 @@ fn constructors_refuse_what_they_cannot_step() {
         "interval_s"
     );
     let hand = Hand {
-        pad_stiffness_n_m_per_rad: -1.0,
+        pad_stiffness: -1.0,
         ..MEDIUM
     };
     assert_eq!(
         HeldLinear::new(&KNOB, &hand, 1e-3).unwrap_err().field,
-        "hand.pad_stiffness_n_m_per_rad"
+        "hand.pad_stiffness"
     );
 }

@@ -4,15 +4,15 @@ use touchstone_world::plant::{Coulomb, Device, Hand};
 
 /// The thesis' knob: 3e-4 N·m·s/rad of its own, light enough for the pad to matter.
 pub const KNOB: Device = Device {
-    inertia_kg_m2: 2e-5,
-    damping_n_m_s_per_rad: 3e-4,
+    inertia: 2e-5,
+    damping: 3e-4,
     friction: None,
 };
 
 /// Dry friction as large as a wall's torque at a degree or so.
 pub const FRICTION: Coulomb = Coulomb {
-    kinetic_n_m: 2e-3,
-    static_n_m: 3e-3,
+    kinetic: 2e-3,
+    breakaway: 3e-3,
 };
 
 pub const STICKY_KNOB: Device = Device {
@@ -31,18 +31,17 @@ pub struct Oracle {
 impl Oracle {
     fn pad(&self, z: &Full) -> f64 {
         self.hand.map_or(0.0, |hand| {
-            hand.pad_stiffness_n_m_per_rad * (z[2] - z[0])
-                + hand.pad_damping_n_m_s_per_rad * (z[3] - z[1])
+            hand.pad_stiffness * (z[2] - z[0]) + hand.pad_damping * (z[3] - z[1])
         })
     }
 
     fn rates(&self, z: &Full, u: f64, r: f64, stuck: bool) -> Full {
         let [_, v, x_h, v_h, ..] = *z;
         let pad = self.pad(z);
-        let b = self.device.damping_n_m_s_per_rad;
+        let b = self.device.damping;
         let mut rates = [
             v,
-            (u + pad - b * v) / self.device.inertia_kg_m2,
+            (u + pad - b * v) / self.device.inertia,
             0.0,
             0.0,
             b * v * v,
@@ -51,11 +50,8 @@ impl Oracle {
         ];
         if let Some(hand) = self.hand {
             rates[2] = v_h;
-            rates[3] =
-                (hand.stiffness_n_m_per_rad * (r - x_h) - hand.damping_n_m_s_per_rad * v_h - pad)
-                    / hand.inertia_kg_m2;
-            rates[6] = hand.damping_n_m_s_per_rad * v_h * v_h
-                + hand.pad_damping_n_m_s_per_rad * (v - v_h) * (v - v_h);
+            rates[3] = (hand.stiffness * (r - x_h) - hand.damping * v_h - pad) / hand.inertia;
+            rates[6] = hand.damping * v_h * v_h + hand.pad_damping * (v - v_h) * (v - v_h);
         }
         if stuck {
             (rates[0], rates[1]) = (0.0, 0.0);
@@ -85,7 +81,7 @@ impl Oracle {
         let at_rest = |z: &Full| u + self.pad(z);
         let mut mode = if z[1] != 0.0 {
             z[1].signum()
-        } else if at_rest(&z).abs() > friction.static_n_m {
+        } else if at_rest(&z).abs() > friction.breakaway {
             at_rest(&z).signum()
         } else {
             0.0
@@ -94,11 +90,10 @@ impl Oracle {
         for _ in 0..n {
             let mut left = h / f64::from(n);
             while left > 0.0 {
-                let go =
-                    |t: f64| self.substep(&z, u - mode * friction.kinetic_n_m, r, mode == 0.0, t);
+                let go = |t: f64| self.substep(&z, u - mode * friction.kinetic, r, mode == 0.0, t);
                 let over = |z: &Full| {
                     if mode == 0.0 {
-                        at_rest(z).abs() > friction.static_n_m
+                        at_rest(z).abs() > friction.breakaway
                     } else {
                         mode * z[1] < 0.0
                     }
@@ -119,7 +114,7 @@ impl Oracle {
                 z = go(after);
                 left -= after;
                 events += 1;
-                mode = if mode == 0.0 || at_rest(&Full::from_rest(&z)).abs() > friction.static_n_m {
+                mode = if mode == 0.0 || at_rest(&Full::from_rest(&z)).abs() > friction.breakaway {
                     at_rest(&Full::from_rest(&z)).signum()
                 } else {
                     0.0
@@ -135,20 +130,20 @@ impl Oracle {
     pub fn implicit_euler(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
         let friction = self.device.friction.expect("an oracle with friction");
         let h = h / f64::from(n);
-        let (j, b) = (self.device.inertia_kg_m2, self.device.damping_n_m_s_per_rad);
+        let (j, b) = (self.device.inertia, self.device.damping);
         let mut z = *z;
         for _ in 0..n {
             let rates = self.rates(&z, u, r, false);
             let impulse = j / h * z[1] + u + self.pad(&z);
             let level = if z[1] == 0.0 {
-                friction.static_n_m
+                friction.breakaway
             } else {
-                friction.kinetic_n_m
+                friction.kinetic
             };
             z[1] = if impulse.abs() <= level {
                 0.0
             } else {
-                (impulse - friction.kinetic_n_m.copysign(impulse)) / (j / h + b)
+                (impulse - friction.kinetic.copysign(impulse)) / (j / h + b)
             };
             z[0] += h * z[1];
             z[3] += h * rates[3];

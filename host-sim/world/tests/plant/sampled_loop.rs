@@ -8,14 +8,14 @@ use touchstone_world::plant::{
 use crate::oracle::KNOB;
 
 const HEAVY_KNOB: Device = Device {
-    inertia_kg_m2: 1e-4,
-    damping_n_m_s_per_rad: 5e-4,
+    inertia: 1e-4,
+    damping: 5e-4,
     friction: None,
 };
 /// An axis of a large parallel device: 0.2 kg, 2.5 N·s/m.
 const AXIS: Device = Device {
-    inertia_kg_m2: 0.2,
-    damping_n_m_s_per_rad: 2.5,
+    inertia: 0.2,
+    damping: 2.5,
     friction: None,
 };
 
@@ -33,7 +33,7 @@ fn critical_stiffness_is_damping_over_half_a_period_and_delay() {
             for ticks in [0.0, 0.25, 0.5, 1.0, 1.7, 3.0] {
                 let (period, delay) = (1.0 / rate, ticks / rate);
                 let value = critical_stiffness(&device, None, rate, delay).unwrap();
-                let expected = device.damping_n_m_s_per_rad / (period / 2.0 + delay);
+                let expected = device.damping / (period / 2.0 + delay);
                 assert_within(value, expected, 0.02, &format!("{rate} Hz, {ticks} ticks"));
             }
         }
@@ -51,7 +51,7 @@ fn golden_values_of_knob_and_axis() {
     assert_within(axis(1e-3), 1_672.0, 1e-3, "axis, one tick of delay");
     // A device that is light against its damping, far from the formula: b T / J = 0.5.
     let light = Device {
-        inertia_kg_m2: 1e-6,
+        inertia: 1e-6,
         ..HEAVY_KNOB
     };
     assert_within(
@@ -65,7 +65,7 @@ fn golden_values_of_knob_and_axis() {
 #[test]
 fn without_damping_nothing_is_stable() {
     let device = Device {
-        damping_n_m_s_per_rad: 0.0,
+        damping: 0.0,
         ..HEAVY_KNOB
     };
     assert_eq!(
@@ -81,7 +81,7 @@ fn the_hand_adds_the_damping_of_its_pad_and_little_else() {
     // Rigidly attached, the hand's own damper would more than double the bare knob's damping.
     for hand in [LIGHT, MEDIUM, FIRM] {
         let value = critical_stiffness(&KNOB, Some(&hand), 1_000.0, 0.0).unwrap();
-        let damping = KNOB.damping_n_m_s_per_rad + hand.pad_damping_n_m_s_per_rad;
+        let damping = KNOB.damping + hand.pad_damping;
         assert_within(value, 2.0 * damping / 1e-3, 0.15, "with pad");
     }
 }
@@ -95,11 +95,11 @@ fn the_boundary_separates_decay_from_growth_in_the_time_domain() {
         let mut command = 0.0;
         let mut late = 0.0_f64;
         for tick in 0..80_000 {
-            let next = -stiffness * state.angle_rad();
+            let next = -stiffness * state.position();
             plant.step(&mut state, command, 0.0);
             command = next;
             if tick >= 79_000 {
-                late = late.max(state.angle_rad().abs());
+                late = late.max(state.position().abs());
             }
         }
         late

@@ -96,10 +96,7 @@ impl HeldCoulomb {
     /// When, and in which direction, a stuck device gives way within the piece.
     fn breaks_away(&self, piece: &Piece, torque: f64) -> Option<(f64, Mode)> {
         let hand = &self.sliding.hand;
-        let (k_p, b_p) = (
-            hand.pad_stiffness_n_m_per_rad,
-            hand.pad_damping_n_m_s_per_rad,
-        );
+        let (k_p, b_p) = (hand.pad_stiffness, hand.pad_damping);
         [1.0, -1.0]
             .into_iter()
             .filter_map(|sign| {
@@ -127,16 +124,14 @@ impl HeldCoulomb {
         for (k, reciprocal) in RECIPROCAL.into_iter().enumerate().take(TERMS - 1) {
             let (v, strain, v_h) = (piece.v.0[k], piece.strain.0[k], piece.v_h.0[k]);
             let step = length_s * reciprocal;
-            let pad = hand.pad_stiffness_n_m_per_rad * strain
-                + hand.pad_damping_n_m_s_per_rad * (v_h - v);
+            let pad = hand.pad_stiffness * strain + hand.pad_damping * (v_h - v);
             if let Mode::Sliding(sign) = mode {
                 let held = if k == 0 {
                     torque - sign * self.kinetic
                 } else {
                     0.0
                 };
-                let acceleration =
-                    (held + pad - device.damping_n_m_s_per_rad * v) / device.inertia_kg_m2;
+                let acceleration = (held + pad - device.damping * v) / device.inertia;
                 piece.v.0[k + 1] = step * acceleration;
                 // From rest a device only ever sets off along the torque that moved it: at break-away with equal levels
                 // of friction the net torque is zero, and rounding must not turn it round.
@@ -145,9 +140,8 @@ impl HeldCoulomb {
                 }
             }
             piece.strain.0[k + 1] = step * (v_h - v);
-            piece.v_h.0[k + 1] = step
-                * (hand.stiffness_n_m_per_rad * spring - pad - hand.damping_n_m_s_per_rad * v_h)
-                / hand.inertia_kg_m2;
+            piece.v_h.0[k + 1] =
+                step * (hand.stiffness * spring - pad - hand.damping * v_h) / hand.inertia;
             spring = -step * v_h;
         }
         piece
@@ -161,9 +155,9 @@ impl HeldCoulomb {
             Mode::Stuck => 0.0,
         };
         let pad = Series::combine(1.0, &piece.v, -1.0, &piece.v_h, 0.0);
-        let device_viscous = device.damping_n_m_s_per_rad * piece.v.integral_of_square(until);
-        let hand_viscous = hand.pad_damping_n_m_s_per_rad * pad.integral_of_square(until)
-            + hand.damping_n_m_s_per_rad * piece.v_h.integral_of_square(until);
+        let device_viscous = device.damping * piece.v.integral_of_square(until);
+        let hand_viscous = hand.pad_damping * pad.integral_of_square(until)
+            + hand.damping * piece.v_h.integral_of_square(until);
         Loss {
             device_j: piece.length_s * (device_viscous + friction),
             hand_j: piece.length_s * hand_viscous,
@@ -176,11 +170,11 @@ mod tests {
     use crate::plant::{Coulomb, Device, FIRM, HeldCoulomb, HeldLinear, State, Stepper};
 
     const DEVICE: Device = Device {
-        inertia_kg_m2: 2e-5,
-        damping_n_m_s_per_rad: 3e-4,
+        inertia: 2e-5,
+        damping: 3e-4,
         friction: Some(Coulomb {
-            kinetic_n_m: 2e-3,
-            static_n_m: 3e-3,
+            kinetic: 2e-3,
+            breakaway: 3e-3,
         }),
     };
     const TORQUE: f64 = -5e-4;
