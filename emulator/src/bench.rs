@@ -285,7 +285,7 @@ impl Bench {
         let here = world.angle_rad();
         // The shaft's angle at the surface, by what the device says of where it is.
         let surface = here - f64::from(record.count) * turn + surface_rad;
-        let give = 1.0 / hand.pad_stiffness_n_m_per_rad + 1.0 / hand.stiffness_n_m_per_rad;
+        let give = 1.0 / hand.pad_stiffness + 1.0 / hand.stiffness;
         let inside = surface + torque_n_m * (give + 1.0 / stiffness);
         world.hold(hand, move |time| {
             let out = (time - ramp_s - hold_s) / ramp_s;
