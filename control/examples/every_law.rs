@@ -29,7 +29,7 @@ pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsErr
     Controller::new(settings)
 }
 
-/// How many passivity bounds the settings leave.
+/// How many passivity bounds the settings violate.
 #[inline(never)]
 pub fn bounds_left(settings: &Settings) -> usize {
     settings.warnings().count()

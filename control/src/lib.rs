@@ -28,10 +28,13 @@
 //!
 //! let settings = Settings { k_desired: Si::lit("5"), ..Settings::default() };
 //! let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
-//! let e = Position(fixed::types::I8F24::lit("0.01")); // 10 mrad inside
+//! let e = Position::from_si(Si::lit("0.01")).unwrap(); // 10 mrad inside
 //! let f = wall.tick(e);
-//! assert_eq!(f.0, fixed::types::I8F24::lit("0.05") - fixed::types::I8F24::DELTA); // 50 mN·m, towards zero
+//! assert!(f.to_si() < Si::lit("0.05") && f.to_si() > Si::lit("0.0499998")); // 50 mN·m, towards zero
 //! ```
+//!
+//! From encoder count to motor torque: `examples/one_wall.rs`, and in the README. Values are made of [`Si`], as above; whoever
+//! needs the types of a format by name (`I8F24` and the like) finds their crate here as [`fixed`].
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -52,6 +55,9 @@ pub mod reciprocal;
 pub mod settings;
 pub mod validate;
 
+/// The crate of the fixed-point types, so that nobody needs its version by heart.
+pub use fixed;
+
 pub use controller::Controller;
 pub use encoder::CountScale;
 #[cfg(feature = "float")]
@@ -63,3 +69,8 @@ pub use settings::{
     FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
 };
 pub use validate::{Field, SettingsError, Warning};
+
+/// The code of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

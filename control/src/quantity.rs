@@ -10,9 +10,10 @@
 //! | [`Energy`] | J |
 //! | [`Tension`] | N·m / N, unrounded: stiffness × position before it becomes a [`Force`] |
 
-use crate::Number;
+use crate::{Number, Si};
 use core::cmp::Ordering;
 use core::ops::{Add, Mul, Neg, Sub};
+use fixed::traits::LossyInto;
 
 macro_rules! quantity {
     ($(#[$doc:meta])* $name:ident($inner:ident)) => {
@@ -121,6 +122,19 @@ macro_rules! signal_quantity {
             pub fn within(self, limit: Self) -> Self {
                 self.min(limit).max(-limit)
             }
+            /// An SI value to the step of the format that is next towards zero; `None` outside the format.
+            #[must_use]
+            pub fn from_si(si: Si) -> Option<Self> {
+                N::signal(si).map(Self)
+            }
+            /// The same value in SI, exact. The fixed formats have it: each of their steps is a step of [`Si`].
+            #[must_use]
+            pub fn to_si(self) -> Si
+            where
+                N::Signal: Into<Si>,
+            {
+                self.0.into()
+            }
         }
     };
 }
@@ -171,6 +185,19 @@ impl<N: Number> Sub for Energy<N> {
     }
 }
 impl<N: Number> Energy<N> {
+    /// An SI value, exact; `None` outside the format.
+    #[must_use]
+    pub fn from_si(si: Si) -> Option<Self> {
+        N::energy(si).map(Self)
+    }
+    /// In SI, to the step of [`Si`] below (2.3e-10 J); the fixed formats have it.
+    #[must_use]
+    pub fn to_si(self) -> Si
+    where
+        N::Energy: LossyInto<Si>,
+    {
+        self.0.lossy_into()
+    }
     /// `|e| / |d|` rounded towards zero: the force that moves exactly this energy, or less, over `d`.
     #[inline(always)]
     #[must_use]
@@ -266,5 +293,53 @@ impl<N: Number> Force<N> {
     #[must_use]
     pub fn lift(self) -> Tension<N> {
         Tension(N::lift(self.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Fixed8, Fixed16, Fixed32};
+
+    #[test]
+    fn every_signal_comes_back_from_si_to_the_bit() {
+        fn both_ways<N: Number>(x: N::Signal)
+        where
+            N::Signal: Into<Si>,
+        {
+            let (e, f) = (Position::<N>(x), Force::<N>(x));
+            assert_eq!(Position::from_si(e.to_si()), Some(e));
+            assert_eq!(Force::from_si(f.to_si()), Some(f));
+        }
+        for bits in i8::MIN..=i8::MAX {
+            both_ways::<Fixed8>(fixed::types::I1F7::from_bits(bits));
+        }
+        for bits in i16::MIN..=i16::MAX {
+            both_ways::<Fixed16>(fixed::types::I2F14::from_bits(bits));
+        }
+        for bits in [i32::MIN, i32::MIN + 1, -12_345, -1, 0, 1, 12_345, i32::MAX] {
+            both_ways::<Fixed32>(fixed::types::I8F24::from_bits(bits));
+        }
+    }
+
+    #[test]
+    fn si_is_rounded_towards_zero_and_refused_outside_the_format() {
+        let step = Position::<Fixed32>::quantum();
+        let between = step.to_si() + Si::DELTA;
+        assert_eq!(Position::<Fixed32>::from_si(between), Some(step));
+        assert_eq!(Position::<Fixed32>::from_si(-between), Some(-step));
+        assert_eq!(Position::<Fixed32>::from_si(Si::lit("128")), None);
+        assert_eq!(Force::<Fixed16>::from_si(Si::lit("2")), None);
+        assert!(Force::<Fixed16>::from_si(Si::lit("-2")).is_some());
+    }
+
+    #[test]
+    fn an_energy_in_si_is_at_most_the_energy() {
+        let half = Energy::<Fixed32>::from_si(Si::lit("-0.5")).unwrap();
+        assert_eq!(half.to_si(), Si::lit("-0.5"));
+        // One quantum of energy is below the step of SI: none of it is shown, and all of it is owed.
+        let quantum = Force::<Fixed32>::quantum() * Position::quantum();
+        assert_eq!(quantum.to_si(), Si::ZERO);
+        assert_eq!((Energy::zero() - quantum).to_si(), -Si::DELTA);
     }
 }

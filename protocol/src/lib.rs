@@ -42,3 +42,8 @@ pub use request::{DeviceCommand, PROTOCOL_VERSION, Request, ToDevice};
 pub use settings::{Decimal, DeviceSettings};
 #[cfg(feature = "wire")]
 pub use telemetry::{Fault, Phase, RingChunk, RingRecord, Telemetry};
+
+/// The code of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

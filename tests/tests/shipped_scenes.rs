@@ -114,9 +114,7 @@ fn a_recorded_hand_moves_the_knob_in_and_out_of_the_wall() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../shared/data/paddle-hand-motion-200hz.csv");
     if !file.exists() {
-        println!(
-            "skipped: the recording shared/data/paddle-hand-motion-200hz.csv is not beside the project"
-        );
+        println!("skipped: the recording paddle-hand-motion-200hz.csv is not on this machine");
         return;
     }
     let scene = Scene::load("thesis-knob")

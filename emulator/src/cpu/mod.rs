@@ -35,7 +35,7 @@ pub const UNTOUCHED: u8 = 0xa5;
 /// Why a run ended before its time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Halt {
-    /// A return from an exception that does not run: the emulator or the program is beside itself.
+    /// A return from an exception that does not run: a mistake of the emulator, or a program that has lost its stack.
     BadReturn(String),
     /// The power was cut at a write to flash, as asked for.
     PowerCut,

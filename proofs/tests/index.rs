@@ -1,0 +1,117 @@
+//! `docs/proofs.md` has every harness of the lock, with the equation of its source, and no others; what it quotes is in the source.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+const PAGE: &str = "docs/proofs.md";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
+}
+
+/// `tdpa::p7_leaves` with the modules that it is proved in, of lines such as `tdpa::w8::p7_leaves::proof`.
+fn locked() -> BTreeMap<String, Vec<String>> {
+    let mut found = BTreeMap::<String, Vec<String>>::new();
+    for line in read("proofs/harnesses.lock").lines() {
+        let parts: Vec<&str> = line.split("::").collect();
+        let [file, instance @ .., name, "proof"] = parts.as_slice() else {
+            panic!("harnesses.lock: {line}");
+        };
+        let instance = match instance {
+            [] => "one".into(),
+            modules => modules.join("::"),
+        };
+        found
+            .entry(format!("{file}::{name}"))
+            .or_default()
+            .push(instance);
+    }
+    found
+}
+
+/// The equation of each property in the sources.
+fn equations() -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(root().join("proofs/src")).expect("the proofs") {
+        let path = entry.expect("readable").path();
+        let file = path.file_stem().expect("a file").to_string_lossy();
+        // The macros themselves.
+        if file == "source" {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).expect("readable");
+        for property in text.split("property! {").skip(1) {
+            let (_, rest) = property.split_once("equation \"").expect("an equation");
+            let (equation, rest) = rest.split_once("\"\n").expect("its end");
+            let (_, rest) = rest.split_once("fn ").expect("a body");
+            let (name, _) = rest.split_once('(').expect("its argument");
+            found.insert(format!("{file}::{name}"), equation.to_owned());
+        }
+    }
+    found
+}
+
+/// What follows the plain words in the row of a property.
+fn row(harness: &str, equation: &str, instances: &[String]) -> String {
+    let (file, _) = harness.split_once("::").expect("file and name");
+    let equation = equation.replace('|', "\\|");
+    let instances = instances.join(", ");
+    format!(" | `{equation}` | [`{harness}`](../proofs/src/{file}.rs) | {instances} |")
+}
+
+#[test]
+fn every_harness_has_its_row_and_every_row_its_harness() {
+    let page = read(PAGE);
+    let (_, index) = page.split_once("<!-- index -->").expect("the index");
+    let (index, _) = index.split_once("<!-- end of index -->").expect("its end");
+    let mut rows: Vec<&str> = index
+        .lines()
+        .filter(|line| line.starts_with("| ") && line.contains("../proofs/src/"))
+        .collect();
+    let (locked, equations) = (locked(), equations());
+    assert!(locked.len() > 50, "{} harnesses in the lock", locked.len());
+    for (harness, instances) in &locked {
+        let equation = equations
+            .get(harness)
+            .unwrap_or_else(|| panic!("{harness} of the lock is no property of the sources"));
+        let expected = row(harness, equation, instances);
+        let at = rows
+            .iter()
+            .position(|row| row.ends_with(&expected))
+            .unwrap_or_else(|| panic!("{PAGE} has no row\n| (plain words){expected}"));
+        let words = rows.swap_remove(at).trim_end_matches(&expected);
+        assert!(words.len() > 10, "{PAGE}: no words for {harness}");
+    }
+    assert!(
+        rows.is_empty(),
+        "{PAGE} has rows that are not in proofs/harnesses.lock: {rows:#?}"
+    );
+}
+
+#[test]
+fn the_walk_quotes_what_is_there_in_its_order() {
+    let page = read(PAGE);
+    let source = read("proofs/src/tdpa.rs");
+    let (_, body) = source
+        .split_once("/// P1, exact observer: the sum is the port's energy")
+        .expect("the harness");
+    let (body, _) = body.split_once("property! {").expect("the one after it");
+    let mut lines = body.lines().map(str::trim);
+    let mut quoted = 0;
+    for block in page.split("```rust\n").skip(1) {
+        let (block, _) = block.split_once("```").expect("its end");
+        for line in block.lines() {
+            assert!(
+                lines.any(|there| there == line),
+                "{PAGE} quotes `{line}`, which is not there, or not at this place"
+            );
+            quoted += 1;
+        }
+    }
+    assert!(quoted > 15, "{quoted} lines quoted");
+}
