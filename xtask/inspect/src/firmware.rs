@@ -68,7 +68,7 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
         let (board, path) = named
             .split_once('=')
             .ok_or_else(|| format!("`{named}` is not BOARD=ELF"))?;
-        let program = crate::program(Path::new(path))?;
+        let program = Program::open(Path::new(path))?;
         println!("{board}:");
         let report = examine(&program);
         lines.push(format!("{board}: {}", report.line()));

@@ -29,7 +29,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
     match words {
         ["firmware", programs @ ..] if !programs.is_empty() => firmware::inspect(programs),
         ["thumb", elf, desktop, microcontroller] => thumb::inspect(
-            &program(path(elf))?,
+            &Program::open(path(elf))?,
             &text(desktop)?,
             &text(microcontroller)?,
         ),
@@ -58,13 +58,6 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
 
 fn text(path: &str) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|why| format!("{path}: {why}"))
-}
-
-/// Reads a program of a Cortex-M.
-fn program(path: &Path) -> Result<Program, String> {
-    let file = std::fs::read(path).map_err(|why| format!("{}: {why}", path.display()))?;
-    Program::read(&file)
-        .map_err(|why| format!("{} is no ELF file of 32 bits: {why}", path.display()))
 }
 
 fn main() -> ExitCode {

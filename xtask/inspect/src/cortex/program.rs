@@ -3,6 +3,7 @@
 //! Code and data are told apart by the symbols `$t` and `$d` that the ABI asks for.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use object::elf::{SHF_ALLOC, SHF_EXECINSTR};
 use object::read::elf::ElfFile32;
@@ -52,8 +53,15 @@ fn half(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 impl Program {
+    /// Reads the file of a program.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let file = std::fs::read(path).map_err(|why| format!("{}: {why}", path.display()))?;
+        Self::read(&file)
+            .map_err(|why| format!("{} is no ELF file of 32 bits: {why}", path.display()))
+    }
+
     /// Reads a 32-bit little-endian ELF file.
-    pub fn read(file: &[u8]) -> Result<Self, object::Error> {
+    fn read(file: &[u8]) -> Result<Self, object::Error> {
         let file = ElfFile32::<LittleEndian>::parse(file)?;
         let mut program = Self::default();
         for section in file.sections() {

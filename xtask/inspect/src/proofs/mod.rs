@@ -7,24 +7,17 @@
 mod properties;
 mod report;
 mod table;
+mod usage;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use crate::answer::Answer;
 use report::Verdict;
+use usage::Usage;
 
 const LOCK: &str = "proofs/harnesses.lock";
 /// Processor time of each harness, all its tools and solvers together.
 const PROCESSOR_S: f64 = 120.0;
-
-/// What the processes of one harness took.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Usage {
-    /// All together, at their highest.
-    pub memory_kib: u64,
-    /// All together.
-    pub processor_s: f64,
-}
 
 /// What a run of the checker left behind.
 pub struct Run<'r> {
@@ -38,31 +31,13 @@ pub struct Run<'r> {
 
 impl Run<'_> {
     fn verdicts(&self) -> Result<BTreeMap<String, Verdict>, String> {
-        let usage = usage(self.usage)?;
+        let usage = usage::read(self.usage)?;
         let mut found = report::read(self.report)?;
         for verdict in found.values_mut() {
             verdict.usage = usage.get(verdict.program.as_str()).copied();
         }
         Ok(found)
     }
-}
-
-fn usage(text: &str) -> Result<HashMap<&str, Usage>, String> {
-    let line = |line| {
-        let mut words = str::split_whitespace(line);
-        let mut next = || words.next();
-        let usage = (|| {
-            Some((
-                next()?,
-                Usage {
-                    memory_kib: next()?.parse().ok()?,
-                    processor_s: next()?.parse().ok()?,
-                },
-            ))
-        })();
-        usage.ok_or_else(|| format!("not a name, kibibytes and seconds: `{line}`"))
-    };
-    text.lines().map(line).collect()
 }
 
 /// Those whose names contain a text; says nothing about the others, nor about the lock.

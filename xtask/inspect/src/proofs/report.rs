@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use super::Usage;
+use super::usage::Usage;
 
 /// How the checker's run of one harness ended.
 #[derive(Debug, Clone, PartialEq, Eq)]

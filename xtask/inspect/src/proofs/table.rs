@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::Usage;
 use super::properties::{self, Property};
 use super::report::Verdict;
+use super::usage::Usage;
 
 const README: &str = "proofs/README.md";
 const START: &str = "<!-- table: written by `cargo xtask prove` -->\n";

@@ -143,11 +143,3 @@ fn an_unknown_status_is_no_answer() {
     let found = report::read(&text).expect("a report");
     assert!(!found["w8::proved"].proved());
 }
-
-#[test]
-fn what_processes_took_is_read_by_their_names() {
-    let read = usage("a__R 1024 1.5\nb__R 2 0.25\n").expect("it is a list");
-    assert_eq!(read["b__R"].memory_kib, 2);
-    assert_eq!(read["a__R"].processor_s, 1.5);
-    assert!(usage("a__R 1024\n").is_err());
-}
