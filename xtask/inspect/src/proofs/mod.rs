@@ -147,9 +147,8 @@ fn about(found: &BTreeMap<String, Verdict>, words: &str, machine: &str) -> Strin
         .values()
         .max_by_key(|verdict| verdict.usage.unwrap_or_default().memory_kib);
     format!(
-        "{proved} of {} harnesses proved with every cover reached and every assertion reachable; {words}\n\
-         Processor time: {:.0} s in all harnesses together, {longest:.0} s in the longest. Memory: at most {}.\n\
-         {machine}",
+        "{proved} of {} harnesses proved with every cover reached and every assertion reachable; {words} \
+         Processor time: {:.0} s in all harnesses together, {longest:.0} s in the\nlongest. Memory: at most {}. {machine}",
         found.len(),
         processor.sum::<f64>(),
         largest.map_or("-".into(), megabytes),
