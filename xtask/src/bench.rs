@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use crate::outcome::Outcome;
-use crate::{setup, shell};
+use crate::{packages, shell};
 
 /// What to count.
 #[derive(Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ pub fn run(words: &[String]) -> Outcome {
     if !source.is_file() && !folder.join(&plan.example).join("main.rs").is_file() {
         return Outcome::Failed(format!("host-sim/sim has no example `{}`", plan.example));
     }
-    if let Some(missing) = setup::missing_valgrind() {
+    if let Some(missing) = packages::missing_valgrind() {
         return missing;
     }
     count_all(&plan).unwrap_or_else(|failed| failed)

@@ -4,13 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::outcome::{Outcome, USAGE};
-use crate::{firmware, setup, shell};
+use crate::{firmware, packages, shell};
 
 /// What Unicorn and its bindings are built with.
 const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
-
-/// Debian's packages of them; the second has no program to be found by.
-pub const PACKAGES: [&str; 3] = ["clang", "libclang-dev", "cmake"];
 
 /// Builds the firmware of all boards and the emulator, calls the emulator with a command and the programs; what it said last.
 pub fn call(command: &str, words: &[String]) -> Outcome {
@@ -91,12 +88,12 @@ pub fn built() -> Result<PathBuf, Outcome> {
 /// Why the emulator cannot be built here, if it cannot.
 fn missing() -> Option<Outcome> {
     if !is_there() {
-        setup::apt_get(&PACKAGES);
+        packages::apt_get(&packages::EMULATOR);
     }
     (!is_there()).then(|| {
-        let packages = PACKAGES.join(" ");
+        let names = packages::EMULATOR.join(" ");
         Outcome::NotRun(format!(
-            "the emulator cannot be built: apt-get install {packages}"
+            "the emulator cannot be built: apt-get install {names}"
         ))
     })
 }

@@ -1,10 +1,10 @@
 //! `cargo xtask fmt`: the code is formatted by rustfmt's defaults.
 
 use crate::outcome::Outcome;
-use crate::{setup, shell};
+use crate::{packages, shell};
 
 pub fn run(args: &[String]) -> Outcome {
-    if let Some(missing) = setup::missing_component("rustfmt") {
+    if let Some(missing) = packages::missing_component("rustfmt") {
         return missing;
     }
     let mut command = shell::cargo("fmt");

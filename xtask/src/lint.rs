@@ -1,10 +1,10 @@
 //! `cargo xtask lint`: clippy on every crate and target, warnings denied.
 
 use crate::outcome::Outcome;
-use crate::{setup, shell};
+use crate::{packages, shell};
 
 pub fn run(_: &[String]) -> Outcome {
-    if let Some(missing) = setup::missing_component("clippy") {
+    if let Some(missing) = packages::missing_component("clippy") {
         return missing;
     }
     // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.

@@ -1,8 +1,11 @@
-//! The commands behind `cargo xtask`: set-up, test, measure. Little beyond the standard library, so that the first one starts
-//! in seconds.
+//! The commands behind `cargo xtask`: set-up, test, measure.
+//!
+//! A launcher: it decides what is run, with which compiler, and prints what came of it. It has nothing but the standard library,
+//! so that the first one starts in seconds. What reads files of others (programs, assembly, lists, reports) is the crate in
+//! `inspect/`, which only the steps that need it build.
 
 mod bench;
-mod copy;
+mod changes;
 mod cycles;
 mod doc;
 mod emulator;
@@ -10,122 +13,138 @@ mod fil;
 mod firmware;
 mod float_free;
 mod fmt;
+mod inspect;
 mod lint;
-mod microcontroller;
 mod mutants;
 mod outcome;
+mod packages;
 mod prove;
 mod sabotage;
 mod setup;
 mod shell;
+mod step;
 mod test;
 mod thumb;
+mod toolchain;
 mod unit;
+mod wasm;
 
 use std::process::ExitCode;
 
-use outcome::Outcome;
+use step::{Quick, Step};
 
-/// One row of `cargo xtask`.
-struct Command {
-    name: &'static str,
-    about: &'static str,
-    /// `cargo xtask test` runs it, in the order of the table.
-    in_test: bool,
-    run: fn(&[String]) -> Outcome,
-}
-
-/// Every command. A new one is a `mod` above and a row here; a module that ends in an [`ExitCode`] gets its row as
-/// `run: |args| module::run(args).into()`.
-const COMMANDS: &[Command] = &[
-    Command {
+/// Every command. A new one is a `mod` above and a row here.
+const STEPS: &[Step] = &[
+    Step {
         name: "test",
-        about: "all of the marked steps below, in order, with times and a summary; exit code 1 if one failed",
+        about: "all of the marked steps below, in order, with times and a summary; exit code 1 if one failed; `test --quick`: what \
+                is daily work",
         in_test: false,
-        run: test::run,
+        quick: Quick::LeftOut,
+        run: |args| test::run(STEPS, args),
     },
-    Command {
+    Step {
         name: "setup",
         about: "what is installed, what is missing, what it is for and how to get it",
         in_test: true,
+        quick: Quick::LeftOut,
         run: setup::run,
     },
-    Command {
+    Step {
         name: "fmt",
         about: "the code is formatted (`fmt --write` formats it)",
         in_test: true,
+        quick: Quick::Whole,
         run: fmt::run,
     },
-    Command {
+    Step {
         name: "lint",
         about: "clippy on everything, warnings denied",
         in_test: true,
+        quick: Quick::Whole,
         run: lint::run,
     },
-    Command {
+    Step {
         name: "unit",
         about: "all tests of all crates, documentation examples included",
         in_test: true,
+        quick: Quick::Part(unit::QUICK, unit::LEFT_OUT),
         run: unit::run,
     },
-    Command {
+    Step {
         name: "doc",
         about: "the documentation builds without a warning",
         in_test: true,
+        quick: Quick::LeftOut,
         run: doc::run,
     },
-    Command {
+    Step {
         name: "float-free",
         about: "control and drive, as firmware builds them, have no float in their source, and neither float nor panic in their code",
         in_test: true,
+        quick: Quick::Part(float_free::QUICK, float_free::LEFT_OUT),
         run: float_free::run,
     },
-    Command {
+    Step {
+        name: "wasm",
+        about: "control and the simulator's crates that a browser needs build for wasm32-unknown-unknown",
+        in_test: true,
+        quick: Quick::LeftOut,
+        run: wasm::run,
+    },
+    Step {
         name: "thumb",
         about: "every law on an emulated Cortex-M4F: its bits are this machine's; instructions per tick, size, no panic",
         in_test: true,
+        quick: Quick::LeftOut,
         run: thumb::run,
     },
-    Command {
+    Step {
         name: "firmware",
         about: "both boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
         in_test: true,
+        quick: Quick::LeftOut,
         run: firmware::run,
     },
-    Command {
+    Step {
         name: "fil",
         about: "both boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
                 their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`",
         in_test: true,
+        quick: Quick::LeftOut,
         run: fil::run,
     },
-    Command {
+    Step {
         name: "cycles",
         about: "instructions and table cycles of law, control interrupt and current loop in that program; its stack",
         in_test: true,
+        quick: Quick::LeftOut,
         run: cycles::run,
     },
-    Command {
+    Step {
         name: "bench",
         about: "instructions per tick of an example, counted by valgrind: `bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`",
         in_test: true,
+        quick: Quick::LeftOut,
         run: bench::run,
     },
-    Command {
+    Step {
         name: "prove",
         about: "the proofs: `prove [--harness NAME] [--bless]`, or wrong changes that they must find: `prove --mutants [--tests]`",
         in_test: true,
+        quick: Quick::LeftOut,
         run: prove::run,
     },
 ];
 
 fn help() -> String {
     let mut text = String::from("Usage: cargo xtask COMMAND\n\n");
-    for command in COMMANDS {
-        let mark = if command.in_test { '*' } else { ' ' };
-        text += &format!("{mark} {:<11}{}\n", command.name, command.about);
+    for step in STEPS {
+        let mark = if step.in_test { '*' } else { ' ' };
+        text += &format!("{mark} {:<11}{}\n", step.name, step.about);
     }
-    text + "\n* is a step of `cargo xtask test`. Exit code: 0 done, 1 failed, 2 wrong usage, 77 not run.\n"
+    text += "\n* is a step of `cargo xtask test`. Exit code: 0 done, 1 failed, 2 wrong usage, 77 not run.\n";
+    text + "\n`cargo xtask test --quick` leaves out:\n" + &test::left_out(STEPS)
 }
 
 fn main() -> ExitCode {
@@ -135,11 +154,11 @@ fn main() -> ExitCode {
         print!("{}", help());
         return ExitCode::SUCCESS;
     }
-    let Some(command) = COMMANDS.iter().find(|command| command.name == name) else {
+    let Some(step) = STEPS.iter().find(|step| step.name == name) else {
         eprint!("xtask: there is no command `{name}`\n\n{}", help());
         return ExitCode::from(2);
     };
-    let outcome = (command.run)(&args[1..]);
+    let outcome = (step.run)(&args[1..]);
     eprintln!("{name}: {outcome}");
     outcome.exit_code()
 }

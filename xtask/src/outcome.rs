@@ -31,6 +31,17 @@ impl Outcome {
         }
     }
 
+    /// What an exit code of a program of the project stands for; `None` for one that no such program ends with.
+    pub fn of_code(code: i32) -> Option<fn(String) -> Self> {
+        match u8::try_from(code).ok()? {
+            0 => Some(Outcome::Ok),
+            1 => Some(Outcome::Failed),
+            USAGE => Some(Outcome::Usage),
+            NOT_RUN => Some(Outcome::NotRun),
+            _ => None,
+        }
+    }
+
     /// The word for tables.
     pub fn word(&self) -> &'static str {
         match self {
@@ -68,34 +79,16 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// For modules that decide by exit code: 0 is ok, 77 not run, anything else failed. They have printed their own reasons.
-impl From<ExitCode> for Outcome {
-    fn from(code: ExitCode) -> Self {
-        if code == ExitCode::SUCCESS {
-            Outcome::Ok(String::new())
-        } else if code == ExitCode::from(NOT_RUN) {
-            Outcome::NotRun("see its output above".into())
-        } else {
-            Outcome::Failed("see its output above".into())
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn exit_codes_survive_the_way_there_and_back() {
-        for (outcome, word) in [
-            (Outcome::Ok(String::new()), "ok"),
-            (Outcome::Failed(String::new()), "FAILED"),
-            (Outcome::NotRun(String::new()), "not run"),
-        ] {
-            assert_eq!(outcome.word(), word);
-            assert_eq!(Outcome::from(outcome.exit_code()).word(), word);
+        for code in [0, 1, USAGE, NOT_RUN] {
+            let of = Outcome::of_code(code.into()).expect("a code of the project");
+            assert_eq!(of(String::new()).exit_code(), ExitCode::from(code));
         }
-        assert!(Outcome::from(ExitCode::from(3)).is_failure());
-        assert!(!Outcome::from(ExitCode::from(NOT_RUN)).is_failure());
+        assert!(Outcome::of_code(101).is_none() && Outcome::of_code(-1).is_none());
     }
 }

@@ -10,7 +10,7 @@ use std::process::Stdio;
 use std::sync::mpsc;
 use std::time::Instant;
 
-use crate::copy::{self, Change};
+use crate::changes::{self, Change, Entry};
 use crate::outcome::Outcome;
 use crate::{emulator, firmware, shell};
 
@@ -21,82 +21,9 @@ const MORE: [&str; 2] = ["firmware", "memory.x"];
 const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
 const LEAST: usize = 12;
 
-/// One `[[sabotage]]`: plain `key = 'value'` or `key = "value"` lines, then its changes, `[[sabotage.change]]`.
-#[derive(Debug, Default, Clone)]
-struct Sabotage {
-    /// What is taken out.
-    name: String,
-    /// Whose program.
-    board: String,
-    /// What `fil --only` is given.
-    only: String,
-    /// What a line says that tells what is wrong.
-    says: String,
-    changes: Vec<Change>,
-}
-
-impl Sabotage {
-    /// Whether it is complete and fits the sources.
-    fn fits(&self, sources: &Path) -> Result<(), String> {
-        let words = [&self.name, &self.only, &self.says];
-        if self.changes.is_empty() || words.iter().any(|word| word.is_empty()) {
-            return Err(format!(
-                "`{}` lacks name, only, says or a change",
-                self.name
-            ));
-        }
-        if !firmware::BOARDS.contains(&self.board.as_str()) {
-            return Err(format!(
-                "`{}`: there is no board `{}`",
-                self.name, self.board
-            ));
-        }
-        self.changes.iter().try_for_each(|change| {
-            let said = |why| format!("{}: {why}", change.file);
-            let source = std::fs::read_to_string(sources.join(&change.file)).map_err(said)?;
-            change.fits(&source)
-        })
-    }
-}
-
-fn list(text: &str) -> Vec<Sabotage> {
-    let mut all: Vec<Sabotage> = Vec::new();
-    for line in text.lines() {
-        match line.trim() {
-            "[[sabotage]]" => all.push(Sabotage::default()),
-            "[[sabotage.change]]" => {
-                if let Some(last) = all.last_mut() {
-                    last.changes.push(Change::default());
-                }
-            }
-            _ => {}
-        }
-        let Some((key, value)) = line.split_once(" = ") else {
-            continue;
-        };
-        let quoted = |mark| value.strip_prefix(mark)?.strip_suffix(mark);
-        let (Some(last), Some(value)) = (all.last_mut(), quoted('\'').or_else(|| quoted('"')))
-        else {
-            continue;
-        };
-        let value = value.to_owned();
-        match (key, last.changes.last_mut()) {
-            ("file", Some(change)) => change.file = value,
-            ("find", Some(change)) => change.find = value,
-            ("replace", Some(change)) => change.replace = value,
-            ("name", None) => last.name = value,
-            ("board", None) => last.board = value,
-            ("only", None) => last.only = value,
-            ("says", None) => last.says = value,
-            _ => {}
-        }
-    }
-    all
-}
-
 /// A program to be tried: which sabotage (`None`: nothing is changed), and where it is, or why it could not be built.
 struct Built<'s> {
-    sabotage: Option<&'s Sabotage>,
+    sabotage: Option<&'s Entry>,
     board: String,
     program: Result<PathBuf, String>,
     seconds: f64,
@@ -108,18 +35,17 @@ pub fn run(args: &[String]) -> Outcome {
         [option, text] if option == "--only" => text,
         _ => return Outcome::Usage(USAGE.into()),
     };
-    let text = match std::fs::read_to_string(shell::root().join(LIST)) {
-        Ok(text) => text,
-        Err(why) => return Outcome::Failed(format!("{LIST}: {why}")),
+    let mut all = match changes::list(LIST) {
+        Ok(all) => all,
+        Err(outcome) => return outcome,
     };
-    let mut all = list(&text);
     if all.len() < LEAST {
         return Outcome::Failed(format!(
             "{LIST} has {} sabotages, fewer than {LEAST}",
             all.len()
         ));
     }
-    all.retain(|sabotage| sabotage.name.contains(only));
+    all.retain(|sabotage| sabotage.word("name").contains(only));
     if all.is_empty() {
         return Outcome::Usage(format!("no sabotage in {LIST} has `{only}` in its name"));
     }
@@ -128,11 +54,14 @@ pub fn run(args: &[String]) -> Outcome {
         Err(outcome) => return outcome,
     };
     let folder = shell::target("fil-sabotage");
-    let work = match copy::copy(&folder, &PARTS, &MORE) {
+    let work = match changes::copy(&folder, &PARTS, &MORE) {
         Ok(work) => work,
         Err(why) => return Outcome::Failed(why),
     };
-    let unfit: Vec<String> = all.iter().filter_map(|one| one.fits(&work).err()).collect();
+    let unfit: Vec<String> = all
+        .iter()
+        .filter_map(|one| fits(one, &work).err())
+        .collect();
     if let Some(first) = unfit.first() {
         return Outcome::Failed(format!(
             "{LIST}: {} of {} do not fit the sources, the first: {first}",
@@ -152,15 +81,26 @@ pub fn run(args: &[String]) -> Outcome {
     })
 }
 
+/// Whether an entry has a board and fits the sources.
+fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
+    let (name, board) = (one.word("name"), one.word("board"));
+    if !firmware::BOARDS.contains(&board) {
+        return Err(format!("`{name}`: there is no board `{board}`"));
+    }
+    one.changes.iter().try_for_each(|change: &Change| {
+        let said = |why| format!("{}: {why}", change.file);
+        let source = std::fs::read_to_string(sources.join(&change.file)).map_err(said)?;
+        change.fits(&source)
+    })
+}
+
 /// Builds one after the other: of each board first the program as it is.
-fn build_all<'s>(
-    all: &'s [Sabotage],
-    folder: &Path,
-    work: &Path,
-    send: mpsc::SyncSender<Built<'s>>,
-) {
+fn build_all<'s>(all: &'s [Entry], folder: &Path, work: &Path, send: mpsc::SyncSender<Built<'s>>) {
     for board in firmware::BOARDS {
-        let mut of_board = all.iter().filter(|one| one.board == board).peekable();
+        let mut of_board = all
+            .iter()
+            .filter(|one| one.word("board") == board)
+            .peekable();
         if of_board.peek().is_none() {
             continue;
         }
@@ -169,7 +109,7 @@ fn build_all<'s>(
             let begun = Instant::now();
             let changes = sabotage.map_or(&[][..], |one| &one.changes);
             let kept = folder.join(format!("{board}-{number}.elf"));
-            let program = copy::with(work, changes, || build(board, work, folder, &kept));
+            let program = changes::with(work, changes, || build(board, work, folder, &kept));
             let built = Built {
                 sabotage,
                 board: board.to_owned(),
@@ -203,7 +143,7 @@ fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf
 }
 
 /// Runs what was built as it comes; prints a line for each.
-fn judge_all(emulator: &Path, all: &[Sabotage], receive: &mpsc::Receiver<Built<'_>>) -> Outcome {
+fn judge_all(emulator: &Path, all: &[Entry], receive: &mpsc::Receiver<Built<'_>>) -> Outcome {
     let begun = Instant::now();
     println!(
         "{:>6} {:>5}  {:<7}  sabotage, and what went wrong",
@@ -212,10 +152,10 @@ fn judge_all(emulator: &Path, all: &[Sabotage], receive: &mpsc::Receiver<Built<'
     let mut caught = 0;
     while let Ok(built) = receive.recv() {
         let begun = Instant::now();
-        let of_board = all.iter().filter(|one| one.board == built.board);
+        let of_board = all.iter().filter(|one| one.word("board") == built.board);
         let rows: Vec<&str> = match built.sabotage {
-            Some(sabotage) => vec![&sabotage.only],
-            None => of_board.map(|one| one.only.as_str()).collect(),
+            Some(sabotage) => vec![sabotage.word("only")],
+            None => of_board.map(|one| one.word("only")).collect(),
         };
         let wrong = built
             .program
@@ -245,10 +185,10 @@ fn judge_all(emulator: &Path, all: &[Sabotage], receive: &mpsc::Receiver<Built<'
 
 /// A word on it, its name, and why.
 fn verdict<'t>(
-    sabotage: Option<&'t Sabotage>,
+    sabotage: Option<&'t Entry>,
     wrong: &'t Result<Vec<String>, String>,
 ) -> (&'static str, &'t str, String) {
-    let name = sabotage.map_or("nothing changed, all rows", |one| &one.name);
+    let name = sabotage.map_or("nothing changed, all rows", |one| one.word("name"));
     let (word, reason) = match (wrong, sabotage) {
         (Err(why), _) => ("NOT RUN", why.clone()),
         (Ok(wrong), None) => match wrong.first() {
@@ -256,11 +196,12 @@ fn verdict<'t>(
             Some(first) => ("WRONG", first.clone()),
         },
         (Ok(wrong), Some(one)) => {
-            let named = |line: &&String| line.contains(&one.only) && line.contains(&one.says);
+            let (only, says) = (one.word("only"), one.word("says"));
+            let named = |line: &&String| line.contains(only) && line.contains(says);
             match (wrong.iter().find(named), wrong.first()) {
                 (Some(line), _) => ("caught", line.clone()),
-                (None, Some(other)) => ("MISSED", format!("not `{}`: {other}", one.says)),
-                (None, None) => ("MISSED", format!("`{}` passes", one.only)),
+                (None, Some(other)) => ("MISSED", format!("not `{says}`: {other}")),
+                (None, None) => ("MISSED", format!("`{only}` passes")),
             }
         }
     };
@@ -303,30 +244,13 @@ fn wrong(
 mod tests {
     use super::*;
 
-    /// Each sabotage of the list is complete and fits the sources.
-    #[test]
-    fn the_list_fits_the_sources() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let text = std::fs::read_to_string(root.join(LIST)).expect("readable");
-        let all = list(&text);
-        assert!(all.len() >= LEAST);
-        assert_eq!(all.len(), text.matches("[[sabotage]]").count());
-        for one in &all {
-            assert_eq!(one.fits(&root), Ok(()), "{one:?}");
-            for change in &one.changes {
-                assert_ne!(change.find, change.replace, "{one:?}");
-            }
-        }
-    }
-
     #[test]
     fn only_the_named_row_and_words_are_a_catch() {
-        let sabotage = Sabotage {
-            name: "no limit".into(),
-            only: "bus at 33 V, pressed".into(),
-            says: "stay on".into(),
-            ..Sabotage::default()
-        };
+        let sabotage = Entry::with(&[
+            ("name", "no limit"),
+            ("only", "bus at 33 V, pressed"),
+            ("says", "stay on"),
+        ]);
         let word = |line: &str| verdict(Some(&sabotage), &Ok(vec![line.into()])).0;
         assert_eq!(
             word("a: bus at 33 V, pressed: the outputs stay on"),

@@ -3,14 +3,9 @@
 //! rustfmt and clippy, which every test run needs, are fetched by rustup without asking, and so is valgrind, by apt-get as
 //! root, when something is to be counted; the rest only with `--install`.
 
-use std::process::Command;
-
-use crate::float_free::thumb;
 use crate::outcome::Outcome;
-use crate::shell;
-
-/// The oldest compiler that builds the workspace, `rust-version` in Cargo.toml.
-const RUST: (u32, u32) = (1, 95);
+use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
+use crate::{emulator, shell, toolchain};
 
 /// Something that a command needs.
 struct Tool {
@@ -63,7 +58,7 @@ const TOOLS: &[Tool] = &[
         name: "thumb",
         required: false,
         purpose: "float-free: looks at the microcontroller's code",
-        version: || thumb::find().map(|found| found.to_string()),
+        version: || toolchain::find(toolchain::SOFT_FLOAT).map(|found| found.to_string()),
         hint: "rustup target add thumbv7em-none-eabi",
         // A compiler with its library's source, where rustup cannot fetch the target.
         packages: &["rustc-web", "rust-web-src"],
@@ -96,10 +91,10 @@ const TOOLS: &[Tool] = &[
         purpose: "fil, cycles: builds the emulator, with libclang and cmake",
         version: || {
             let version = first_line(&["clang", "--version"]);
-            version.filter(|_| crate::emulator::is_there())
+            version.filter(|_| emulator::is_there())
         },
         hint: "apt-get install clang libclang-dev cmake",
-        packages: &crate::emulator::PACKAGES,
+        packages: &EMULATOR,
     },
     Tool {
         name: "kani",
@@ -119,30 +114,9 @@ const TOOLS: &[Tool] = &[
     },
 ];
 
-fn first_line(words: &[&str]) -> Option<String> {
-    let text = shell::capture(Command::new(words[0]).args(&words[1..]))?;
-    text.lines().next().map(str::to_owned)
-}
-
 fn rustc() -> Option<String> {
     let version = first_line(&["rustc", "--version"])?;
-    is_new_enough(&version).then_some(version)
-}
-
-/// Whether `rustc 1.95.0 (…)` is at least the oldest that will do.
-pub fn is_new_enough(version: &str) -> bool {
-    let number = version.split_whitespace().nth(1).unwrap_or("");
-    let mut parts = number.split('.').map(|part| part.parse().unwrap_or(0));
-    (parts.next().unwrap_or(0), parts.next().unwrap_or(0)) >= RUST
-}
-
-fn component(name: &str) -> Option<String> {
-    let subcommand = if name == "rustfmt" { "fmt" } else { name };
-    shell::capture(shell::cargo(subcommand).arg("--version"))
-}
-
-fn valgrind() -> Option<String> {
-    first_line(&["valgrind", "--version"])
+    toolchain::is_new_enough(&version).then_some(version)
 }
 
 fn chromium() -> Option<String> {
@@ -151,56 +125,13 @@ fn chromium() -> Option<String> {
         .find_map(|name| first_line(&[name, "--version"]))
 }
 
-/// `None` if the component is there or could be fetched; else why the step cannot run.
-pub fn missing_component(name: &'static str) -> Option<Outcome> {
-    if component(name).is_some() {
-        return None;
-    }
-    println!("{name} is missing: rustup component add {name}");
-    let _ = shell::run(shell::program("rustup").args(["component", "add", name]));
-    component(name)
-        .is_none()
-        .then(|| Outcome::NotRun(format!("{name} is missing: rustup component add {name}")))
-}
-
-/// `None` if valgrind is there or could be fetched; else why the step cannot run.
-pub fn missing_valgrind() -> Option<Outcome> {
-    if valgrind().is_some() {
-        return None;
-    }
-    apt_get(&["valgrind"]);
-    valgrind()
-        .is_none()
-        .then(|| Outcome::NotRun("valgrind is missing: apt-get install valgrind".into()))
-}
-
-/// Installs Debian packages where this is root and there is apt-get; otherwise says so.
-pub fn apt_get(packages: &[&str]) {
-    let root = first_line(&["id", "-u"]).is_some_and(|id| id == "0");
-    if !root || first_line(&["apt-get", "--version"]).is_none() {
-        println!("to install: apt-get install {}", packages.join(" "));
-        return;
-    }
-    let apt_get = |words: &[&str]| {
-        let mut command = shell::program("apt-get");
-        command.args(words).env("DEBIAN_FRONTEND", "noninteractive");
-        shell::run(&mut command)
-    };
-    apt_get(&["update", "-qq"]);
-    // One by one: a package that this system does not have must not keep the others away.
-    for package in packages {
-        let options = ["install", "-y", "-qq", "--no-install-recommends"];
-        apt_get(&[&options[..], &[package]].concat());
-    }
-}
-
 pub fn run(args: &[String]) -> Outcome {
     match args {
         [] => {}
         [install] if install == "--install" => {
             // rustup first: it fetches the target itself where it has a network.
-            if thumb::find().is_none() {
-                shell::run(shell::program("rustup").args(["target", "add", thumb::TARGET]));
+            if toolchain::find(toolchain::SOFT_FLOAT).is_none() {
+                shell::run(shell::program("rustup").args(["target", "add", toolchain::SOFT_FLOAT]));
             }
             let packages: Vec<_> = TOOLS
                 .iter()
@@ -237,26 +168,5 @@ pub fn run(args: &[String]) -> Outcome {
         Outcome::Ok("all there".into())
     } else {
         Outcome::Ok(format!("can do without: {}", missing.join(", ")))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::is_new_enough;
-
-    #[test]
-    fn compilers_before_the_oldest_supported_are_refused() {
-        assert!(is_new_enough("rustc 1.95.0 (59807616e 2026-04-14)"));
-        assert!(is_new_enough("rustc 1.101.0-nightly (abc 2027-01-01)"));
-        assert!(is_new_enough("rustc 2.0.0"));
-        assert!(!is_new_enough("rustc 1.94.1 (abc 2026-03-01)"));
-        assert!(!is_new_enough(""));
-    }
-
-    #[test]
-    fn the_oldest_compiler_is_the_workspaces() {
-        let manifest = include_str!("../../Cargo.toml");
-        let (major, minor) = super::RUST;
-        assert!(manifest.contains(&format!("rust-version = \"{major}.{minor}\"")));
     }
 }

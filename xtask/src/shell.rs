@@ -1,6 +1,6 @@
 //! Running other programs: from the workspace's folder, with what is run printed first.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -89,24 +89,47 @@ pub fn run_reading(command: &mut Command, line: impl FnMut(&str)) -> Outcome {
     }
 }
 
-/// The same with the exit code, `None` after a signal.
-pub fn exit_code(
-    command: &mut Command,
-    mut line: impl FnMut(&str),
-) -> std::io::Result<Option<i32>> {
+/// The same with its standard error among the lines, in the order in which they were written.
+pub fn run_reading_all(command: &mut Command, mut line: impl FnMut(&str)) -> Outcome {
+    println!("$ {}", shown(command));
+    let words = shown(command);
+    let mut read = || -> std::io::Result<bool> {
+        let (output, input) = std::io::pipe()?;
+        command.stdin(Stdio::null());
+        command.stdout(input.try_clone()?).stderr(input);
+        let mut child = command.spawn()?;
+        // The command holds the end that is written to: without it, the reading ends when the child has.
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        show(output, &mut line)?;
+        Ok(child.wait()?.success())
+    };
+    match read() {
+        Ok(true) => Outcome::Ok(String::new()),
+        Ok(false) => Outcome::Failed(format!("`{words}` failed")),
+        Err(error) => Outcome::Failed(format!("`{words}`: {error}")),
+    }
+}
+
+/// Prints every line and hands it over.
+fn show(output: impl Read, mut line: impl FnMut(&str)) -> std::io::Result<()> {
+    for read in BufReader::new(output).split(b'\n') {
+        let read = read?;
+        let read = String::from_utf8_lossy(&read);
+        println!("{read}");
+        line(&read);
+    }
+    std::io::stdout().flush()
+}
+
+/// Runs to the end as [`run_reading`]; the exit code, `None` after a signal.
+pub fn exit_code(command: &mut Command, line: impl FnMut(&str)) -> std::io::Result<Option<i32>> {
     println!("$ {}", shown(command));
     let mut child = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .spawn()?;
     if let Some(output) = child.stdout.take() {
-        for read in BufReader::new(output).split(b'\n') {
-            let read = read?;
-            let read = String::from_utf8_lossy(&read);
-            println!("{read}");
-            line(&read);
-        }
-        std::io::stdout().flush()?;
+        show(output, line)?;
     }
     Ok(child.wait()?.code())
 }

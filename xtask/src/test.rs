@@ -1,10 +1,10 @@
-//! `cargo xtask test`: every step of the table in order, each to its end, then a summary.
+//! `cargo xtask test [--quick]`: every step of the table in order, each to its end, then a summary.
 
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use crate::outcome::Outcome;
-use crate::{COMMANDS, Command};
+use crate::step::{Quick, Step};
 
 /// One finished step.
 struct Done {
@@ -13,21 +13,32 @@ struct Done {
     took: Duration,
 }
 
-pub fn run(args: &[String]) -> Outcome {
-    let steps: Vec<&Command> = COMMANDS.iter().filter(|step| step.in_test).collect();
-    if !args.is_empty() {
-        let names: Vec<_> = steps.iter().map(|step| step.name).collect();
-        return Outcome::Usage(format!(
-            "cargo xtask test takes no arguments; single steps are commands: {}",
-            names.join(", ")
-        ));
+pub fn run(all: &[Step], args: &[String]) -> Outcome {
+    let mut steps: Vec<&Step> = all.iter().filter(|step| step.in_test).collect();
+    let is_quick = match args {
+        [] => false,
+        [option] if option == "--quick" => true,
+        _ => {
+            let names: Vec<_> = steps.iter().map(|step| step.name).collect();
+            return Outcome::Usage(format!(
+                "cargo xtask test [--quick]; single steps are commands: {}",
+                names.join(", ")
+            ));
+        }
+    };
+    if is_quick {
+        steps.retain(|step| step.quick != Quick::LeftOut);
     }
     let start = Instant::now();
     let mut done = Vec::new();
     for (index, step) in steps.iter().enumerate() {
         println!("\n==> [{}/{}] {}", index + 1, steps.len(), step.name);
+        let args = match step.quick {
+            Quick::Part(option, _) if is_quick => vec![option.to_owned()],
+            _ => Vec::new(),
+        };
         let begun = Instant::now();
-        let outcome = (step.run)(&[]);
+        let outcome = (step.run)(&args);
         let took = begun.elapsed();
         println!("<== {} {}: {outcome}", step.name, seconds(took));
         done.push(Done {
@@ -37,7 +48,21 @@ pub fn run(args: &[String]) -> Outcome {
         });
     }
     println!("\n{}", table(&done));
+    if is_quick {
+        println!("left out by --quick:\n{}", left_out(all));
+    }
     verdict(&done, start.elapsed())
+}
+
+/// What `--quick` leaves out of the steps, a line each.
+pub fn left_out(all: &[Step]) -> String {
+    let mut text = String::new();
+    for step in all.iter().filter(|step| step.in_test) {
+        if let Some(what) = step.quick.left_out() {
+            let _ = writeln!(text, "  {:<11}{what}", step.name);
+        }
+    }
+    text
 }
 
 fn seconds(took: Duration) -> String {
@@ -96,6 +121,29 @@ mod tests {
                 took: Duration::from_millis(1250),
             })
             .collect()
+    }
+
+    /// Nothing is left out without a word.
+    #[test]
+    fn what_is_quick_names_what_it_leaves_out() {
+        let step = |name, quick| Step {
+            name,
+            about: "",
+            in_test: true,
+            quick,
+            run: |args| Outcome::Ok(args.join(" ")),
+        };
+        let steps = [
+            step("whole", Quick::Whole),
+            step("part", Quick::Part("--quick", "the slow half")),
+            step("none", Quick::LeftOut),
+        ];
+        assert_eq!(
+            left_out(&steps),
+            "  part       the slow half\n  none       all of it\n"
+        );
+        assert_eq!(run(&steps, &["--quick".into()]).word(), "ok");
+        assert_eq!(run(&steps, &["--quik".into()]).word(), "usage");
     }
 
     #[test]

@@ -1,7 +1,78 @@
 //! `cargo xtask unit`: all tests of all crates. What follows goes to `cargo test`: `cargo xtask unit -- observer`.
+//!
+//! `--quick`: without the documentation's examples and without the tests of [`SLOW`].
+
+use std::fmt::Write;
 
 use crate::outcome::Outcome;
 use crate::shell;
+
+/// What `cargo xtask test --quick` gives it.
+pub const QUICK: &str = "--quick";
+pub const LEFT_OUT: &str = "documentation examples; instructions of an absent effect, for which the simulator is built optimised";
+
+/// Tests that a quick run leaves out, by a part of their names that no other has. This one builds the simulator with all
+/// optimisations, for minutes, and counts its instructions.
+const SLOW: [&str; 1] = ["what_a_scene_does_not_name_costs_no_instruction"];
+
+/// How many test binaries are listed with their times.
+const SLOWEST: usize = 10;
+
+/// What the lines of `cargo test` say.
+#[derive(Debug, Default)]
+struct Seen {
+    passed: u64,
+    ignored: u64,
+    failed: Vec<String>,
+    /// The binary that runs.
+    binary: String,
+    /// Seconds and name of those that ended.
+    times: Vec<(f64, String)>,
+}
+
+impl Seen {
+    fn line(&mut self, line: &str) {
+        if let Some(name) = binary(line) {
+            self.binary = name;
+        } else if let Some((passed, ignored)) = counts(line) {
+            self.passed += passed;
+            self.ignored += ignored;
+            let seconds = line.rsplit("finished in ").next();
+            let seconds = seconds.and_then(|time| time.trim_end().strip_suffix('s')?.parse().ok());
+            self.times
+                .push((seconds.unwrap_or(0.0), self.binary.clone()));
+        } else {
+            self.failed.extend(failed_test(line).map(str::to_owned));
+        }
+    }
+
+    /// The slowest binaries.
+    fn slowest(&mut self) -> String {
+        self.times.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let all: f64 = self.times.iter().map(|(seconds, _)| seconds).sum();
+        let shown = self.times.len().min(SLOWEST);
+        let mut text = format!(
+            "{} test binaries ran for {all:.1} s; the slowest:\n",
+            self.times.len()
+        );
+        for (seconds, name) in &self.times[..shown] {
+            let _ = writeln!(text, "{seconds:>8.1} s  {name}");
+        }
+        text
+    }
+}
+
+/// The test binary in a line of cargo such as `Running tests/energy.rs (target/debug/deps/energy-1bb2)`.
+fn binary(line: &str) -> Option<String> {
+    let line = line.trim_start();
+    if let Some(krate) = line.strip_prefix("Doc-tests ") {
+        return Some(format!("{krate}, documentation"));
+    }
+    let (source, file) = line.strip_prefix("Running ")?.rsplit_once(" (")?;
+    let file = file.strip_suffix(')')?.rsplit(['/', '\\']).next()?;
+    let name = file.rsplit_once('-').map_or(file, |(name, _)| name);
+    Some(format!("{name} ({source})"))
+}
 
 /// Passed and ignored tests in a line such as `test result: ok. 36 passed; 0 failed; 1 ignored; …`.
 fn counts(line: &str) -> Option<(u64, u64)> {
@@ -28,26 +99,39 @@ fn failed_test(line: &str) -> Option<&str> {
     line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
 }
 
+/// The words for `cargo test`.
+fn words(args: &[String]) -> Vec<&str> {
+    if args != [QUICK] {
+        return args.iter().map(String::as_str).collect();
+    }
+    let mut words = vec!["--lib", "--bins", "--tests", "--"];
+    for test in SLOW {
+        words.extend(["--skip", test]);
+    }
+    words
+}
+
 pub fn run(args: &[String]) -> Outcome {
-    let (mut passed, mut ignored) = (0, 0);
-    let (mut failed, mut broken) = (Vec::new(), None);
+    let words = words(args);
+    let (mut seen, mut broken) = (Seen::default(), None);
     // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.
     let packages: [&[&str]; 2] = [&["--workspace"], &["--package", "touchstone-control"]];
     for packages in packages {
         let mut command = shell::cargo_locked("test");
         // To the end, so that one failure hides no other.
-        command.args(packages).arg("--no-fail-fast").args(args);
-        let outcome = shell::run_reading(&mut command, |line| {
-            if let Some(more) = counts(line) {
-                passed += more.0;
-                ignored += more.1;
-            }
-            failed.extend(failed_test(line).map(str::to_owned));
-        });
+        command.args(packages).arg("--no-fail-fast").args(&words);
+        let outcome = shell::run_reading_all(&mut command, |line| seen.line(line));
         if outcome.is_failure() {
             broken = broken.or(Some(outcome));
         }
     }
+    println!("\n{}", seen.slowest());
+    let Seen {
+        passed,
+        ignored,
+        failed,
+        ..
+    } = seen;
     let all = passed + failed.len() as u64;
     match (broken, ignored) {
         (Some(_), _) if !failed.is_empty() => Outcome::Failed(format!(
@@ -63,7 +147,7 @@ pub fn run(args: &[String]) -> Outcome {
 
 #[cfg(test)]
 mod tests {
-    use super::{counts, failed_test};
+    use super::*;
 
     #[test]
     fn a_summary_line_is_counted_and_no_other() {
@@ -78,5 +162,41 @@ mod tests {
         let line = "test observer::exact ... FAILED";
         assert_eq!(failed_test(line), Some("observer::exact"));
         assert_eq!(failed_test("test observer::exact ... ok"), None);
+    }
+
+    #[test]
+    fn the_slowest_binaries_come_first() {
+        let mut seen = Seen::default();
+        for line in [
+            "     Running unittests src/lib.rs (target/debug/deps/touchstone_control-12ab)",
+            "test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.96s",
+            "     Running tests/energy.rs (target/debug/deps/energy-34cd)",
+            "test decay ... FAILED",
+            "test result: FAILED. 1 passed; 1 failed; 0 ignored; 0 measured; 0 filtered out; finished in 5.10s",
+            "   Doc-tests touchstone_drive",
+            "test result: ok. 1 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.50s",
+        ] {
+            seen.line(line);
+        }
+        assert_eq!((seen.passed, seen.ignored), (5, 1));
+        assert_eq!(seen.failed, ["decay"]);
+        assert_eq!(
+            seen.slowest(),
+            "3 test binaries ran for 6.6 s; the slowest:\n     5.1 s  energy (tests/energy.rs)\n\
+             \x20    1.0 s  touchstone_control (unittests src/lib.rs)\n     0.5 s  touchstone_drive, documentation\n"
+        );
+    }
+
+    #[test]
+    fn what_a_quick_run_leaves_out_is_in_the_sources_once() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests");
+        let mut texts = String::new();
+        for entry in std::fs::read_dir(folder).expect("the tests") {
+            texts += &std::fs::read_to_string(entry.expect("readable").path()).unwrap_or_default();
+        }
+        for test in SLOW {
+            assert_eq!(texts.matches(&format!("fn {test}(")).count(), 1, "{test}");
+        }
+        assert!(words(&[QUICK.into()]).ends_with(&["--skip", SLOW[SLOW.len() - 1]]));
     }
 }

@@ -1,9 +1,10 @@
 //! What a board's program must be: small enough, and its interrupts free of panics, floats, critical sections and calls that
 //! lead nobody knows where.
 
-use crate::thumb::elf::{Program, word};
-use crate::thumb::stack::Depths;
-use crate::thumb::{is_panic, is_soft_float};
+use std::path::Path;
+
+use crate::answer::Answer;
+use crate::cortex::{Depths, Program, is_panic, is_soft_float, word};
 
 /// Most flash for the program, bytes.
 const FLASH: u32 = 96 * 1024;
@@ -22,26 +23,27 @@ const HEAP: [&str; 4] = [
     "__rg_alloc",
     "alloc_error_handler",
 ];
+
 /// What was found out about a program.
 #[derive(Debug, Default)]
-pub struct Report {
+struct Report {
     /// Bytes of code and constants.
-    pub text: u32,
+    text: u32,
     /// Bytes of variables with a value.
-    pub data: u32,
+    data: u32,
     /// Bytes of all other variables.
-    pub bss: u32,
+    bss: u32,
     /// Bytes that the stack may need.
-    pub stack: u32,
+    stack: u32,
     /// Bytes that the stack has.
-    pub stack_room: u32,
+    stack_room: u32,
     /// What is not as it must be.
-    pub wrong: Vec<String>,
+    wrong: Vec<String>,
 }
 
 impl Report {
     /// One line for people.
-    pub fn line(&self) -> String {
+    fn line(&self) -> String {
         let Self {
             text,
             data,
@@ -59,8 +61,32 @@ impl Report {
     }
 }
 
-/// Looks at a program.
-pub fn look(program: &Program) -> Report {
+/// Each board's program, as `BOARD=ELF`.
+pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
+    let (mut lines, mut wrong) = (Vec::new(), Vec::new());
+    for named in programs {
+        let (board, path) = named
+            .split_once('=')
+            .ok_or_else(|| format!("`{named}` is not BOARD=ELF"))?;
+        let program = Program::open(Path::new(path))?;
+        println!("{board}:");
+        let report = examine(&program);
+        lines.push(format!("{board}: {}", report.line()));
+        wrong.extend(report.wrong.iter().map(|what| format!("{board}: {what}")));
+    }
+    println!("\n{}", lines.join("\n"));
+    for what in &wrong {
+        println!("WRONG: {what}");
+    }
+    Ok(match wrong.first() {
+        None => Answer::Right(
+            "budgets kept; no panic, heap, float or unknown call in the interrupts".into(),
+        ),
+        Some(first) => Answer::Wrong(format!("{} wrong, the first: {first}", wrong.len())),
+    })
+}
+
+fn examine(program: &Program) -> Report {
     let mut report = Report::default();
     sizes(program, &mut report);
     for handler in PRIORITIES.iter().flat_map(|row| row.iter()) {

@@ -1,13 +1,21 @@
-//! Which of the installed compilers can make code for the microcontroller.
+//! Which of the installed compilers can make code for another machine: rustup's with the target installed; failing that, one that
+//! has the library as source, such as Debian's.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Once, OnceLock};
 
-use crate::{setup, shell};
+use crate::outcome::Outcome;
+use crate::{packages, shell};
+
+/// The oldest compiler that builds the workspace, `rust-version` in Cargo.toml.
+const RUST: (u32, u32) = (1, 95);
 
 /// The Cortex-M4 without its float unit: what then still calculates with floats must call for it by name.
-pub const TARGET: &str = "thumbv7em-none-eabi";
+pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
+/// The Cortex-M4 with its float unit.
+pub const BOARD: &str = "thumbv7em-none-eabihf";
 
 /// Where a compiler comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,7 +66,7 @@ impl Origin {
     fn look(self) -> Option<Candidate> {
         let version = shell::capture(self.rustc().arg("--version"))?;
         let sysroot = shell::capture(self.rustc().args(["--print", "sysroot"]))?;
-        setup::is_new_enough(&version).then(|| Candidate {
+        is_new_enough(&version).then(|| Candidate {
             origin: self,
             version: version.split_whitespace().nth(1).unwrap_or("").to_owned(),
             library: PathBuf::from(sysroot).join("lib/rustlib"),
@@ -83,26 +91,26 @@ impl fmt::Display for Compiler {
 }
 
 impl Compiler {
-    /// `cargo build` with it, and the options that belong to it.
-    pub fn cargo(&self) -> (Command, Vec<String>) {
-        self.cargo_for("build")
+    /// `cargo build` with it, and the options that belong to it. `libraries`: of Rust's own, where they are not installed.
+    pub fn cargo(&self, libraries: &[&str]) -> (Command, Vec<String>) {
+        self.cargo_for("build", libraries)
     }
 
     /// `cargo clippy` with it, and the options that belong to it; `None` if it has none that knows the target.
     pub fn clippy(&self) -> Option<(Command, Vec<String>)> {
         let has_it = match &self.origin {
             _ if self.from_source => false,
-            Origin::Active => setup::missing_component("clippy").is_none(),
+            Origin::Active => packages::missing_component("clippy").is_none(),
             Origin::Toolchain(name) => {
                 let mut rustup = shell::program("rustup");
                 shell::capture(rustup.args(["run", name, "cargo", "clippy", "--version"])).is_some()
             }
             Origin::System => false,
         };
-        has_it.then(|| self.cargo_for("clippy"))
+        has_it.then(|| self.cargo_for("clippy", &["core"]))
     }
 
-    fn cargo_for(&self, subcommand: &str) -> (Command, Vec<String>) {
+    fn cargo_for(&self, subcommand: &str, libraries: &[&str]) -> (Command, Vec<String>) {
         let mut cargo = match &self.origin {
             Origin::Active => shell::cargo_locked(subcommand),
             Origin::Toolchain(name) => {
@@ -126,25 +134,16 @@ impl Compiler {
         let mut options = vec![format!("--target={}", self.target)];
         if self.from_source {
             cargo.env("RUSTC_BOOTSTRAP", "1");
-            options.push("-Zbuild-std=core".into());
+            options.push(format!("-Zbuild-std={}", libraries.join(",")));
         }
         (cargo, options)
     }
 }
 
-/// A compiler for [`TARGET`].
-pub fn find() -> Option<Compiler> {
-    find_for(TARGET)
-}
-
 /// A compiler that has the target installed; failing that, one that has the library's source.
-pub fn find_for(target: &'static str) -> Option<Compiler> {
-    let mut origins = vec![Origin::Active];
-    origins.extend(toolchains().into_iter().map(Origin::Toolchain));
-    origins.push(Origin::System);
-    let candidates: Vec<_> = origins.into_iter().filter_map(Origin::look).collect();
+pub fn find(target: &'static str) -> Option<Compiler> {
     let with = |part: &str, from_source| {
-        let mut having = candidates
+        let mut having = candidates()
             .iter()
             .filter(|candidate| candidate.library.join(part).is_dir());
         having.next().map(|candidate| Compiler {
@@ -155,6 +154,22 @@ pub fn find_for(target: &'static str) -> Option<Compiler> {
         })
     };
     with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
+}
+
+/// Has rustup fetch a target for the active toolchain, where it can.
+pub fn add(target: &str) {
+    let _ = shell::run(shell::program("rustup").args(["target", "add", target]));
+}
+
+/// All compilers, asked once.
+fn candidates() -> &'static [Candidate] {
+    static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let mut origins = vec![Origin::Active];
+        origins.extend(toolchains().into_iter().map(Origin::Toolchain));
+        origins.push(Origin::System);
+        origins.into_iter().filter_map(Origin::look).collect()
+    })
 }
 
 /// Version of the compiler that runs this program.
@@ -172,4 +187,84 @@ fn toolchains() -> Vec<String> {
         .filter(|name| name.chars().next().is_some_and(char::is_alphanumeric))
         .map(str::to_owned)
         .collect()
+}
+
+/// Whether `rustc 1.95.0 (…)` is at least the oldest that will do.
+pub fn is_new_enough(version: &str) -> bool {
+    let number = version.split_whitespace().nth(1).unwrap_or("");
+    let mut parts = number.split('.').map(|part| part.parse().unwrap_or(0));
+    (parts.next().unwrap_or(0), parts.next().unwrap_or(0)) >= RUST
+}
+
+/// `cargo build` of the first compiler that can, and its options; [`Outcome::NotRun`] where there is none.
+pub fn build_board() -> Result<(Command, Vec<String>), Outcome> {
+    find_board().ok_or_else(|| {
+        Outcome::NotRun(format!(
+            "no compiler for {BOARD} (rustup target add {BOARD})"
+        ))
+    })
+}
+
+/// `cargo clippy` of the first compiler that has one for the target, and its options.
+pub fn clippy_board() -> Option<(Command, Vec<String>)> {
+    find(BOARD)?.clippy()
+}
+
+fn find_board() -> Option<(Command, Vec<String>)> {
+    let chosen = |compiler: Compiler| {
+        static SAID: Once = Once::new();
+        SAID.call_once(|| println!("with {compiler}"));
+        compiler.cargo(&["core"])
+    };
+    if let Some(compiler) = find(BOARD) {
+        return Some(chosen(compiler));
+    }
+    add(BOARD);
+    if let Some(compiler) = find(BOARD) {
+        return Some(chosen(compiler));
+    }
+    debian()
+}
+
+/// Debian's newer Rust, which has the library as source only.
+fn debian() -> Option<(Command, Vec<String>)> {
+    const CARGO: &str = "/usr/bin/cargo";
+    const CORE: &str = "/usr/lib/rustlib/src/rust/library/core";
+    if !Path::new(CORE).is_dir() {
+        packages::apt_get(&["rustc-web", "cargo-web", "rust-web-src", "lld"]);
+    }
+    if !Path::new(CORE).is_dir() {
+        return None;
+    }
+    println!("with Debian's compiler, its `core` built from source");
+    let mut cargo = shell::program(CARGO);
+    cargo
+        .arg("build")
+        .env("RUSTC", "/usr/bin/rustc")
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld")
+        .env_remove("RUSTUP_TOOLCHAIN");
+    let options = [&format!("--target={BOARD}"), "-Zbuild-std=core"];
+    Some((cargo, options.map(str::to_owned).to_vec()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_new_enough;
+
+    #[test]
+    fn compilers_before_the_oldest_supported_are_refused() {
+        assert!(is_new_enough("rustc 1.95.0 (59807616e 2026-04-14)"));
+        assert!(is_new_enough("rustc 1.101.0-nightly (abc 2027-01-01)"));
+        assert!(is_new_enough("rustc 2.0.0"));
+        assert!(!is_new_enough("rustc 1.94.1 (abc 2026-03-01)"));
+        assert!(!is_new_enough(""));
+    }
+
+    #[test]
+    fn the_oldest_compiler_is_the_workspaces() {
+        let manifest = include_str!("../../Cargo.toml");
+        let (major, minor) = super::RUST;
+        assert!(manifest.contains(&format!("rust-version = \"{major}.{minor}\"")));
+    }
 }

@@ -1,6 +1,10 @@
 //! The gate against a recorded report in which harnesses end in each way there is (`fixtures/every_end.rs`).
 
 use super::*;
+use report::Answer;
+
+/// Most memory of a harness in these tests, kibibytes.
+const MEMORY_KIB: u64 = 8 << 20;
 
 fn recorded() -> BTreeMap<String, Verdict> {
     report::read(include_str!("fixtures/every-end.json")).expect("a report")
@@ -35,7 +39,7 @@ fn only_one_harness_of_all_is_proved() {
     );
     assert!(verdict.program.contains("__R"), "{}", verdict.program);
     // Eight faults, one each.
-    assert_eq!(wrong(&found).len(), 8);
+    assert_eq!(wrong(&found, MEMORY_KIB).len(), 8);
 }
 
 /// The checker calls each of these successful.
@@ -63,19 +67,19 @@ fn a_failed_assertion_is_a_refutation_and_nothing_else_is() {
 #[test]
 fn a_mutant_is_caught_by_its_own_harness_only() {
     let only = |name: &str| BTreeMap::from([(name.to_string(), recorded()[name].clone())]);
-    assert_eq!(refuted(&only("w8::refuted"), "w8::refuted"), Ok(true));
-    assert_eq!(refuted(&only("w8::proved"), "w8::proved"), Ok(false));
+    assert_eq!(is_refuted(&only("w8::refuted"), "w8::refuted"), Ok(true));
+    assert_eq!(is_refuted(&only("w8::proved"), "w8::proved"), Ok(false));
     for name in [
         "w8::out_of_time",
         "w8::loop_cut_short",
         "w8::cover_unsatisfiable",
         "w8::assertion_unreachable",
     ] {
-        assert!(refuted(&only(name), name).is_err(), "{name}");
+        assert!(is_refuted(&only(name), name).is_err(), "{name}");
     }
-    assert!(refuted(&only("w8::refuted"), "w8::proved").is_err());
-    assert!(refuted(&recorded(), "w8::refuted").is_err());
-    assert!(refuted(&BTreeMap::new(), "w8::refuted").is_err());
+    assert!(is_refuted(&only("w8::refuted"), "w8::proved").is_err());
+    assert!(is_refuted(&recorded(), "w8::refuted").is_err());
+    assert!(is_refuted(&BTreeMap::new(), "w8::refuted").is_err());
 }
 
 #[test]
@@ -111,7 +115,7 @@ fn too_long_and_too_large_are_faults() {
             usage,
             ..recorded()["w8::proved"].clone()
         };
-        wrong(&BTreeMap::from([("a".to_string(), verdict)])).len()
+        wrong(&BTreeMap::from([("a".to_string(), verdict)]), MEMORY_KIB).len()
     };
     assert_eq!(with(PROCESSOR_S, MEMORY_KIB), 0);
     assert_eq!(with(PROCESSOR_S + 0.5, 0), 1);
@@ -123,7 +127,10 @@ fn no_report_and_an_empty_one_are_not_a_pass() {
     assert!(report::read("").is_err());
     assert!(report::read("{}").is_err());
     let none = report::read(r#"{"verification_results": {"results": []}}"#).expect("a report");
-    assert!(say(&none, wrong(&none)).is_failure());
+    assert!(matches!(
+        say(&none, wrong(&none, MEMORY_KIB)),
+        super::Answer::Wrong(_)
+    ));
 }
 
 /// What the checker says of a status that is not known here is not a success.

@@ -3,9 +3,19 @@
 //! The copy is below `target/`; the sources themselves are only read. A change is a text that is in its file exactly once, so
 //! that a list which no longer fits the sources says so.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::shell;
+use crate::outcome::Outcome;
+use crate::{inspect, shell};
+
+/// An entry of a list of changes.
+#[derive(Debug, Default, Clone)]
+pub struct Entry {
+    /// What else it says, by name.
+    words: BTreeMap<String, String>,
+    pub changes: Vec<Change>,
+}
 
 /// A change of a file.
 #[derive(Debug, Default, Clone)]
@@ -16,6 +26,56 @@ pub struct Change {
     pub find: String,
     /// What is there instead.
     pub replace: String,
+}
+
+impl Entry {
+    /// What it says of one thing; nothing where it does not.
+    pub fn word(&self, name: &str) -> &str {
+        self.words.get(name).map_or("", String::as_str)
+    }
+
+    /// For tests: one that says this.
+    #[cfg(test)]
+    pub fn with(words: &[(&str, &str)]) -> Self {
+        let mut entry = Self::default();
+        for (name, text) in words {
+            entry.add(name, text);
+        }
+        entry
+    }
+
+    fn add(&mut self, name: &str, text: &str) {
+        if name == "file" {
+            self.changes.push(Change::default());
+        }
+        match (name, self.changes.last_mut()) {
+            ("file", Some(change)) => change.file = text.into(),
+            ("find", Some(change)) => change.find = text.into(),
+            ("replace", Some(change)) => change.replace = text.into(),
+            _ => drop(self.words.insert(name.into(), text.into())),
+        }
+    }
+}
+
+/// The entries of a list, a file of the workspace.
+pub fn list(path: &str) -> Result<Vec<Entry>, Outcome> {
+    match inspect::ask(["changes", path]) {
+        (lines, Outcome::Ok(_)) => Ok(entries(&lines)),
+        (_, other) => Err(other),
+    }
+}
+
+/// From lines of a name, a tab and a text; `next` begins an entry.
+fn entries(lines: &[String]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for (name, text) in lines.iter().filter_map(|line| line.split_once('\t')) {
+        match (name, entries.last_mut()) {
+            ("next", _) => entries.push(Entry::default()),
+            (_, Some(entry)) => entry.add(name, text),
+            (_, None) => {}
+        }
+    }
+    entries
 }
 
 /// Copies folders of the workspace and the files beside them into `folder/work`, as a workspace whose members are `members`.
@@ -116,4 +176,28 @@ pub fn with<T>(
         std::fs::write(path, source).map_err(|why| format!("{}: {why}", path.display()))?;
     }
     answer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::entries;
+
+    #[test]
+    fn lines_become_entries_with_their_changes() {
+        let lines = "next\t\nname\tno limit\nfile\ta.rs\nfind\tx\nreplace\t\nfile\tb.rs\nfind\ty\nreplace\tz\nnext\t\nname\tb";
+        let lines: Vec<String> = lines.lines().map(str::to_owned).collect();
+        let found = entries(&lines);
+        assert_eq!(found.len(), 2);
+        assert_eq!(
+            (found[0].word("name"), found[1].word("name")),
+            ("no limit", "b")
+        );
+        assert_eq!(found[0].word("board"), "");
+        let change = &found[0].changes[1];
+        assert_eq!(
+            (&*change.file, &*change.find, &*change.replace),
+            ("b.rs", "y", "z")
+        );
+        assert!(found[0].changes[0].replace.is_empty() && found[1].changes.is_empty());
+    }
 }

@@ -171,7 +171,7 @@ mod tests {
     /// Of the real sources: nothing is missing, and what the table says is assumed is all that is.
     #[test]
     fn every_property_says_what_it_is_about() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../proofs/src");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../proofs/src");
         let found = properties(&folder);
         assert!(found.len() > 50, "{}", found.len());
         for property in &found {

@@ -9,7 +9,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::elf::{Instruction, Program, decode, is_wide, word};
+use super::instruction::{Instruction, decode, loads_half, lowers};
+use super::program::{Program, word};
 
 /// What a function does to the stack, by itself.
 #[derive(Debug, Default, Clone)]
@@ -34,62 +35,6 @@ pub struct Depths<'p> {
     known: BTreeMap<Question, (u32, Option<Question>)>,
     /// What could not be bounded.
     pub unbounded: BTreeSet<String>,
-}
-
-/// Bytes that an instruction lowers the stack pointer by; `None` if that is known at run time only.
-fn lowers(first: u32, second: u32) -> Option<u32> {
-    if !is_wide(first) {
-        return match first {
-            // PUSH of low registers and perhaps the link register.
-            _ if first & 0xfe00 == 0xb400 => Some((first & 0x1ff).count_ones() * 4),
-            // SUB SP, #.
-            _ if first & 0xff80 == 0xb080 => Some((first & 0x7f) * 4),
-            // MOV SP, register.
-            _ if first & 0xff87 == 0x4685 => None,
-            _ => Some(0),
-        };
-    }
-    let (destination, low) = (second >> 8 & 15, second & 0xff);
-    let constant = (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | low;
-    match first {
-        // PUSH.W, and STR with the same effect.
-        0xe92d => Some(second.count_ones() * 4),
-        0xf84d if second & 0x0fff == 0x0d04 => Some(4),
-        // STRD with write-back, downwards.
-        0xe96d => Some(low * 4),
-        // VPUSH.
-        _ if first & 0xffbf == 0xed2d => Some(low * 4),
-        // SUB.W and SUBW of a constant.
-        _ if first & 0xfbef == 0xf1ad && destination == 13 => Some(modified(constant)),
-        _ if first & 0xfbff == 0xf2ad && destination == 13 => Some(constant),
-        // SUB.W of a register.
-        _ if first & 0xffef == 0xebad && destination == 13 => None,
-        _ => Some(0),
-    }
-}
-
-/// The constant that 12 bits of an instruction stand for (Arm ARM, ThumbExpandImm).
-fn modified(bits: u32) -> u32 {
-    let low = bits & 0xff;
-    match bits >> 8 {
-        0 => low,
-        1 => low << 16 | low,
-        2 => low << 24 | low << 8,
-        3 => low << 24 | low << 16 | low << 8 | low,
-        _ => (0x80 | bits & 0x7f).rotate_right(bits >> 7),
-    }
-}
-
-/// The 16 bits that MOVW and MOVT load, and the register.
-fn loads_half(first: u32, second: u32) -> Option<(bool, usize, u32)> {
-    let is_top = match first & 0xfbf0 {
-        0xf240 => false,
-        0xf2c0 => true,
-        _ => return None,
-    };
-    let value =
-        (first & 15) << 12 | (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xff;
-    Some((is_top, (second >> 8 & 15) as usize, value))
 }
 
 impl<'p> Depths<'p> {
@@ -237,44 +182,5 @@ impl<'p> Depths<'p> {
         let bytes = frame.bytes + deepest;
         self.known.insert((start, nested), (bytes, next));
         bytes
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_lowers_the_stack_pointer() {
-        for (first, second, expected) in [
-            // push {r4, r5, r6, r7, lr}; push.w {r8-r11}; sub sp, #180; str r0, [sp, #-4]!; nop
-            (0xb5f0, 0, Some(20)),
-            (0xe92d, 0x0f00, Some(16)),
-            (0xb0ad, 0, Some(180)),
-            (0xf84d, 0x0d04, Some(4)),
-            (0xbf00, 0, Some(0)),
-            // sub.w sp, sp, #1024; subw sp, sp, #1284; vpush {d8}; sub.w sp, sp, r4; mov sp, r4
-            (0xf5ad, 0x6d80, Some(1024)),
-            (0xf2ad, 0x5d04, Some(1284)),
-            (0xed2d, 0x8b02, Some(8)),
-            (0xebad, 0x0d04, None),
-            (0x46a5, 0, None),
-            // add sp, #180; sub.w r4, sp, #8 (an aligned frame's beginning): not by themselves
-            (0xb02d, 0, Some(0)),
-            (0xf1ad, 0x0408, Some(0)),
-        ] {
-            assert_eq!(lowers(first, second), expected, "{first:04x} {second:04x}");
-        }
-    }
-
-    #[test]
-    fn constants_of_instructions() {
-        assert_eq!(modified(0x0ff), 0xff);
-        assert_eq!(modified(0x1ab), 0x00ab_00ab);
-        assert_eq!(modified(0xe80), 1024);
-        // movw r1, #0x1234; movt r1, #0x0800
-        assert_eq!(loads_half(0xf241, 0x2134), Some((false, 1, 0x1234)));
-        assert_eq!(loads_half(0xf6c0, 0x0100), Some((true, 1, 0x0800)));
-        assert_eq!(loads_half(0xbf00, 0), None);
     }
 }

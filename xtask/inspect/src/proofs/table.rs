@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::properties::{self, Property};
 use super::report::Verdict;
-use super::source::{self, Property};
 use super::usage::Usage;
 
 const README: &str = "proofs/README.md";
@@ -14,7 +14,7 @@ const END: &str = "<!-- end of table -->";
 
 /// Puts the table of a whole run in the place of the last one.
 pub fn write(found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
-    let properties = source::properties(Path::new("proofs/src"));
+    let properties = properties::properties(Path::new("proofs/src"));
     let table = table(found, &properties, about)?;
     let page = std::fs::read_to_string(README).map_err(|why| format!("{README}: {why}"))?;
     let (Some(from), Some(to)) = (page.find(START), page.find(END)) else {
@@ -121,7 +121,7 @@ fn width(harness: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prove::report::Answer;
+    use crate::proofs::report::Answer;
 
     #[test]
     fn the_width_is_in_the_path() {

@@ -3,15 +3,13 @@
 //! The program of a board ends up in `target/firmware/BOARD/touchstone.elf`, which is what the emulator runs and
 //! `touchstone flash` writes.
 
-mod look;
-
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::microcontroller::{self, TARGET};
 use crate::outcome::Outcome;
-use crate::shell;
-use crate::thumb::elf::Program;
+use crate::toolchain::{self, BOARD};
+use crate::{inspect, shell};
 
 /// The boards: each is the name of a binary and of a feature of `firmware/`.
 pub const BOARDS: [&str; 2] = ["nucleo-g474re", "b-g431b-esc1"];
@@ -33,44 +31,26 @@ pub fn run(args: &[String]) -> Outcome {
         },
         _ => return Outcome::Usage(USAGE.into()),
     };
-    let (mut lines, mut wrong) = (Vec::new(), Vec::new());
+    let mut words = vec![OsString::from("firmware")];
     for board in boards {
-        let report = match build(board).and_then(|path| examine(board, &path)) {
-            Ok(report) => report,
+        let program = match build(board) {
+            Ok(program) => program,
             Err(outcome) => return outcome,
         };
         let linted = lint(board);
         if linted.is_failure() {
             return linted;
         }
-        lines.push(format!("{board}: {}", report.line()));
-        wrong.extend(report.wrong.iter().map(|what| format!("{board}: {what}")));
+        let mut word = OsString::from(format!("{board}="));
+        word.push(program);
+        words.push(word);
     }
-    println!("\n{}", lines.join("\n"));
-    for what in &wrong {
-        println!("WRONG: {what}");
-    }
-    match wrong.first() {
-        None => Outcome::Ok(
-            "budgets kept; no panic, heap, float or unknown call in the interrupts".into(),
-        ),
-        Some(first) => Outcome::Failed(format!("{} wrong, the first: {first}", wrong.len())),
-    }
-}
-
-/// Reads a program and looks at it.
-fn examine(board: &str, path: &Path) -> Result<look::Report, Outcome> {
-    let file = std::fs::read(path)
-        .map_err(|error| Outcome::Failed(format!("{}: {error}", path.display())))?;
-    let program = Program::read(&file)
-        .ok_or_else(|| Outcome::Failed(format!("{} is no ELF file of 32 bits", path.display())))?;
-    println!("{board}:");
-    Ok(look::look(&program))
+    inspect::call(words)
 }
 
 /// Builds a board's program, warnings denied; where it is.
 pub fn build(board: &str) -> Result<PathBuf, Outcome> {
-    let (mut cargo, options) = microcontroller::build()?;
+    let (mut cargo, options) = toolchain::build_board()?;
     let folder = shell::target("firmware").join("build");
     arguments(&mut cargo, board, &options, &shell::root(), &folder);
     cargo.args(["--config", "build.warnings='deny'"]);
@@ -92,19 +72,19 @@ pub fn build_copy(
     sources: &Path,
     folder: &Path,
 ) -> Result<(Command, PathBuf), Outcome> {
-    let (mut cargo, options) = microcontroller::build()?;
+    let (mut cargo, options) = toolchain::build_board()?;
     arguments(&mut cargo, board, &options, sources, folder);
     Ok((cargo, built(folder, board)))
 }
 
 /// Where cargo leaves a board's program.
 fn built(folder: &Path, board: &str) -> PathBuf {
-    folder.join(TARGET).join("release").join(board)
+    folder.join(BOARD).join("release").join(board)
 }
 
 /// Clippy on a board's program, warnings denied. Where no clippy knows the target, the compiler's own warnings are all there is.
 fn lint(board: &str) -> Outcome {
-    let Some((mut clippy, options)) = microcontroller::clippy() else {
+    let Some((mut clippy, options)) = toolchain::clippy_board() else {
         return Outcome::Ok(String::new());
     };
     let folder = shell::target("firmware").join("build");

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::cortex::is_soft_float;
+
 /// The functions (and tables) of all files, by label.
 #[derive(Default)]
 pub struct Code {
@@ -89,6 +91,7 @@ pub fn float_operation(architecture: &str) -> Option<fn(&str) -> bool> {
     match architecture {
         "x86_64" => Some(is_x86_float),
         "aarch64" => Some(is_aarch64_float),
+        _ if architecture.starts_with("thumb") => Some(is_thumb_float),
         _ => None,
     }
 }
@@ -125,29 +128,14 @@ fn is_aarch64_float(line: &str) -> bool {
 }
 
 /// Calls of the soft-float library, by the ARM names and by the compiler's own, and the float unit's instructions.
-pub fn is_thumb_float(line: &str) -> bool {
+fn is_thumb_float(line: &str) -> bool {
     let name = mnemonic(line);
     if name.starts_with('v') && (name.contains(".f32") || name.contains(".f64")) {
         let moves = ["vmov", "vldr", "vstr"];
         return !moves.iter().any(|plain| name.starts_with(plain));
     }
     line.split(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .any(is_soft_float_name)
-}
-
-fn is_soft_float_name(word: &str) -> bool {
-    if let Some(name) = word.strip_prefix("__aeabi_") {
-        let conversions = ["i2", "ui2", "l2", "ul2"];
-        return name.starts_with(['f', 'd', 'h'])
-            || name.starts_with("cf")
-            || name.starts_with("cd")
-            || conversions.iter().any(|from| name.starts_with(from));
-    }
-    // __addsf3, __muldf3, __fixsfsi, __floatdidf, …
-    word.strip_prefix("__").is_some_and(|name| {
-        (name.contains("sf") || name.contains("df"))
-            && name.ends_with(|c: char| c.is_ascii_digit() || c == 'i' || c == 'f')
-    })
+        .any(is_soft_float)
 }
 
 #[cfg(test)]

@@ -1,0 +1,171 @@
+//! The lists of wrong changes on purpose: `proofs/mutants.toml` and `emulator/sabotage.toml`.
+//!
+//! They are printed for the launcher as lines of a key, a tab and a text, in the order of the file. The key `next` begins an
+//! entry; its changes are its last keys, `file`, `find` and `replace` of each.
+
+use serde::Deserialize;
+
+use crate::answer::Answer;
+
+/// Either list.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct List {
+    #[serde(default)]
+    mutant: Vec<Mutant>,
+    #[serde(default)]
+    sabotage: Vec<Sabotage>,
+}
+
+/// A change that a proof or a test must find.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mutant {
+    file: String,
+    find: String,
+    replace: String,
+    /// The harness that refutes it.
+    harness: String,
+    /// The test that fails of it, `package name`; may be missing.
+    #[serde(default)]
+    test: String,
+}
+
+/// A part of the firmware's safety, taken out.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sabotage {
+    /// What is taken out.
+    name: String,
+    /// Whose program.
+    board: String,
+    /// What `fil --only` is given.
+    only: String,
+    /// What a line says that tells what is wrong.
+    says: String,
+    change: Vec<Change>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Change {
+    file: String,
+    find: String,
+    replace: String,
+}
+
+/// An entry as it is printed.
+type Lines<'l> = Vec<(&'static str, &'l str)>;
+
+impl Mutant {
+    fn lines(&self) -> Lines<'_> {
+        vec![
+            ("harness", &self.harness),
+            ("test", &self.test),
+            ("file", &self.file),
+            ("find", &self.find),
+            ("replace", &self.replace),
+        ]
+    }
+}
+
+impl Sabotage {
+    fn lines(&self) -> Lines<'_> {
+        let mut lines: Lines = vec![
+            ("name", &self.name),
+            ("board", &self.board),
+            ("only", &self.only),
+            ("says", &self.says),
+        ];
+        for change in &self.change {
+            lines.push(("file", &change.file));
+            lines.push(("find", &change.find));
+            lines.push(("replace", &change.replace));
+        }
+        lines
+    }
+}
+
+/// Prints a list.
+pub fn print(text: &str) -> Result<Answer, String> {
+    let list: List = toml::from_str(text).map_err(|why| why.to_string())?;
+    let sabotages = list.sabotage.iter().map(Sabotage::lines);
+    let entries: Vec<Lines> = list
+        .mutant
+        .iter()
+        .map(Mutant::lines)
+        .chain(sabotages)
+        .collect();
+    for entry in &entries {
+        println!("next\t");
+        for (key, value) in entry {
+            if value.contains(['\n', '\t']) {
+                return Err(format!("`{value}` has a line's end or a tab in it"));
+            }
+            println!("{key}\t{value}");
+        }
+    }
+    Ok(Answer::Right(format!("{} entries", entries.len())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(path: &str) -> String {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        std::fs::read_to_string(root.join(path)).expect("readable")
+    }
+
+    fn list(path: &str) -> List {
+        toml::from_str(&read(path)).expect("a list")
+    }
+
+    fn fits(file: &str, find: &str, replace: &str) {
+        assert_eq!(read(file).matches(find).count(), 1, "{file}: `{find}`");
+        assert_ne!(find, replace);
+    }
+
+    /// Each change applies, changes something, and names a harness that exists.
+    #[test]
+    fn the_mutants_fit_the_sources() {
+        let (mutants, locked) = (
+            list("proofs/mutants.toml").mutant,
+            read("proofs/harnesses.lock"),
+        );
+        assert!(!mutants.is_empty());
+        for mutant in &mutants {
+            fits(&mutant.file, &mutant.find, &mutant.replace);
+            let is_locked = locked.lines().any(|name| name == mutant.harness);
+            assert!(is_locked, "{mutant:?}");
+        }
+    }
+
+    /// Each sabotage is complete and fits the sources.
+    #[test]
+    fn the_sabotages_fit_the_sources() {
+        let sabotages = list("emulator/sabotage.toml").sabotage;
+        assert!(!sabotages.is_empty());
+        for one in &sabotages {
+            let words = [&one.name, &one.board, &one.only, &one.says];
+            assert!(words.iter().all(|word| !word.is_empty()), "{one:?}");
+            assert!(!one.change.is_empty(), "{one:?}");
+            for change in &one.change {
+                fits(&change.file, &change.find, &change.replace);
+            }
+        }
+    }
+
+    #[test]
+    fn a_misspelt_key_is_refused() {
+        let text = "[[mutant]]\nfile = 'a'\nfind = 'b'\nreplace = 'c'\nharnes = 'd'\n";
+        assert!(print(text).unwrap_err().contains("harnes"));
+        assert!(print("[[mutan]]\n").is_err());
+    }
+
+    #[test]
+    fn a_text_that_would_break_the_lines_is_refused() {
+        let text = "[[mutant]]\nfile = 'a'\nfind = \"b\\tb\"\nreplace = 'c'\nharness = 'd'\n";
+        assert!(print(text).unwrap_err().contains("a tab"));
+    }
+}

@@ -1,0 +1,88 @@
+//! What a function reaches through all that it calls.
+//!
+//! Calls and jumps with a fixed goal are followed; a call through a register cannot be, and is reported.
+
+use std::collections::BTreeSet;
+
+use super::instruction::{Instruction, decode};
+use super::program::Program;
+
+/// What was met on the way from a function through all that it calls.
+#[derive(Debug, Default)]
+pub struct Reach {
+    /// Names of the functions, the first among them.
+    pub functions: BTreeSet<String>,
+    /// Bytes of all of them, tables of constants included.
+    pub bytes: u32,
+    /// Instructions.
+    pub instructions: usize,
+    /// Instructions of the float unit, each as function and address.
+    pub float_unit: Vec<String>,
+    /// Calls and jumps that lead nobody knows where.
+    pub unknown: Vec<String>,
+    /// Where interrupts are held off.
+    pub masks: Vec<String>,
+    /// Traps: where the compiler wants execution to stop.
+    pub traps: Vec<String>,
+}
+
+impl Program {
+    /// From the function whose name contains a text. `None` if there is none.
+    pub fn reach(&self, name: &str) -> Option<Reach> {
+        let mut starts = self.starts();
+        self.reach_from(starts.find(|start| {
+            self.function_name(*start)
+                .is_some_and(|whole| whole.contains(name))
+        })?)
+    }
+
+    /// From the function at an address.
+    pub fn reach_from(&self, address: u32) -> Option<Reach> {
+        let mut reach = Reach::default();
+        let mut waiting = vec![address];
+        let mut seen: BTreeSet<u32> = waiting.iter().copied().collect();
+        while let Some(start) = waiting.pop() {
+            let (name, size) = self.function(start)?;
+            reach.functions.insert(name.to_owned());
+            reach.bytes += size;
+            for goal in self.goals(start, name, size, &mut reach)? {
+                if seen.insert(goal) {
+                    waiting.push(goal);
+                }
+            }
+        }
+        Some(reach)
+    }
+
+    /// Reads a function; the functions that it calls or jumps to.
+    fn goals(&self, start: u32, name: &str, size: u32, reach: &mut Reach) -> Option<Vec<u32>> {
+        let mut goals = Vec::new();
+        let mut is_known = true;
+        self.instructions(start, |at, first, second| {
+            let place = || format!("{name} at {at:#x}");
+            reach.instructions += 1;
+            match decode(first, second) {
+                Instruction::Branch(far) => {
+                    let goal = (at + 4).wrapping_add_signed(far);
+                    if self.function(goal).is_some() {
+                        goals.push(goal);
+                    } else if !(start..start + size).contains(&goal) {
+                        reach.unknown.push(place());
+                    }
+                }
+                Instruction::CallRegister | Instruction::JumpRegister => {
+                    reach.unknown.push(place())
+                }
+                Instruction::FloatUnit => reach.float_unit.push(place()),
+                Instruction::Trap => reach.traps.push(place()),
+                Instruction::Mask => reach.masks.push(place()),
+                Instruction::Other => {}
+            }
+            is_known &= self.half(at).is_some();
+        });
+        if !is_known {
+            return None;
+        }
+        Some(goals)
+    }
+}

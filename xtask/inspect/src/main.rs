@@ -1,0 +1,67 @@
+//! Reads what builds, emulators and the model checker leave behind, for the steps of `cargo xtask`.
+//!
+//! The launcher starts programs and reads none of their files; this reads files and starts no program. So only the steps that
+//! have something to read pay for building the crates that read it. Findings go to standard output; the last line there is the
+//! [`Answer`].
+
+mod answer;
+mod changes;
+mod cortex;
+mod firmware;
+mod floats;
+mod proofs;
+mod thumb;
+mod vectors;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use answer::Answer;
+use cortex::Program;
+
+const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
+                     float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
+                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] | refuted REPORT HARNESS; \
+                     `cargo xtask` calls it from the workspace's folder";
+
+fn answer(words: &[&str]) -> Result<Answer, String> {
+    let path = Path::new;
+    match words {
+        ["firmware", programs @ ..] if !programs.is_empty() => firmware::inspect(programs),
+        ["thumb", elf, desktop, microcontroller] => thumb::inspect(
+            &Program::open(path(elf))?,
+            &text(desktop)?,
+            &text(microcontroller)?,
+        ),
+        ["float-source", folder] => floats::in_source(path(folder)),
+        ["float-code", architecture, release, krate, example] => {
+            floats::in_code(architecture, path(release), krate, example)
+        }
+        ["changes", list] => changes::print(&text(list)?).map_err(|why| format!("{list}: {why}")),
+        ["proofs", report, usage, memory, rest @ ..] => {
+            let run = proofs::Run {
+                report: &text(report)?,
+                usage: &text(usage)?,
+                memory_kib: memory.parse().map_err(|_| USAGE.to_owned())?,
+            };
+            match rest {
+                [part] => proofs::some(&run, part),
+                [words, machine] => proofs::whole(&run, words, machine, false),
+                [words, machine, "--bless"] => proofs::whole(&run, words, machine, true),
+                _ => Ok(Answer::Usage(USAGE.into())),
+            }
+        }
+        ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
+        _ => Ok(Answer::Usage(USAGE.into())),
+    }
+}
+
+fn text(path: &str) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|why| format!("{path}: {why}"))
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    answer(&words).unwrap_or_else(Answer::Wrong).end()
+}

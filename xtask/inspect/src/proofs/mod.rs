@@ -1,0 +1,184 @@
+//! The gate of `cargo xtask prove`: believes only what the checker's report shows.
+//!
+//! The checker ends with 0 also when there was nothing to prove, when an assumption was impossible and when a cover was never
+//! reached. So here: every harness of the committed list ran, no other did, each succeeded, each cover was reached, and each
+//! assertion of a property can be.
+
+mod properties;
+mod report;
+mod table;
+mod usage;
+
+use std::collections::BTreeMap;
+
+use crate::answer::Answer;
+use report::Verdict;
+use usage::Usage;
+
+const LOCK: &str = "proofs/harnesses.lock";
+/// Processor time of each harness, all its tools and solvers together.
+const PROCESSOR_S: f64 = 120.0;
+
+/// What a run of the checker left behind.
+pub struct Run<'r> {
+    /// Its report.
+    pub report: &'r str,
+    /// What its processes took, a line a harness: the name of its file, kibibytes, seconds.
+    pub usage: &'r str,
+    /// Most memory of a harness.
+    pub memory_kib: u64,
+}
+
+impl Run<'_> {
+    fn verdicts(&self) -> Result<BTreeMap<String, Verdict>, String> {
+        let usage = usage::read(self.usage)?;
+        let mut found = report::read(self.report)?;
+        for verdict in found.values_mut() {
+            verdict.usage = usage.get(verdict.program.as_str()).copied();
+        }
+        Ok(found)
+    }
+}
+
+/// Those whose names contain a text; says nothing about the others, nor about the lock.
+pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
+    let found = run.verdicts()?;
+    if found.is_empty() {
+        return Err(format!("no harness has `{part}` in its name"));
+    }
+    for (name, verdict) in &found {
+        println!(
+            "{:>7.1} s {:>6}  {name}: {}",
+            verdict.seconds,
+            megabytes(verdict),
+            verdict.words()
+        );
+    }
+    Ok(say(&found, wrong(&found, run.memory_kib)))
+}
+
+/// All of them, against the lock, with the table. `words`: on the checker and how long it took; `machine`: on what else ran.
+pub fn whole(run: &Run, words: &str, machine: &str, bless: bool) -> Result<Answer, String> {
+    let found = run.verdicts()?;
+    if bless {
+        let names: String = found
+            .keys()
+            .fold(String::new(), |text, name| text + name + "\n");
+        std::fs::write(LOCK, names).map_err(|why| format!("{LOCK}: {why}"))?;
+    }
+    let mut wrong = wrong(&found, run.memory_kib);
+    match std::fs::read_to_string(LOCK) {
+        Ok(locked) => wrong.extend(against_lock(&found, &locked)),
+        Err(why) => wrong.push(format!("{LOCK}: {why}")),
+    }
+    let about = about(&found, words, machine);
+    println!("{about}");
+    if let Err(why) = table::write(&found, &about) {
+        wrong.push(why);
+    }
+    Ok(say(&found, wrong))
+}
+
+/// What is not proved, or took more than a harness may.
+fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for (name, verdict) in found {
+        if !verdict.proved() {
+            wrong.push(format!("{name}: {}", verdict.words()));
+        }
+        let usage = verdict.usage.unwrap_or_default();
+        if usage.processor_s > PROCESSOR_S {
+            wrong.push(format!(
+                "{name}: {:.0} s of processor time, more than {PROCESSOR_S}",
+                usage.processor_s
+            ));
+        }
+        if usage.memory_kib > most_memory_kib {
+            wrong.push(format!(
+                "{name}: {}, more than {} MB",
+                megabytes(verdict),
+                most_memory_kib * 1024 / 1_000_000
+            ));
+        }
+    }
+    wrong
+}
+
+/// The harnesses that ran are those of the committed list.
+fn against_lock(found: &BTreeMap<String, Verdict>, locked: &str) -> Vec<String> {
+    let missing = locked.lines().filter(|name| !found.contains_key(*name));
+    let missing = missing.map(|name| format!("{name}: in {LOCK}, but did not run"));
+    let new = found
+        .keys()
+        .filter(|name| !locked.lines().any(|locked| locked == *name));
+    let new = new.map(|name| format!("{name}: ran, but is not in {LOCK} (--bless adds it)"));
+    missing.chain(new).collect()
+}
+
+fn say(found: &BTreeMap<String, Verdict>, wrong: Vec<String>) -> Answer {
+    for line in &wrong {
+        println!("  {line}");
+    }
+    let proved = found.values().filter(|verdict| verdict.proved()).count();
+    let text = format!(
+        "{proved} of {} harnesses proved, every cover of theirs reached",
+        found.len()
+    );
+    if wrong.is_empty() && proved > 0 {
+        Answer::Right(text)
+    } else {
+        Answer::Wrong(format!("{text}; {} faults, listed above", wrong.len()))
+    }
+}
+
+fn megabytes(verdict: &Verdict) -> String {
+    let mb = |usage: Usage| format!("{:.0} MB", usage.memory_kib as f64 * 1024.0 / 1e6);
+    verdict.usage.map_or("-".into(), mb)
+}
+
+/// What there is to say of a whole run, above its table.
+fn about(found: &BTreeMap<String, Verdict>, words: &str, machine: &str) -> String {
+    let proved = found.values().filter(|verdict| verdict.proved()).count();
+    let processor = found
+        .values()
+        .map(|verdict| verdict.usage.unwrap_or_default().processor_s);
+    let longest = processor.clone().fold(0.0, f64::max);
+    let largest = found
+        .values()
+        .max_by_key(|verdict| verdict.usage.unwrap_or_default().memory_kib);
+    format!(
+        "{proved} of {} harnesses proved with every cover reached and every assertion reachable; {words} \
+         Processor time: {:.0} s in all harnesses together, {longest:.0} s in the\nlongest. Memory: at most {}. {machine}",
+        found.len(),
+        processor.sum::<f64>(),
+        largest.map_or("-".into(), megabytes),
+    )
+}
+
+/// Whether one named harness was refuted, and nothing else ran. Not run: neither a proof nor a refutation of that very harness.
+pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
+    let found = match report::read(report) {
+        Ok(found) => found,
+        Err(why) => return Ok(Answer::NotRun(why)),
+    };
+    Ok(match is_refuted(&found, harness) {
+        Ok(true) => Answer::Right("refuted".into()),
+        Ok(false) => Answer::Wrong("proved".into()),
+        Err(why) => Answer::NotRun(why),
+    })
+}
+
+fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, String> {
+    let verdict = found.get(harness).ok_or("the harness did not run")?;
+    if found.len() != 1 {
+        return Err("more than one harness ran".into());
+    }
+    match &verdict.answer {
+        report::Answer::Proved => Ok(false),
+        report::Answer::Refuted(_) => Ok(true),
+        _ => Err(verdict.words()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,44 @@
+//! What the checker's processes took, as the launcher measured it.
+
+use std::collections::HashMap;
+
+/// What the processes of one harness took.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Usage {
+    /// All together, at their highest.
+    pub memory_kib: u64,
+    /// All together.
+    pub processor_s: f64,
+}
+
+/// Lines of the name of a harness's file, kibibytes and seconds.
+pub fn read(text: &str) -> Result<HashMap<&str, Usage>, String> {
+    let line = |line| {
+        let mut words = str::split_whitespace(line);
+        let mut next = || words.next();
+        let usage = (|| {
+            Some((
+                next()?,
+                Usage {
+                    memory_kib: next()?.parse().ok()?,
+                    processor_s: next()?.parse().ok()?,
+                },
+            ))
+        })();
+        usage.ok_or_else(|| format!("not a name, kibibytes and seconds: `{line}`"))
+    };
+    text.lines().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read;
+
+    #[test]
+    fn what_processes_took_is_read_by_their_names() {
+        let found = read("a__R 1024 1.5\nb__R 2 0.25\n").expect("it is a list");
+        assert_eq!(found["b__R"].memory_kib, 2);
+        assert_eq!(found["a__R"].processor_s, 1.5);
+        assert!(read("a__R 1024\n").is_err());
+    }
+}

@@ -1,0 +1,84 @@
+//! What `cargo xtask thumb` compares: the digests that two machines printed, and what a tick reaches in the program that one of
+//! them ran.
+
+use crate::answer::Answer;
+use crate::cortex::{Program, is_panic, is_soft_float};
+use crate::vectors::Report;
+
+/// Most instructions of one tick of the enhanced law: 3.5 µs at 170 MHz, were each one cycle.
+const BUDGET: u64 = 600;
+
+/// Compares what both machines printed and follows a tick through the program.
+pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Result<Answer, String> {
+    let mut report = Report::default();
+    desktop.lines().for_each(|line| report.desktop(line));
+    microcontroller
+        .lines()
+        .for_each(|line| report.microcontroller(line));
+    println!("\n{}", report.table());
+    let mut wrong = report.differences();
+    wrong.extend(examine(program));
+    let worst = report.worst_of("enhanced");
+    let budget = if worst > BUDGET { "OVER" } else { "within" };
+    let budget =
+        format!("enhanced tick at most {worst} instructions, {budget} the budget of {BUDGET}");
+    println!("{budget}");
+    for what in &wrong {
+        println!("WRONG: {what}");
+    }
+    Ok(match wrong.len() {
+        0 => Answer::Right(format!("{} digests equal; {budget}", report.equal())),
+        count => Answer::Wrong(format!("{count} wrong, the first: {}", wrong[0])),
+    })
+}
+
+/// Prints what a tick reaches; what of it should not be there.
+fn examine(program: &Program) -> Vec<String> {
+    let mut wrong = Vec::new();
+    println!(
+        "{:<42}{:>8}{:>14}",
+        "code, with all that it calls", "bytes", "instructions"
+    );
+    for (function, what) in [
+        ("enhanced_fixed32", "enhanced law, 32 bits"),
+        ("tick_fixed32", "all laws, 32 bits"),
+        ("tick_fixed16", "all laws, 16 bits"),
+        (
+            "penetration_fixed32",
+            "encoder count to penetration, 32 bits",
+        ),
+    ] {
+        let Some(reach) = program.reach(function) else {
+            wrong.push(format!("{function} is not in the program"));
+            continue;
+        };
+        println!("{what:<42}{:>8}{:>14}", reach.bytes, reach.instructions);
+        let named = |is_bad: fn(&str) -> bool| reach.functions.iter().filter(move |n| is_bad(n));
+        wrong.extend(named(is_panic).map(|name| format!("{what}: a panic, {name}")));
+        wrong.extend(named(is_soft_float).map(|name| format!("{what}: a float, {name}")));
+        wrong.extend(
+            reach
+                .float_unit
+                .iter()
+                .map(|place| format!("{what}: the float unit, {place}")),
+        );
+        wrong.extend(
+            reach
+                .unknown
+                .iter()
+                .map(|place| format!("{what}: a call to where? {place}")),
+        );
+    }
+    let anywhere: Vec<_> = program.names().filter(|name| is_soft_float(name)).collect();
+    let panics = program.names().filter(|name| is_panic(name)).count();
+    println!(
+        "in the whole program: {} soft-float functions, {panics} of panics (its printing's)",
+        anywhere.len()
+    );
+    wrong.extend(
+        anywhere
+            .iter()
+            .map(|name| format!("in the program: a float, {name}")),
+    );
+    wrong
+}

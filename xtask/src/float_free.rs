@@ -1,0 +1,135 @@
+//! `cargo xtask float-free [--source]`: the crates that decide, as firmware builds them, have no float in them.
+//!
+//! Three looks, each finding what the others cannot: at the source (types, literals, casts, outside what the feature
+//! `float` turns on); at the code that this machine's compiler makes of an example that uses all that firmware uses, with all
+//! that it calls in other crates; and, where the compiler can make it, at the microcontroller's code, where a soft-float target
+//! turns every float operation into a call with a telling name. Where the code is looked at, calls to panics are found too:
+//! set-up and tick must have none.
+
+use std::path::{Path, PathBuf};
+
+use crate::outcome::Outcome;
+use crate::{inspect, shell, toolchain};
+
+/// A crate and the example that stands for firmware.
+struct Subject {
+    package: &'static str,
+    /// Its source.
+    folder: &'static str,
+    example: &'static str,
+    /// Its assembly, by the beginning of the file's name.
+    assembly: &'static str,
+}
+
+const SUBJECTS: [Subject; 2] = [
+    Subject {
+        package: "touchstone-control",
+        folder: "control/src",
+        example: "every_law",
+        assembly: "touchstone_control-",
+    },
+    Subject {
+        package: "touchstone-drive",
+        folder: "drive/src",
+        example: "both_interrupts",
+        assembly: "touchstone_drive-",
+    },
+];
+
+/// What `cargo xtask test --quick` gives it.
+pub const QUICK: &str = "--source";
+pub const LEFT_OUT: &str = "the look at the code, for this machine and the microcontroller";
+
+pub fn run(args: &[String]) -> Outcome {
+    let looks: &[fn(&Subject) -> Outcome] = match args {
+        [] => &[in_source, in_host_code, in_thumb_code],
+        [only] if only == QUICK => &[in_source],
+        _ => return Outcome::Usage("cargo xtask float-free [--source]".into()),
+    };
+    let (mut notes, mut failures) = (Vec::new(), Vec::new());
+    for subject in &SUBJECTS {
+        for look in looks {
+            match look(subject) {
+                Outcome::Ok(note) => notes.push(format!("{} {note}", subject.package)),
+                Outcome::NotRun(reason) => notes.push(format!("not run: {reason}")),
+                Outcome::Failed(reason) | Outcome::Usage(reason) => {
+                    failures.push(format!("{}: {reason}", subject.package));
+                }
+            }
+        }
+    }
+    if failures.is_empty() {
+        Outcome::Ok(notes.join("; "))
+    } else {
+        Outcome::Failed(failures.join("; "))
+    }
+}
+
+fn in_source(subject: &Subject) -> Outcome {
+    inspect::call([
+        "float-source".as_ref(),
+        shell::root().join(subject.folder).as_os_str(),
+    ])
+}
+
+fn in_host_code(subject: &Subject) -> Outcome {
+    let folder = folder("host", &toolchain::active_version());
+    let outcome = emit(subject, shell::cargo_locked("build"), &[], &folder);
+    if outcome.is_failure() {
+        return outcome;
+    }
+    look(subject, &folder.join("release"), std::env::consts::ARCH)
+}
+
+fn in_thumb_code(subject: &Subject) -> Outcome {
+    let target = toolchain::SOFT_FLOAT;
+    let Some(compiler) = toolchain::find(target) else {
+        return Outcome::NotRun(format!(
+            "no compiler for {target} (rustup target add {target})"
+        ));
+    };
+    println!("with {compiler}");
+    let folder = folder("thumb", &compiler.version);
+    let (cargo, options) = compiler.cargo(&["core"]);
+    let outcome = emit(subject, cargo, &options, &folder);
+    if outcome.is_failure() {
+        return outcome;
+    }
+    look(subject, &folder.join(target).join("release"), target)
+}
+
+/// One folder for each compiler: the code of two must not be mixed.
+fn folder(name: &str, version: &str) -> PathBuf {
+    shell::target("float-free").join(format!("{name}-{version}"))
+}
+
+/// Builds the example for firmware's eyes, with the assembly of all its crates.
+fn emit(
+    subject: &Subject,
+    mut cargo: std::process::Command,
+    options: &[String],
+    folder: &Path,
+) -> Outcome {
+    cargo
+        .args(["--quiet", "--release", "--package", subject.package])
+        .args(["--example", subject.example, "--target-dir"])
+        .arg(folder)
+        .args(options)
+        .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env("RUSTFLAGS", "--emit=asm -Ccodegen-units=1")
+        // Bitcode for a later link would be empty of instructions.
+        .env("CARGO_PROFILE_RELEASE_LTO", "off")
+        .env("CARGO_PROFILE_RELEASE_DEBUG", "false");
+    shell::run(&mut cargo)
+}
+
+/// Follows every function of crate and example through all that it calls.
+fn look(subject: &Subject, release: &Path, architecture: &str) -> Outcome {
+    inspect::call([
+        "float-code".as_ref(),
+        architecture.as_ref(),
+        release.as_os_str(),
+        subject.assembly.as_ref(),
+        subject.example.as_ref(),
+    ])
+}

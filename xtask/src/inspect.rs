@@ -1,0 +1,44 @@
+//! Calls `inspect/`, the crate that reads what builds, emulators and the model checker leave behind. It is built when a step
+//! first needs it, so that the others start without its dependencies.
+
+use std::ffi::OsStr;
+use std::process::Stdio;
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+/// Shows what it found; the outcome is its last line.
+pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
+    let (lines, outcome) = ask(words);
+    for line in lines {
+        println!("{line}");
+    }
+    outcome
+}
+
+/// The same with its lines handed over instead of shown.
+pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>, Outcome) {
+    let mut cargo = shell::cargo_locked("run");
+    cargo.args(["--quiet", "--package", "xtask-inspect", "--"]);
+    let done = cargo
+        .args(words)
+        .stdin(Stdio::null())
+        .stderr(Stdio::inherit())
+        .output();
+    let done = match done {
+        Ok(done) => done,
+        Err(why) => return (Vec::new(), Outcome::Failed(format!("cargo: {why}"))),
+    };
+    let text = String::from_utf8_lossy(&done.stdout).into_owned();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let answer = done
+        .status
+        .code()
+        .and_then(Outcome::of_code)
+        .zip(lines.pop());
+    let outcome = match answer {
+        Some((of, sentence)) => of(sentence),
+        None => Outcome::Failed(format!("`{}` failed", shell::shown(&cargo))),
+    };
+    (lines, outcome)
+}

@@ -1,0 +1,69 @@
+//! What is installed, and fetching what is missing: rustup's components, Debian's packages.
+
+use std::process::Command;
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+/// What the emulator is built with: its programs; libclang has none to be found by.
+pub const EMULATOR: [&str; 3] = ["clang", "libclang-dev", "cmake"];
+
+/// The first line that a program prints, such as its version; `None` if it is not there.
+pub fn first_line(words: &[&str]) -> Option<String> {
+    let text = shell::capture(Command::new(words[0]).args(&words[1..]))?;
+    text.lines().next().map(str::to_owned)
+}
+
+/// The version of one of rustup's components.
+pub fn component(name: &str) -> Option<String> {
+    let subcommand = if name == "rustfmt" { "fmt" } else { name };
+    shell::capture(shell::cargo(subcommand).arg("--version"))
+}
+
+/// The version of valgrind.
+pub fn valgrind() -> Option<String> {
+    first_line(&["valgrind", "--version"])
+}
+
+/// `None` if the component is there or could be fetched; else why the step cannot run.
+pub fn missing_component(name: &'static str) -> Option<Outcome> {
+    if component(name).is_some() {
+        return None;
+    }
+    println!("{name} is missing: rustup component add {name}");
+    let _ = shell::run(shell::program("rustup").args(["component", "add", name]));
+    component(name)
+        .is_none()
+        .then(|| Outcome::NotRun(format!("{name} is missing: rustup component add {name}")))
+}
+
+/// `None` if valgrind is there or could be fetched; else why the step cannot run.
+pub fn missing_valgrind() -> Option<Outcome> {
+    if valgrind().is_some() {
+        return None;
+    }
+    apt_get(&["valgrind"]);
+    valgrind()
+        .is_none()
+        .then(|| Outcome::NotRun("valgrind is missing: apt-get install valgrind".into()))
+}
+
+/// Installs Debian packages where this is root and there is apt-get; otherwise says so.
+pub fn apt_get(packages: &[&str]) {
+    let root = first_line(&["id", "-u"]).is_some_and(|id| id == "0");
+    if !root || first_line(&["apt-get", "--version"]).is_none() {
+        println!("to install: apt-get install {}", packages.join(" "));
+        return;
+    }
+    let apt_get = |words: &[&str]| {
+        let mut command = shell::program("apt-get");
+        command.args(words).env("DEBIAN_FRONTEND", "noninteractive");
+        shell::run(&mut command)
+    };
+    apt_get(&["update", "-qq"]);
+    // One by one: a package that this system does not have must not keep the others away.
+    for package in packages {
+        let options = ["install", "-y", "-qq", "--no-install-recommends"];
+        apt_get(&[&options[..], &[package]].concat());
+    }
+}

@@ -1,0 +1,235 @@
+//! One run of the checker, with its report.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::usage::Watch;
+use crate::inspect;
+use crate::outcome::Outcome;
+
+/// The checker ends a harness that takes longer by the clock, which is no answer: four times as long, for a machine that others
+/// use as well.
+const TIMEOUT_S: u32 = 480;
+/// Each process that the checker starts, by `ulimit -v`; one that needs more fails.
+pub const MEMORY_KIB: u64 = 8 << 20;
+
+/// What a run left behind.
+pub struct Left {
+    pub report: PathBuf,
+    /// What the processes of each harness took: name of its file, kibibytes, seconds.
+    pub usage: PathBuf,
+}
+
+/// Which harnesses.
+#[derive(Debug, Clone, Copy)]
+pub enum Which<'a> {
+    All,
+    /// Those whose name contains this.
+    Containing(&'a str),
+    /// The one of this name.
+    Named(&'a str),
+}
+
+/// Runs harnesses of the workspace in `workspace`, `jobs` at a time; progress on standard error.
+pub fn run(
+    workspace: &Path,
+    target: &Path,
+    which: Which,
+    jobs: u32,
+    progress: bool,
+) -> Result<Left, String> {
+    std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
+    let target = target
+        .canonicalize()
+        .map_err(|why| format!("{}: {why}", target.display()))?;
+    let report = target.join("report.json");
+    // An old one must not be taken for this run's.
+    let _ = std::fs::remove_file(&report);
+    let (jobs, seconds) = (jobs.to_string(), format!("{TIMEOUT_S}s"));
+    // The shell's limit is inherited by all that is started. A shell that cannot set it does not run the checker.
+    let mut command = Command::new("sh");
+    command
+        .current_dir(workspace)
+        .args([
+            "-c",
+            &format!("ulimit -v {MEMORY_KIB} && exec cargo kani \"$@\""),
+            "sh",
+        ])
+        .args([
+            "-p",
+            "touchstone-proofs",
+            "-j",
+            &jobs,
+            "--output-format",
+            "terse",
+        ])
+        .args(["-Z", "unstable-options", "--harness-timeout", &seconds])
+        .arg("--export-json")
+        .arg(&report)
+        .arg("--target-dir")
+        .arg(&target)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    match which {
+        Which::All => {}
+        Which::Containing(part) => drop(command.args(["--harness", part])),
+        Which::Named(name) => drop(command.args(["--exact", "--harness", name])),
+    }
+    let watch = Watch::start(&target);
+    let why = to_end(&mut command, progress)?;
+    let taken = watch.finish();
+    // The exit code says nothing that the report does not: it is 0 for an empty proof and 1 for a refutation.
+    if !report.is_file() {
+        return Err(format!(
+            "no report from the checker (Kani 0.67 or newer with --export-json): {why}"
+        ));
+    }
+    let mut lines = String::new();
+    for (program, taken) in taken {
+        let _ = writeln!(
+            lines,
+            "{program} {} {}",
+            taken.memory_kib, taken.processor_s
+        );
+    }
+    let usage = target.join("usage.txt");
+    std::fs::write(&usage, lines).map_err(|why| format!("{}: {why}", usage.display()))?;
+    Ok(Left { report, usage })
+}
+
+/// Runs the checker to its end; what it gives as the reason, should it leave no report.
+fn to_end(command: &mut Command, progress: bool) -> Result<String, String> {
+    let mut child = command
+        .spawn()
+        .map_err(|why| format!("cargo kani: {why}"))?;
+    let errors = child.stderr.take().map(|errors| {
+        std::thread::spawn(move || {
+            let lines = BufReader::new(errors).lines().map_while(Result::ok);
+            lines.collect::<Vec<_>>()
+        })
+    });
+    if let Some(output) = child.stdout.take() {
+        show_progress(BufReader::new(output), progress);
+    }
+    let status = child.wait().map_err(|why| why.to_string())?;
+    let errors = errors
+        .and_then(|thread| thread.join().ok())
+        .unwrap_or_default();
+    Ok(reason(&errors).unwrap_or_else(|| format!("it gave no reason; {status}")))
+}
+
+/// The line of its standard error that says why it ended: the first that names an error; failing that the last two that are
+/// neither cargo's progress nor advice.
+fn reason(errors: &[String]) -> Option<String> {
+    let mut lines = errors.iter().map(|line| line.trim_end());
+    let is_error = |line: &&str| line.to_lowercase().starts_with("error");
+    if let Some(error) = lines.clone().find(is_error) {
+        return Some(error.to_owned());
+    }
+    if let Some(error) = lines.find(|line| line.to_lowercase().contains("error:")) {
+        return Some(error.trim_start().to_owned());
+    }
+    // Cargo's words of progress stand to the right of a column of spaces.
+    let is_other = |line: &&String| {
+        let advice = ["note:", "help:", "warning:"];
+        !line.trim().is_empty()
+            && !line.starts_with("   ")
+            && !advice.iter().any(|word| line.starts_with(word))
+    };
+    let others: Vec<&str> = errors
+        .iter()
+        .filter(is_other)
+        .map(|line| line.trim_end())
+        .collect();
+    let last = &others[others.len().saturating_sub(2)..];
+    (!last.is_empty()).then(|| last.join(" "))
+}
+
+/// Whether one named harness refutes what stands in a workspace. `Err`: anything else than a proof or a refutation of that
+/// very harness.
+pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, String> {
+    let left = run(workspace, target, Which::Named(harness), 1, false)?;
+    let words = [
+        "refuted".as_ref(),
+        left.report.as_os_str(),
+        harness.as_ref(),
+    ];
+    match inspect::ask(words).1 {
+        Outcome::Ok(_) => Ok(true),
+        Outcome::Failed(why) if why == "proved" => Ok(false),
+        other => Err(other.reason().to_owned()),
+    }
+}
+
+/// A line for each harness as it ends. For the eyes only; the verdicts are the report's.
+fn show_progress(output: impl BufRead, show: bool) {
+    // Several harnesses run at a time; a line belongs to the thread that was named last.
+    let mut thread = String::new();
+    let mut current = BTreeMap::<String, String>::new();
+    let mut count = 0;
+    for line in output.lines().map_while(Result::ok) {
+        let mut text = line.trim();
+        if let Some((name, rest)) = text
+            .strip_prefix("Thread ")
+            .and_then(|rest| rest.split_once(':'))
+        {
+            name.clone_into(&mut thread);
+            text = rest.trim();
+        }
+        if let Some(name) = text.strip_prefix("Checking harness ") {
+            current.insert(thread.clone(), name.trim_end_matches('.').to_string());
+            continue;
+        }
+        let time = text.strip_prefix("Verification Time: ");
+        if time.is_none() && !text.starts_with("CBMC timed out") {
+            continue;
+        }
+        count += 1;
+        let name = current
+            .get(&thread)
+            .map_or("?", |name| name.trim_end_matches("::proof"));
+        if show {
+            let time = time.and_then(|time| time.trim_end_matches('s').parse::<f64>().ok());
+            let time = time.map_or("no answer".into(), |time| format!("{time:.1} s"));
+            eprintln!("{count:>4} {time:>10}  {name}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a checker says that ends without a report.
+    fn said(script: &str) -> String {
+        let mut command = Command::new("sh");
+        command
+            .args(["-c", script])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        to_end(&mut command, false).expect("sh runs")
+    }
+
+    #[test]
+    fn a_checker_that_cannot_start_says_why() {
+        let why = "echo '   Compiling x v1' >&2; echo 'Kani has no toolchain' >&2; exit 1";
+        assert_eq!(said(why), "Kani has no toolchain");
+        let panicked = "echo \"thread 'main' panicked at src/main.rs:3:5:\" >&2; echo 'no CBMC' >&2; \
+                        echo 'note: run with RUST_BACKTRACE=1' >&2; exit 101";
+        assert_eq!(
+            said(panicked),
+            "thread 'main' panicked at src/main.rs:3:5: no CBMC"
+        );
+        let loader =
+            "echo 'warning: old' >&2; echo 'cargo-kani: error: no libz' >&2; echo more >&2";
+        assert_eq!(said(loader), "cargo-kani: error: no libz");
+        assert_eq!(
+            said("echo first >&2; echo 'Error: second' >&2"),
+            "Error: second"
+        );
+        assert_eq!(said("exit 3"), "it gave no reason; exit status: 3");
+    }
+}

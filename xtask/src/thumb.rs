@@ -1,0 +1,101 @@
+//! `cargo xtask thumb`: every law on a Cortex-M4F, emulated by QEMU.
+//!
+//! The vectors of `tests/vectors` are played by this machine and by `tests/thumb` on the emulated one; every digest of the
+//! two must be the same. The second also counts its instructions per tick: exactly, but only for the ticks that were played,
+//! and instructions are not cycles. Then the program is looked at: what a tick reaches must be free of floats and panics.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::outcome::Outcome;
+use crate::toolchain::{self, BOARD};
+use crate::{inspect, packages, shell};
+
+const QEMU: &str = "qemu-system-arm";
+
+pub fn run(args: &[String]) -> Outcome {
+    if !args.is_empty() {
+        return Outcome::Usage("cargo xtask thumb".into());
+    }
+    match compare() {
+        Ok(outcome) | Err(outcome) => outcome,
+    }
+}
+
+fn compare() -> Result<Outcome, Outcome> {
+    let (build, options) = toolchain::build_board()?;
+    if !has_qemu() {
+        packages::apt_get(&[QEMU]);
+    }
+    if !has_qemu() {
+        return Err(Outcome::NotRun(format!("no QEMU (apt-get install {QEMU})")));
+    }
+    let program = self::build(build, &options)?;
+    let mut golden = shell::cargo_locked("run");
+    golden.args(["--quiet", "--release", "--package", "touchstone-vectors"]);
+    let here = kept(golden.args(["--example", "golden"]), "desktop.txt")?;
+    let there = kept(&mut qemu(&program), "microcontroller.txt")?;
+    Ok(inspect::call([
+        "thumb".as_ref(),
+        program.as_os_str(),
+        here.as_os_str(),
+        there.as_os_str(),
+    ]))
+}
+
+fn has_qemu() -> bool {
+    shell::capture(shell::program(QEMU).arg("--version")).is_some()
+}
+
+/// Builds the program; where it is.
+fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
+    let folder = shell::target("thumb");
+    cargo
+        .args(["--quiet", "--release", "--manifest-path"])
+        .args(["tests/thumb/Cargo.toml", "--target-dir"])
+        .arg(&folder)
+        .args(options)
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    match shell::run(&mut cargo) {
+        Outcome::Ok(_) => Ok(folder.join(BOARD).join("release/touchstone-thumb")),
+        failed => Err(failed),
+    }
+}
+
+/// Every instruction takes 1024 ns of the emulated board's time, which is how the program counts them.
+fn qemu(program: &Path) -> Command {
+    let mut qemu = shell::program(QEMU);
+    qemu.args(["-M", "mps2-an386", "-icount", "shift=10", "-nographic"])
+        .args(["-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(program);
+    qemu
+}
+
+/// Runs with the output kept in a file; shown only where something failed.
+fn kept(command: &mut Command, name: &str) -> Result<PathBuf, Outcome> {
+    println!("$ {}", shell::shown(command));
+    let output = command
+        .stdin(std::process::Stdio::null())
+        .output()
+        .map_err(|error| Outcome::Failed(error.to_string()))?;
+    if output.status.success() {
+        let path = shell::target("thumb").join(name);
+        return match std::fs::write(&path, &output.stdout) {
+            Ok(()) => Ok(path),
+            Err(why) => Err(Outcome::Failed(format!("{}: {why}", path.display()))),
+        };
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    let last: Vec<&str> = text.lines().rev().take(3).collect();
+    println!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stderr),
+        last.join("\n")
+    );
+    Err(Outcome::Failed(format!(
+        "`{}` failed",
+        shell::shown(command)
+    )))
+}
