@@ -1,9 +1,11 @@
-//! `touchstone identify`: Algorithm 2.1.
+//! `touchstone identify`: what a device has, from swings, and Algorithm 2.1.
 
 use super::SceneOptions;
 use super::out::{print, say};
-use touchstone_lab::identify::{Search, identify};
+use touchstone_lab::identify::swing::{self, NotFound};
+use touchstone_lab::identify::{Bracket, Estimate, Mechanics, Search, Swings, identify};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
 
 /// Options of `identify`.
 #[derive(Debug, Clone, clap::Args)]
@@ -22,6 +24,9 @@ pub struct Options {
     /// Bisections, 1 to 40.
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=40))]
     steps: u32,
+    /// Torque by which the free device is swung, N·m.
+    #[arg(long, default_value_t = 0.05, value_name = "N_M")]
+    push: f64,
     /// Prints the result as JSON.
     #[arg(long)]
     json: bool,
@@ -53,14 +58,14 @@ pub fn main(options: &Options) -> Result<()> {
         high: options.high,
         steps: options.steps,
     };
-    let quiet = options.json;
-    if !quiet {
+    let mechanics = swings(&scene, options)?;
+    if !options.json {
         say!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
     }
     let mut step = 0;
-    let found = identify(&scene, search, |trial| {
+    let found = identify(&scene, search, Some(&mechanics), |trial| {
         step += 1;
-        if !quiet {
+        if !options.json {
             let word = if trial.settles() { "settles" } else { "grows" };
             // A line of progress that cannot be printed is not worth stopping for.
             let _ = print(format_args!(
@@ -70,30 +75,98 @@ pub fn main(options: &Options) -> Result<()> {
                 1e3 * trial.late_rad
             ));
         }
-    })?;
-    let error = found.damping / found.plant - 1.0;
+    })?
+    .map_err(|bracket| unchanged(bracket, options))?;
+    let k_critical = 2.0 * found.damping * f64::from(scene.timing.rate_hz);
     if options.json {
+        let estimate = |estimate: Estimate| serde_json::json!({ "value": estimate.value, "uncertainty": estimate.uncertainty });
         let value = serde_json::json!({
-            "units": { "damping": "N·m·s/rad", "uncertainty": "N·m·s/rad", "plant": "N·m·s/rad", "k_critical": "N·m/rad" },
-            "damping": found.damping,
-            "uncertainty": found.uncertainty,
-            "plant": found.plant,
-            "k_critical": 2.0 * found.damping * f64::from(scene.timing.rate_hz),
+            "inertia_kg_m2": estimate(mechanics.inertia_kg_m2),
+            "damping_n_m_s_per_rad": estimate(mechanics.damping_n_m_s_per_rad),
+            "friction_n_m": estimate(mechanics.friction_n_m),
+            "residual_rms_rad": mechanics.residual_rms_rad,
+            "c_i_n_m_s_per_rad": { "value": found.damping, "uncertainty": found.uncertainty },
+            "c_i_from_friction_n_m_s_per_rad": found.friction_share,
+            "k_critical_n_m_per_rad": k_critical,
+            "plant_damping_n_m_s_per_rad": found.plant,
         });
         say!("{value:#}");
-    } else {
-        say!("");
+        return Ok(());
+    }
+    let line = |name: &str, found: Estimate, unit: &str| {
+        format!(
+            "{name:<18}{:.4e} ± {:.1e} {unit}",
+            found.value, found.uncertainty
+        )
+    };
+    say!("");
+    say!("free, from swings at three speeds both ways (± one standard uncertainty):");
+    say!("{}", line("inertia", mechanics.inertia_kg_m2, "kg·m²"));
+    say!(
+        "{}",
+        line(
+            "viscous damping",
+            mechanics.damping_n_m_s_per_rad,
+            "N·m·s/rad"
+        )
+    );
+    say!("{}", line("dry friction", mechanics.friction_n_m, "N·m"));
+    say!(
+        "left unexplained   {:.1e} rad rms",
+        mechanics.residual_rms_rad
+    );
+    say!("");
+    say!("held, by Algorithm 2.1, {} presses:", found.presses.len());
+    say!(
+        "c_i               {:.4e} ± {:.1e} N·m·s/rad,  k_c = 2 c_i/T  {k_critical:.3} N·m/rad",
+        found.damping,
+        found.uncertainty,
+    );
+    if found.friction_share > found.resolution {
         say!(
-            "c_i  {:.4e} ± {:.1e} N·m·s/rad,  k_c = 2 c_i/T  {:.3} N·m/rad",
-            found.damping,
-            found.uncertainty,
-            2.0 * found.damping * f64::from(scene.timing.rate_hz)
-        );
-        say!(
-            "plant (device and pad)  {:.4e} N·m·s/rad,  difference {:+.1} %",
-            found.plant,
-            100.0 * error
+            "of which dry friction makes some {:.1e} N·m·s/rad at the amplitude at which this was judged; it makes less of a larger one",
+            found.friction_share
         );
     }
+    say!(
+        "the simulated plant has {:.4e} N·m·s/rad (device and pad)",
+        found.plant
+    );
     Ok(())
+}
+
+/// Inertia, damping and friction of the free device.
+fn swings(scene: &Scene, options: &Options) -> Result<Mechanics> {
+    let swings = Swings {
+        torque_n_m: options.push,
+        ..Swings::default()
+    };
+    let refused = |not: NotFound| Error::Option {
+        option: format!("--push {}", options.push),
+        problem: not.to_string(),
+        fix: "push harder (--push, N·m), or see that the device turns freely".to_owned(),
+    };
+    let done = swing::swing(scene, &swings)?.map_err(refused)?;
+    swing::mechanics(&done, scene.timing.period_s()).map_err(refused)
+}
+
+/// A bracket that says nothing.
+fn unchanged(bracket: Bracket, options: &Options) -> Error {
+    let (option, problem, fix) = match bracket {
+        Bracket::TooHigh => (
+            format!("--low {}", options.low),
+            "the press grows already there, so the damping is below it",
+            "give a lower one, 0 if need be, in N·m·s/rad",
+        ),
+        Bracket::TooLow | Bracket::Holds => (
+            format!("--high {}", options.high),
+            "the press still settles there, so the damping is above it",
+            "give a higher one, in N·m·s/rad",
+        ),
+    };
+    Error::Option {
+        option,
+        problem: problem.to_owned(),
+        fix: fix.to_owned(),
+    }
 }

@@ -35,7 +35,7 @@ enum Command {
     Thesis(thesis::Options),
     /// One run of a scene.
     Run(run::Options),
-    /// Measures the damping of a simulated device with FBA (Algorithm 2.1).
+    /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
     /// Lists the scenes that come with the program.
     Scenes,

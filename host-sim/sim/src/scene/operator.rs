@@ -163,6 +163,16 @@ impl MotionSpec {
         }
     }
 
+    /// Presses so many times as hard; a motion without a push stays as it is.
+    pub fn scale_push(&mut self, share: f64) {
+        match self {
+            MotionSpec::RampAndHold(motion) => motion.push_torque_n_m *= share,
+            MotionSpec::TouchAndPress(motion) => motion.push_torque_n_m *= share,
+            MotionSpec::PressWiggleRelease(motion) => motion.push_torque_n_m *= share,
+            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => {}
+        }
+    }
+
     /// Start and end of the time over which the displayed stiffness is judged, s; `None` without a quiet hold.
     ///
     /// It is the second half of the last hold: in the first half hand and offset still settle.

@@ -114,23 +114,11 @@ mod tests {
     fn each_field_out_of_range_is_named() {
         assert_eq!(KNOB.validate(), Ok(()));
         for inertia in [0.0, -1e-4, f64::NAN, f64::INFINITY, 1e-310] {
-            let field = Device {
-                inertia: inertia,
-                ..KNOB
-            }
-            .validate()
-            .unwrap_err()
-            .field;
+            let field = Device { inertia, ..KNOB }.validate().unwrap_err().field;
             assert_eq!(field, "inertia", "{inertia}");
         }
         for damping in [-1e-9, f64::NAN, f64::INFINITY] {
-            let field = Device {
-                damping: damping,
-                ..KNOB
-            }
-            .validate()
-            .unwrap_err()
-            .field;
+            let field = Device { damping, ..KNOB }.validate().unwrap_err().field;
             assert_eq!(field, "damping", "{damping}");
         }
         for (kinetic, stat, field) in [
@@ -139,7 +127,7 @@ mod tests {
             (2e-3, 1e-3, "breakaway"),
         ] {
             let friction = Coulomb {
-                kinetic: kinetic,
+                kinetic,
                 breakaway: stat,
             };
             let device = Device {

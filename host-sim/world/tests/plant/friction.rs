@@ -385,7 +385,7 @@ fn random_plants_agree_with_located_events() {
             inertia: decades(1e-6, 1e-3),
             damping: decades(1e-6, 1e-2),
             friction: Some(Coulomb {
-                kinetic: kinetic,
+                kinetic,
                 breakaway: kinetic * decades(1.0, 2.0),
             }),
         };

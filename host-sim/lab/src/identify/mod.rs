@@ -1,0 +1,13 @@
+//! What a device has, measured as on a real one: from the torque that was commanded and the counts that were read.
+//!
+//! - [`swing`] pushes the free device, lets it coast to rest, at several speeds and both ways, and fits inertia, viscous damping
+//!   and dry friction at once;
+//! - [`bisection`] is Algorithm 2.1 of the thesis: the damping that FBA may count on, with a finger at the device. Dry friction
+//!   counts there as damping, by an amount that depends on how hard the finger presses; so the presses are repeated, and the
+//!   spread is part of the result.
+
+pub mod bisection;
+pub mod swing;
+
+pub use bisection::{Bracket, Identified, Search, Trial, identify};
+pub use swing::{Estimate, Mechanics, Swings};

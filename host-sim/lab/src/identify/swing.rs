@@ -1,0 +1,407 @@
+//! Inertia, viscous damping and dry friction from swings: push, let go, coast to rest.
+//!
+//! Coasting tells damping from friction: `J dv/dt = -b v - F_k sign(v)` slows a fast device by its damping and a slow one by its
+//! friction. What the pushes add is the scale, since their torque is known. The fit compares whole motions, predicted by the exact
+//! plant, with the counts that were read: no differentiation, and so no noise of one.
+
+use nalgebra::{Matrix3, Vector3};
+use touchstone_sim::error::Result;
+use touchstone_sim::run::plan;
+use touchstone_sim::scene::Scene;
+use touchstone_world::plant::{BareCoulomb, Coulomb, Device, Motion as _, State, Stepper as _};
+
+/// What was commanded and read in one swing, one entry a tick.
+#[derive(Debug, Clone, Default)]
+pub struct Swing {
+    /// Torque that was held from this sample to the next, N·m.
+    pub torque_n_m: Vec<f64>,
+    /// Angle as it was read, rad.
+    pub angle_rad: Vec<f64>,
+}
+
+/// How a device is swung.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Swings {
+    /// Torque of a push, N·m; above the device's friction, below its limit.
+    pub torque_n_m: f64,
+    /// Angles over which the pushes last, rad: each is one speed, both ways.
+    pub pushes_rad: [f64; 3],
+    /// Longest push, s: a device that has not moved so far by then is held, or too weakly pushed.
+    pub longest_push_s: f64,
+    /// Time in which a device must have come to rest, s; one that has not is pushed again while it moves.
+    pub coast_s: f64,
+}
+
+impl Default for Swings {
+    fn default() -> Self {
+        Self {
+            torque_n_m: 0.05,
+            pushes_rad: [0.05, 0.2, 0.6],
+            longest_push_s: 0.5,
+            coast_s: 2.0,
+        }
+    }
+}
+
+/// A value with what is not known of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Standard uncertainty: the larger of what the fit leaves and of the spread between swings.
+    pub uncertainty: f64,
+}
+
+/// What the swings showed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mechanics {
+    /// Inertia, kg·m².
+    pub inertia_kg_m2: Estimate,
+    /// Viscous damping, N·m·s/rad.
+    pub damping_n_m_s_per_rad: Estimate,
+    /// Dry friction while sliding, N·m.
+    pub friction_n_m: Estimate,
+    /// What is left between model and reading, rms, rad. More than some encoder steps: the device has something that inertia,
+    /// damping and friction do not explain.
+    pub residual_rms_rad: f64,
+}
+
+/// Why nothing was found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotFound {
+    /// A push moved nothing.
+    #[error(
+        "a push of {torque_n_m} N·m did not turn the device by {wanted_rad} rad within {within_s} s"
+    )]
+    DidNotMove {
+        /// Its torque, N·m.
+        torque_n_m: f64,
+        /// How far it should have gone, rad.
+        wanted_rad: f64,
+        /// In which time, s.
+        within_s: f64,
+    },
+    /// The fit did not converge.
+    #[error(
+        "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms are left"
+    )]
+    NoFit {
+        /// What is left, rms, rad.
+        residual_rad: f64,
+    },
+}
+
+/// Swings the device of a scene, which nobody holds, and reads it by the scene's encoder.
+///
+/// # Errors
+/// A plant that cannot be built.
+pub fn swing(scene: &Scene, swings: &Swings) -> Result<std::result::Result<Vec<Swing>, NotFound>> {
+    let period_s = scene.timing.period_s();
+    let mut device = plan::device(scene);
+    device.friction.get_or_insert(Coulomb {
+        kinetic: 0.0,
+        breakaway: 0.0,
+    });
+    let plant = BareCoulomb::new(&device, period_s)
+        .map_err(|invalid| scene.error("device", invalid.to_string(), "mend it in the scene"))?;
+    let read = |angle: f64| match &scene.encoder {
+        Some(encoder) => (angle / encoder.step_rad()).round() * encoder.step_rad(),
+        None => angle,
+    };
+    let limit = scene.device.torque_limit_n_m.unwrap_or(f64::INFINITY);
+    let torque = swings.torque_n_m.min(limit);
+    let mut state = State::<2>::at_rest(0.0);
+    let mut done = Vec::new();
+    for (sign, push) in [1.0, -1.0]
+        .into_iter()
+        .flat_map(|sign| swings.pushes_rad.map(|push| (sign, push)))
+    {
+        let mut swing = Swing::default();
+        let start = read(state.position());
+        let longest = (swings.longest_push_s / period_s).ceil() as usize;
+        while (read(state.position()) - start).abs() < push {
+            if swing.angle_rad.len() >= longest {
+                return Ok(Err(NotFound::DidNotMove {
+                    torque_n_m: torque,
+                    wanted_rad: push,
+                    within_s: swings.longest_push_s,
+                }));
+            }
+            tick(&plant, &mut state, sign * torque, read, &mut swing);
+        }
+        for _ in 0..(swings.coast_s / period_s).ceil() as usize {
+            tick(&plant, &mut state, 0.0, read, &mut swing);
+        }
+        done.push(swing);
+        // A hand would stop it; the next swing is one from rest.
+        state = State::at_rest(state.position());
+    }
+    Ok(Ok(done))
+}
+
+fn tick(
+    plant: &BareCoulomb,
+    state: &mut State<2>,
+    torque: f64,
+    read: impl Fn(f64) -> f64,
+    swing: &mut Swing,
+) {
+    swing.torque_n_m.push(torque);
+    swing.angle_rad.push(read(state.position()));
+    plant.step(state, torque, 0.0);
+}
+
+/// The angles that a device with these parameters goes through in a swing from rest, less their mean.
+fn predicted(parameters: &Vector3<f64>, swing: &Swing, period_s: f64) -> Option<Vec<f64>> {
+    let device = Device {
+        inertia: parameters[0],
+        damping: parameters[1],
+        friction: Some(Coulomb {
+            kinetic: parameters[2],
+            breakaway: parameters[2],
+        }),
+    };
+    let plant = BareCoulomb::new(&device, period_s).ok()?;
+    let mut state = State::<2>::at_rest(0.0);
+    let mut angles = Vec::with_capacity(swing.torque_n_m.len());
+    for torque in &swing.torque_n_m {
+        angles.push(state.position());
+        plant.step(&mut state, *torque, 0.0);
+    }
+    centre(&mut angles);
+    Some(angles)
+}
+
+/// Where within its first count a swing began is not known: the mean takes that out of reading and model alike.
+fn centre(angles: &mut [f64]) {
+    let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
+    angles.iter_mut().for_each(|angle| *angle -= mean);
+}
+
+/// A fit by Gauss–Newton steps, halved while they make things worse.
+struct Fit {
+    parameters: Vector3<f64>,
+    covariance: Matrix3<f64>,
+    residual_rms: f64,
+}
+
+fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>) -> Option<Fit> {
+    let measured: Vec<Vec<f64>> = swings
+        .iter()
+        .map(|swing| {
+            let mut angles = swing.angle_rad.clone();
+            centre(&mut angles);
+            angles
+        })
+        .collect();
+    let residuals = |parameters: &Vector3<f64>| -> Option<Vec<f64>> {
+        let mut all = Vec::new();
+        for (swing, measured) in swings.iter().zip(&measured) {
+            let model = predicted(parameters, swing, period_s)?;
+            all.extend(measured.iter().zip(model).map(|(y, x)| y - x));
+        }
+        Some(all)
+    };
+    let cost = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
+    let mut at = start;
+    let mut r = residuals(&at)?;
+    let mut normal = Matrix3::identity();
+    // Quadratic near the end; forty steps are far more than any device has needed.
+    for _ in 0..40 {
+        let mut columns = Vec::with_capacity(3);
+        let scale = at.abs().sup(&(start * 1e-6));
+        for index in 0..3 {
+            let step = 1e-5 * scale[index];
+            let mut ahead = at;
+            ahead[index] += step;
+            let moved = residuals(&ahead)?;
+            columns.push(
+                moved
+                    .iter()
+                    .zip(&r)
+                    .map(|(m, r)| (r - m) / step * scale[index])
+                    .collect::<Vec<_>>(),
+            );
+        }
+        // In parameters of size one, so that kg·m² and N·m weigh the same.
+        normal =
+            Matrix3::from_fn(|i, j| columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum());
+        let gradient =
+            Vector3::from_fn(|i, _| columns[i].iter().zip(&r).map(|(a, b)| a * b).sum::<f64>());
+        let step = normal.try_inverse()? * gradient;
+        let step = step.component_mul(&scale);
+        let mut share = 1.0;
+        let (next, after) = loop {
+            let tried = (at + step * share).sup(&Vector3::new(start[0] * 1e-3, 0.0, 0.0));
+            let after = residuals(&tried)?;
+            if cost(&after) <= cost(&r) || share < 1e-6 {
+                break (tried, after);
+            }
+            share *= 0.5;
+        };
+        let moved = (next - at).component_div(&scale).amax();
+        (at, r) = (next, after);
+        if moved < 1e-9 || share < 1e-6 {
+            let scale = Matrix3::from_diagonal(&scale);
+            normal = scale.try_inverse()? * normal * scale.try_inverse()?;
+            break;
+        }
+        if share == 1.0 && moved < 1e-6 {
+            let scale = Matrix3::from_diagonal(&scale);
+            normal = scale.try_inverse()? * normal * scale.try_inverse()?;
+            break;
+        }
+    }
+    let residual_rms = (cost(&r) / r.len() as f64).sqrt();
+    Some(Fit {
+        parameters: at,
+        covariance: normal.try_inverse()? * residual_rms * residual_rms,
+        residual_rms,
+    })
+}
+
+/// Fits inertia, damping and friction to swings.
+///
+/// # Errors
+/// [`NotFound`].
+pub fn mechanics(swings: &[Swing], period_s: f64) -> std::result::Result<Mechanics, NotFound> {
+    let none = NotFound::NoFit {
+        residual_rad: f64::NAN,
+    };
+    let start = guess(swings, period_s).ok_or(none.clone())?;
+    let all = fit(swings, period_s, start).ok_or(none.clone())?;
+    // Each speed with its way back: what differs between them is what the model does not know.
+    let half = swings.len() / 2;
+    let parts: Vec<Vector3<f64>> = (0..half)
+        .filter_map(|index| {
+            let pair = [swings[index].clone(), swings[index + half].clone()];
+            fit(&pair, period_s, all.parameters).map(|fit| fit.parameters)
+        })
+        .collect();
+    let estimate = |index: usize| {
+        let value = all.parameters[index];
+        let count = parts.len() as f64;
+        let spread = parts
+            .iter()
+            .map(|part| (part[index] - value).powi(2))
+            .sum::<f64>()
+            / (count * (count - 1.0)).max(1.0);
+        Estimate {
+            value,
+            uncertainty: all.covariance[(index, index)].max(spread).sqrt(),
+        }
+    };
+    let furthest = swings
+        .iter()
+        .flat_map(|swing| &swing.angle_rad)
+        .fold(0.0_f64, |most, angle| most.max(angle.abs()));
+    // A twentieth of the whole way is no noise of an encoder.
+    if !all.residual_rms.is_finite() || all.residual_rms > 0.05 * furthest {
+        return Err(NotFound::NoFit {
+            residual_rad: all.residual_rms,
+        });
+    }
+    Ok(Mechanics {
+        inertia_kg_m2: estimate(0),
+        damping_n_m_s_per_rad: estimate(1),
+        friction_n_m: estimate(2),
+        residual_rms_rad: all.residual_rms,
+    })
+}
+
+/// Where the fit begins: `x = u t²/(2 J)` of the longest push, and a tenth of its torque each for damping and friction.
+fn guess(swings: &[Swing], period_s: f64) -> Option<Vector3<f64>> {
+    let (torque, time, way) = swings
+        .iter()
+        .filter_map(|swing| {
+            let ticks = swing.torque_n_m.iter().take_while(|u| **u != 0.0).count();
+            let first = *swing.angle_rad.first()?;
+            let way = (swing.angle_rad.get(ticks)? - first).abs();
+            let torque = swing.torque_n_m.first()?.abs();
+            Some((torque, ticks as f64 * period_s, way))
+        })
+        .max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let inertia = torque * time * time / (2.0 * way);
+    let speed = 2.0 * way / time;
+    inertia
+        .is_finite()
+        .then(|| Vector3::new(inertia, 0.1 * torque / speed, 0.05 * torque))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(sets: &[&str]) -> Mechanics {
+        let scene = Scene::load("thesis-knob")
+            .unwrap()
+            .with_overrides(sets)
+            .unwrap();
+        let swings = swing(&scene, &Swings::default()).unwrap().unwrap();
+        mechanics(&swings, scene.timing.period_s()).unwrap()
+    }
+
+    fn within(estimate: Estimate, truth: f64, share: f64, floor: f64) {
+        let error = (estimate.value - truth).abs();
+        assert!(error <= share * truth + floor, "{estimate:?} for {truth}");
+        // Four standard uncertainties cover what is wrong.
+        assert!(
+            error <= 4.0 * estimate.uncertainty + floor,
+            "{estimate:?} for {truth}"
+        );
+    }
+
+    #[test]
+    fn friction_is_told_from_damping() {
+        for (sets, inertia, damping, friction) in [
+            (&[][..], 1e-4, 4e-4, 3e-4),
+            (&["device.friction=none"], 1e-4, 4e-4, 0.0),
+            (&["device.friction.kinetic_n_m=5e-3"], 1e-4, 4e-4, 5e-3),
+            (&["device.damping_n_m_s_per_rad=2e-3"], 1e-4, 2e-3, 3e-4),
+            (&["device.damping_n_m_s_per_rad=0"], 1e-4, 0.0, 3e-4),
+            (&["device.inertia_kg_m2=1e-3"], 1e-3, 4e-4, 3e-4),
+            (&["encoder.counts_per_rev=4096"], 1e-4, 4e-4, 3e-4),
+        ] {
+            let found = found(sets);
+            within(found.inertia_kg_m2, inertia, 0.01, 0.0);
+            within(found.damping_n_m_s_per_rad, damping, 0.02, 2e-6);
+            within(found.friction_n_m, friction, 0.02, 1e-6);
+        }
+    }
+
+    #[test]
+    fn more_static_than_sliding_friction_does_not_mislead() {
+        let found = found(&[
+            "device.friction.kinetic_n_m=1e-3",
+            "device.friction.static_n_m=3e-3",
+        ]);
+        within(found.friction_n_m, 1e-3, 0.02, 1e-6);
+        within(found.damping_n_m_s_per_rad, 4e-4, 0.02, 2e-6);
+    }
+
+    #[test]
+    fn a_device_that_does_not_move_is_said_to() {
+        let scene = Scene::load("thesis-knob")
+            .unwrap()
+            .with_overrides(&["device.friction.kinetic_n_m=0.1"])
+            .unwrap();
+        let refused = swing(&scene, &Swings::default()).unwrap().unwrap_err();
+        assert!(matches!(refused, NotFound::DidNotMove { .. }), "{refused}");
+    }
+
+    #[test]
+    fn a_lie_about_the_torque_shows_in_the_inertia() {
+        // The fit can say no: with twice the torque told, everything doubles, and nothing hides it.
+        let scene = Scene::load("thesis-knob").unwrap();
+        let mut swings = swing(&scene, &Swings::default()).unwrap().unwrap();
+        for swing in &mut swings {
+            swing
+                .torque_n_m
+                .iter_mut()
+                .for_each(|torque| *torque *= 2.0);
+        }
+        let found = mechanics(&swings, scene.timing.period_s()).unwrap();
+        within(found.inertia_kg_m2, 2e-4, 0.01, 0.0);
+        within(found.damping_n_m_s_per_rad, 8e-4, 0.02, 0.0);
+    }
+}
