@@ -50,6 +50,7 @@ pub mod observer;
 pub mod quantity;
 pub mod reciprocal;
 pub mod settings;
+pub mod table;
 pub mod validate;
 
 pub use controller::Controller;
@@ -62,4 +63,5 @@ pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffnes
 pub use settings::{
     FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
 };
+pub use table::Choice;
 pub use validate::{Field, SettingsError, Warning};

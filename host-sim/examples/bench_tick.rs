@@ -9,11 +9,10 @@ use std::time::Instant;
 use touchstone::error::Result;
 use touchstone::plant::Motion;
 use touchstone::run::judge::Tick;
-use touchstone::run::record::LawKind;
-use touchstone::run::settings::settings;
 use touchstone::run::wall::{Controlled, Wall};
 use touchstone::run::{self, Recorder};
 use touchstone::scene::Scene;
+use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 
 const REPEATS: usize = 100;
@@ -133,7 +132,7 @@ fn law<N: Reported + 'static>(scene: &Scene) -> Law {
         let encoder = scene.encoder.as_ref().expect("a scene with an encoder");
         let surface = Si::from_num(scene.wall.surface_rad);
         let scale = CountScale::new(encoder.counts_per_rev as u32, surface).expect("counts");
-        let settings = settings(&scene).expect("a scene that has run");
+        let settings = scene.settings().expect("a scene that has run");
         let mut wall = Controlled::<N>::new(&settings, scale).expect("a scene that fits");
         counts.iter().map(|&count| wall.at_count(count)).collect()
     })

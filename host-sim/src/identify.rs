@@ -9,8 +9,9 @@
 
 use crate::error::Result;
 use crate::run::judge::Tick;
-use crate::run::{self, Recorder, record::LawKind};
+use crate::run::{self, Recorder};
 use crate::scene::Scene;
+use touchstone_control::LawKind;
 
 /// What is identified with.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +118,7 @@ pub fn identify(
         let damping = 0.5 * (low + high);
         let mut trial_scene = scene.clone();
         trial_scene.law.kind = LawKind::Fba;
-        trial_scene.law.c_i_n_m_s_per_rad = damping;
+        trial_scene.law.device_damping_n_m_s_per_rad = damping;
         trial_scene.wall.k_desired_n_m_per_rad = 8.0 * damping * f64::from(scene.timing.rate_hz);
         let windows = run::watch(&trial_scene, Windows::new(&trial_scene))?;
         let [early_rad, late_rad] = windows.widths();

@@ -5,12 +5,11 @@
 
 use touchstone::plant::Motion;
 use touchstone::run::judge::Tick;
-use touchstone::run::record::LawKind;
-use touchstone::run::settings::settings;
 use touchstone::run::wall::{Controlled, Wall};
 use touchstone::run::{self, Recorder};
 use touchstone::scene::Scene;
 use touchstone::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
+use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 
 /// What the encoder read.
@@ -43,7 +42,7 @@ fn forces<N: Reported>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
     let per_rev = scene.encoder.as_ref().unwrap().counts_per_rev as u32;
     let surface = Si::from_num(scene.wall.surface_rad);
     let scale = CountScale::new(per_rev, surface).unwrap();
-    let mut wall = Controlled::<N>::new(&settings(scene).unwrap(), scale).unwrap();
+    let mut wall = Controlled::<N>::new(&scene.settings().unwrap(), scale).unwrap();
     counts.iter().map(|&count| wall.at_count(count)).collect()
 }
 

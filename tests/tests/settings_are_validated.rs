@@ -90,7 +90,7 @@ fn every_field_is_checked_on_both_sides_of_both_ends() {
             assert_eq!(Controller::<f64>::new(&with(set, value)), Err(error));
             let text = error.to_string();
             assert_one_line(&text);
-            assert!(text.starts_with(&format!("{} = ", field.name())), "{text}");
+            assert!(text.starts_with(&format!("{} = ", field.path())), "{text}");
             let range = format!("{min:.6} to {max:.6}");
             assert!(
                 text.contains(&format!("{value:.6}")) && text.ends_with(&range),
@@ -128,8 +128,8 @@ fn no_field_is_without_a_bound_and_every_name_is_its_own() {
     let mut names = Vec::new();
     for field in Field::ALL {
         assert!(checked.contains(&field), "{field:?} is in no test");
-        assert!(!names.contains(&field.name()), "{}", field.name());
-        names.push(field.name());
+        assert!(!names.contains(&field.path()), "{}", field.path());
+        names.push(field.path());
     }
     assert_eq!(checked.len(), Field::ALL.len());
 }
@@ -200,7 +200,7 @@ fn assert_fits_up_to<N: Number>(
     let text = error.to_string();
     assert_one_line(&text);
     assert!(
-        text.starts_with(field.name()) && text.ends_with(N::NAME),
+        text.starts_with(field.path()) && text.ends_with(N::NAME),
         "{text}"
     );
 }

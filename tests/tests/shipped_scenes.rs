@@ -1,9 +1,10 @@
 //! Every shipped scene runs, and ends as it is known to end.
 
 use std::path::Path;
-use touchstone::run::record::{LawKind, Summary, Verdict};
+use touchstone::run::record::{Summary, Verdict};
 use touchstone::run::{self};
 use touchstone::scene::{self, Scene};
+use touchstone_control::LawKind;
 
 fn summary(name: &str) -> Summary {
     run::run(&Scene::load(name).unwrap(), false)

@@ -4,10 +4,11 @@
 //! rest within four encoder counts in every hold; [`Verdict::Active`] then says that the user's port gave energy, and is no
 //! instability.
 
-use touchstone::run::record::{LawKind, Summary, Verdict};
+use touchstone::run::record::{Summary, Verdict};
 use touchstone::run::{self};
 use touchstone::scene::Scene;
 use touchstone::thesis::{BEYOND, COUNTS, GRIPS, cell};
+use touchstone_control::LawKind;
 
 fn base() -> Scene {
     Scene::load("thesis-knob").unwrap()
@@ -90,7 +91,7 @@ fn spring_tdpa_and_original_sfa_do_not_come_to_rest_at_high_stiffness() {
 #[test]
 fn the_tdpa_of_the_comparison_uses_the_thesis_observer() {
     let scene = cell(&base(), 5.0, LawKind::Tdpa, GRIPS[0], COUNTS[0]).unwrap();
-    assert_eq!(scene.law.observer, touchstone::scene::Observer::Thesis);
+    assert_eq!(scene.law.observer, touchstone_control::ObserverForm::Thesis);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use touchstone::report::{self, Block, Colour, ReportInput, Section};
 use touchstone::run;
-use touchstone::run::record::LawKind;
+use touchstone_control::LawKind;
 
 mod synthetic;
 

@@ -4,12 +4,13 @@ use super::check;
 use super::out::say;
 use crate::error::Result;
 use crate::report::{self, Block, Colour, ReportInput, Section, table};
-use crate::run::record::{LawKind, Run, Verdict};
+use crate::run::record::{Run, Verdict};
 use crate::scene::Scene;
 use crate::thesis::{self, COUNTS, GRIPS, STIFFNESSES, claims};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Instant;
+use touchstone_control::LawKind;
 
 /// Options of `thesis`.
 #[derive(Debug, Clone, clap::Args)]
@@ -60,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     say!("");
     say!("{}", claims_text(&claims).trim_end());
 
-    let k_critical = 2.0 * base.law.c_i_n_m_s_per_rad * f64::from(base.timing.rate_hz);
+    let k_critical = 2.0 * base.law.device_damping_n_m_s_per_rad * f64::from(base.timing.rate_hz);
     let section = claims_section(&claims);
     let row_notes = row_notes();
     let input = ReportInput {

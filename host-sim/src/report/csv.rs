@@ -53,7 +53,7 @@ impl Decimal {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::LawKind;
+    use touchstone_control::LawKind;
 
     #[test]
     fn reads_back_to_the_bit() {

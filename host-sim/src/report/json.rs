@@ -71,7 +71,7 @@ mod tests {
 
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::LawKind;
+    use touchstone_control::LawKind;
 
     /// A run in which no field is `None`.
     fn complete() -> Run {

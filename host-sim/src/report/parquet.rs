@@ -12,8 +12,8 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 
 use super::columns::{self, COLUMNS};
-use super::label::law_key;
 use crate::run::record::{Run, Trace};
+use touchstone_control::Choice;
 
 /// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can
 /// still be read in parts.
@@ -84,7 +84,7 @@ fn properties(run: &Run) -> WriterProperties {
         .expect("a summary has only string keys and plain values");
     let entries = [
         ("scene", run.summary.scene.clone()),
-        ("law", law_key(run.summary.law).to_owned()),
+        ("law", run.summary.law.word().to_owned()),
         ("summary", summary),
         ("units", map(|column| column.unit)),
         ("columns", map(|column| column.meaning)),
@@ -114,7 +114,7 @@ mod tests {
 
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::LawKind;
+    use touchstone_control::LawKind;
 
     /// Writes and reads back: columns and metadata.
     fn round_trip(run: &Run, name: &str) -> (Trace, Vec<(String, String)>, usize) {

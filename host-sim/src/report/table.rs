@@ -182,7 +182,7 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::LawKind;
+    use touchstone_control::LawKind;
 
     fn run(law: LawKind, k: f64, verdict: Verdict, shown: Option<f64>, cycle: Option<f64>) -> Run {
         let mut run = synthetic::run(law, k, 0.01);

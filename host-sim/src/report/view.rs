@@ -220,7 +220,7 @@ impl<'a> View<'a> {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::LawKind;
+    use touchstone_control::LawKind;
 
     #[test]
     fn the_area_under_the_strokes_is_the_true_energy() {

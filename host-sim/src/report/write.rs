@@ -232,7 +232,8 @@ fn io_error(folder: &Path, error: &io::Error) -> Error {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::{LawKind, Run};
+    use crate::run::record::Run;
+    use touchstone_control::LawKind;
 
     /// A folder for one test, removed afterwards.
     struct Scratch(PathBuf);

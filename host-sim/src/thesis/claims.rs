@@ -4,9 +4,10 @@
 
 use super::{COUNTS, GRIPS, STIFFNESSES};
 use crate::error::Result;
-use crate::run::record::{LawKind, Run, Summary, Trace, Verdict};
+use crate::run::record::{Run, Summary, Trace, Verdict};
 use crate::run::{self};
 use crate::scene::Scene;
+use touchstone_control::LawKind;
 
 /// How a claim fared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -290,7 +291,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
         "law.offset_update=inward",
         "law.ideal_step=position",
         // With a light filter: the thesis gives no values, and a heavier one is slower still.
-        "law.filter.damping_to_ground_n_m_s_per_rad=8e-4",
+        "law.filter.ground_damping_n_m_s_per_rad=8e-4",
     ];
     let as_published = with(&published)?.summary;
     let kept = with(&["law.first_contact=keep-force"])?.summary;

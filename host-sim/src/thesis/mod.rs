@@ -7,9 +7,10 @@
 pub mod claims;
 
 use crate::error::Result;
-use crate::run::{self, record::LawKind, record::Run};
+use crate::run::{self, record::Run};
 use crate::scene::Scene;
 use rayon::prelude::*;
+use touchstone_control::{Choice, LawKind};
 
 /// Desired stiffnesses of §5.1, N·m/rad.
 pub const STIFFNESSES: [f64; 4] = [0.5, 1.0, 2.5, 5.0];
@@ -44,13 +45,9 @@ pub struct Cell {
 /// # Errors
 /// A base scene that does not go with one of them.
 pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: &str, counts: u32) -> Result<Scene> {
-    let name = serde_json::to_value(law)
-        .ok()
-        .and_then(|name| name.as_str().map(str::to_owned))
-        .unwrap_or_default();
     let mut sets = vec![
         format!("wall.k_desired_n_m_per_rad={k_desired}"),
-        format!("law.kind={name}"),
+        format!("law.kind={}", law.word()),
         format!("operator.grip={grip}"),
         format!("encoder.counts_per_rev={counts}"),
     ];

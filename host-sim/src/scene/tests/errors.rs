@@ -54,8 +54,8 @@ fn the_first_of_several_problems_in_the_file_is_reported() {
 #[test]
 fn fields_in_the_wrong_table_or_motion() {
     refused(
-        "[device]\nk_v_n_m_per_rad = 0.8",
-        "s.toml:2: device.k_v_n_m_per_rad: unknown field in [device]; move it to [law]",
+        "[device]\nk_soft_n_m_per_rad = 0.8",
+        "s.toml:2: device.k_soft_n_m_per_rad: unknown field in [device]; move it to [law]",
     );
     refused(
         "rate_hz = 1000",
@@ -89,9 +89,9 @@ fn wrong_units() {
          write k_desired_n_m_per_rad and give the value in N·m/rad",
     );
     refused(
-        "[law.filter]\ndamping_to_ground_n_m_per_rad = 5",
-        "s.toml:2: law.filter.damping_to_ground_n_m_per_rad: wrong unit, this field is in N·m·s/rad; \
-         write damping_to_ground_n_m_s_per_rad and give the value in N·m·s/rad",
+        "[law.filter]\nground_damping_n_m_per_rad = 5",
+        "s.toml:2: law.filter.ground_damping_n_m_per_rad: wrong unit, this field is in N·m·s/rad; \
+         write ground_damping_n_m_s_per_rad and give the value in N·m·s/rad",
     );
     refused(
         "[device]\ninertia = 1e-4",
@@ -216,8 +216,8 @@ fn numbers_out_of_range() {
         "s.toml:3: operator.motion.ramp_s: must be at least 0.05, is 0.01; give the time from rest to the full push in s",
     );
     refused(
-        "[law]\nstep_c_of_ideal = 1.5",
-        "s.toml:2: law.step_c_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one",
+        "[law]\nstep_of_ideal = 1.5",
+        "s.toml:2: law.step_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one",
     );
 }
 
@@ -323,18 +323,18 @@ fn scenes_that_do_not_exist() {
 
 #[test]
 fn late_errors_still_know_the_place() {
-    let scene = parse("[law]\nk_v_n_m_per_rad = 0.8").unwrap();
+    let scene = parse("[law]\nk_soft_n_m_per_rad = 0.8").unwrap();
     let message = |path| scene.error(path, "is too large", "lower it").to_string();
     assert_eq!(
-        message("law.k_v_n_m_per_rad"),
-        "s.toml:2: law.k_v_n_m_per_rad: is too large; lower it"
+        message("law.k_soft_n_m_per_rad"),
+        "s.toml:2: law.k_soft_n_m_per_rad: is too large; lower it"
     );
     assert_eq!(
-        message("law.c_i_n_m_s_per_rad"),
-        "s.toml:1: law.c_i_n_m_s_per_rad: is too large; lower it"
+        message("law.device_damping_n_m_s_per_rad"),
+        "s.toml:1: law.device_damping_n_m_s_per_rad: is too large; lower it"
     );
     // Nothing of it was written: the first line.
-    let later = parse("\n[law]\nk_v_n_m_per_rad = 0.8").unwrap().error(
+    let later = parse("\n[law]\nk_soft_n_m_per_rad = 0.8").unwrap().error(
         "law.filter.mass_kg_m2",
         "is heavy",
         "lower it",
@@ -350,11 +350,14 @@ fn late_errors_still_know_the_place() {
         later.to_string(),
         "s.toml:1: device.inertia_kg_m2: is heavy; lower it"
     );
-    let scene = scene.with_overrides(&["k_v_n_m_per_rad=0.9"]).unwrap();
+    let scene = scene.with_overrides(&["k_soft_n_m_per_rad=0.9"]).unwrap();
     let message = scene
-        .error("law.k_v_n_m_per_rad", "is too large", "lower it")
+        .error("law.k_soft_n_m_per_rad", "is too large", "lower it")
         .to_string();
-    assert_eq!(message, "--set k_v_n_m_per_rad=0.9: is too large; lower it");
+    assert_eq!(
+        message,
+        "--set k_soft_n_m_per_rad=0.9: is too large; lower it"
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::draft::Draft;
 use super::schema::{FIELDS, Kind};
 use super::*;
-use crate::run::record::LawKind;
+use touchstone_control::{FirstContact, LawKind};
 
 /// A scene that names everything, for each motion, with values unlike the defaults.
 fn full_scenes() -> Vec<Scene> {
@@ -60,9 +60,9 @@ fn full_scenes() -> Vec<Scene> {
         law: Law {
             kind: LawKind::SfaContinuous,
             first_contact: Some(FirstContact::KeepForce),
-            filter: Filter {
+            filter: FilterSettings {
                 mass_kg_m2: 2e-5,
-                ..Filter::default()
+                ..FilterSettings::default()
             },
             ..Law::default()
         },
@@ -148,9 +148,9 @@ fn every_number_ends_in_its_unit() {
         names,
         [
             "counts_per_rev",
-            "limit_a_of_penetration",
-            "limit_b_of_force",
-            "step_c_of_ideal",
+            "step_of_ideal",
+            "limit_of_force",
+            "limit_of_penetration",
             "scale"
         ]
     );
@@ -301,7 +301,7 @@ fn shipped_scenes_are_what_their_names_say() {
     assert!(scene("free-release").device.initial_angle_rad > Some(0.5));
     assert!(
         scene("low-stiffness").wall.k_desired_n_m_per_rad
-            < scene("low-stiffness").law.k_v_n_m_per_rad
+            < scene("low-stiffness").law.k_soft_n_m_per_rad
     );
     for name in ["tap", "press-wiggle-release"] {
         assert_eq!(scene(name).operator.motion.name(), name);
