@@ -25,7 +25,7 @@ macro_rules! law_settings {
         $with! {
             $($more)*
             timing {
-                RateHz rate_hz, rate_hz: u32(1, 100_000) = 1000, "Hz", "the control rate 1/T";
+                RateHz rate_hz, rate_hz: u32(1, 100_000) = 1000, "Hz", "the control rate";
             }
             wall {
                 KDesired k_desired, k_desired_n_m_per_rad: number("0", "500000") = "5", "N·m/rad",

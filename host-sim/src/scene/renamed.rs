@@ -24,13 +24,15 @@ pub(crate) fn renamed(old: &str) -> Option<&'static str> {
         let new = path.strip_prefix("law.")?;
         (old.strip_prefix("wall.")? == new).then_some(*path)
     };
-    let ends = |path: &str| {
-        path.strip_suffix(old)
-            .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'))
+    let name = |path: &'static str| path.rsplit('.').next();
+    // The end of a path names it only if it is no name of today.
+    let was = |path: &'static str, new: &'static str| {
+        let end = path.strip_suffix(old);
+        end == Some("") || name(path) != name(new) && end.is_some_and(|rest| rest.ends_with('.'))
     };
     RENAMED
         .iter()
-        .find(|(path, _)| ends(path))
+        .find(|(path, new)| was(path, new))
         .map(|(_, new)| *new)
         .or_else(|| {
             Field::ALL
@@ -57,6 +59,7 @@ mod tests {
         );
         assert_eq!(renamed("k_v_n_m_per_rad"), Some("law.k_soft_n_m_per_rad"));
         assert_eq!(renamed("wall.k_desired_n_m_per_rad"), None);
+        assert_eq!(renamed("rate_hz"), None);
         assert_eq!(renamed("hz"), None);
     }
 }

@@ -48,7 +48,7 @@ macro_rules! device_settings {
                 /// When the control interrupt runs.
                 timing TimingSettings {
                     rate_hz: u32(500, 10_000) = 1000, "Hz",
-                        "the control rate 1/T, a whole fraction of 20000 Hz";
+                        "the control rate, a whole fraction of 20000 Hz";
                 }
                 /// The encoder.
                 encoder EncoderSettings {

@@ -58,6 +58,10 @@ fn fields_in_the_wrong_table_or_motion() {
         "s.toml:2: device.k_soft_n_m_per_rad: unknown field in [device]; move it to [law]",
     );
     refused(
+        "[law]\nk_v_n_m_per_rad = 0.8",
+        "s.toml:2: law.k_v_n_m_per_rad: it has another name now; write law.k_soft_n_m_per_rad",
+    );
+    refused(
         "rate_hz = 1000",
         "s.toml:1: rate_hz: unknown field in the top of the scene; move it to [timing]",
     );
@@ -187,7 +191,16 @@ fn numbers_out_of_range() {
         refused(
             &format!("[timing]\nrate_hz = {value}"),
             &format!(
-                "s.toml:2: timing.rate_hz: must be between 1 and 1000000, is {value}; give the control rate in Hz"
+                "s.toml:2: timing.rate_hz: must be between 1 and 100000, is {value}; give the control rate in Hz"
+            ),
+        );
+    }
+    for value in ["-1", "1e9"] {
+        refused(
+            &format!("[wall]\nk_desired_n_m_per_rad = {value}"),
+            &format!(
+                "s.toml:2: wall.k_desired_n_m_per_rad: must be between 0 and 500000, is {}; give the desired stiffness k_de in N·m/rad",
+                value.parse::<f64>().unwrap()
             ),
         );
     }
@@ -217,7 +230,7 @@ fn numbers_out_of_range() {
     );
     refused(
         "[law]\nstep_of_ideal = 1.5",
-        "s.toml:2: law.step_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one",
+        "s.toml:2: law.step_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one, c of (3.8)",
     );
 }
 
