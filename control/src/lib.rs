@@ -39,6 +39,7 @@
 #[cfg(feature = "float")]
 extern crate std;
 
+pub mod choices;
 pub mod controller;
 mod division;
 pub mod encoder;
@@ -53,15 +54,13 @@ pub mod settings;
 pub mod table;
 pub mod validate;
 
+pub use choices::*;
 pub use controller::Controller;
 pub use encoder::CountScale;
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
-pub use observer::ObserverForm;
 pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffness, Tension};
-pub use settings::{
-    FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
-};
+pub use settings::*;
 pub use table::Choice;
 pub use validate::{Field, SettingsError, Warning};

@@ -248,8 +248,8 @@ pub const fn equal(left: &str, right: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::suffix;
-    use crate::settings::*;
-    use crate::{Choice, Field};
+    use crate::choices::LawKind;
+    use crate::{Choice, Field, Settings};
 
     macro_rules! rows {
         ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:

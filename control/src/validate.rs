@@ -1,7 +1,6 @@
 //! Validation of settings: errors refuse, warnings name a passivity bound that was left and what is lost by it.
 
-use crate::settings::{LawKind, Settings, Si};
-use crate::{Number, Regulate};
+use crate::{LawKind, Number, Regulate, Settings, Si};
 use core::fmt;
 
 macro_rules! fields {

@@ -3,10 +3,8 @@
 
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use touchstone_control::{
-    Choice, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings, Si,
-    choice, setting_path,
-};
+use touchstone_control::choices::*;
+use touchstone_control::{Choice, Settings, Si, choice, setting_path};
 
 use super::Scene;
 use crate::error::Result;

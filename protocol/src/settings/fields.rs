@@ -3,11 +3,9 @@
 use super::{
     Decimal, DeviceSettings, DriveKind, EncoderKind, Reason, SettingsError, device_settings,
 };
+use touchstone_control::choices::*;
 use touchstone_control::table::equal;
-use touchstone_control::{
-    Choice, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Si,
-    setting_path,
-};
+use touchstone_control::{Choice, Si, setting_path};
 
 /// What a leaf may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

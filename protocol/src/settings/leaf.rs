@@ -5,9 +5,8 @@ use core::any::Any;
 use miniconf::{Keys, Schema, SerdeError, TreeDeserializer, ValueError};
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use touchstone_control::{
-    Choice, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Si,
-};
+use touchstone_control::choices::*;
+use touchstone_control::{Choice, Si};
 
 /// A leaf's value, and what stands for it on the wire.
 pub trait Leaf: Copy + 'static {

@@ -20,10 +20,8 @@ use crate::Board;
 #[cfg(feature = "wire")]
 use serde::{Deserialize, Serialize};
 use touchstone_control as law;
-use touchstone_control::{
-    FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, setting_type,
-    setting_value,
-};
+use touchstone_control::choices::*;
+use touchstone_control::{setting_type, setting_value};
 
 #[cfg(feature = "wire")]
 pub use access::{KeyError, VALUE_MAX};

@@ -5,11 +5,9 @@ use super::Range::{Any, AtLeast, Exactly, NotNegative, NotZero, Positive, UpTo, 
 use super::{Field, Kind, Range};
 use crate::scene::law::Number;
 use crate::scene::operator::{FASTEST_MOTION_HZ, FASTEST_RAMP_S};
+use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
-use touchstone_control::{
-    Choice as _, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate,
-    setting_path,
-};
+use touchstone_control::{Choice as _, setting_path};
 
 impl Field {
     const fn absent(self, meaning: &'static str) -> Field {
