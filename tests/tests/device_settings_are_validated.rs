@@ -67,12 +67,16 @@ fn both_ends_of_every_range_are_accepted_on_some_board() {
                 let mut settings = roomy(board);
                 companions(&mut settings, field.path);
                 assert!(set(&mut settings, field, value), "{}", field.path);
-                checked(&settings, board)
-                    .err()
-                    .map(|invalid| invalid.to_string())
+                checked(&settings, board).err()
             });
+            // The range of a coefficient of the law is that of its crate, for all number formats and rates: the end of it may be more
+            // than this format holds at this rate, and is refused for just that.
+            let too_much = |error: &SettingsError| {
+                field.path.starts_with("law.")
+                    && (error.path, error.reason) == (field.path, Reason::OutOfFormat)
+            };
             assert!(
-                results.contains(&None),
+                results.contains(&None) || value == most && results.iter().flatten().all(too_much),
                 "{} = {value}: {results:?}",
                 field.path
             );
