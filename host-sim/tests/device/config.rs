@@ -86,13 +86,15 @@ fn what_is_no_value_is_refused_with_its_range_and_nothing_changes() {
     for (path, value, parts) in [
         (
             STIFFNESS,
-            "10001",
-            &["10001 is outside 0 to 10000", "N·m/rad"][..],
+            "500001",
+            &["500001 is outside 0 to 500000", "N·m/rad"][..],
         ),
         (STIFFNESS, "stiff", &["`stiff` is no decimal number"]),
         ("motor.pole_pairs", "7.5", &["no whole number", "1 to 50"]),
         ("law.kind", "tpda", &["did you mean tdpa?"]),
         ("encoder.reversed", "yes", &["true or false"]),
+        ("wall.law", "tdpa", &["did you mean law.kind?"]),
+        ("control.rate_hz", "1000", &["did you mean timing.rate_hz?"]),
         ("motor.pole_pair", "7", &["did you mean motor.pole_pairs?"]),
         ("timing.rate_hz", "3000", &["no whole fraction of 20000 Hz"]),
         (
@@ -127,7 +129,7 @@ fn an_export_is_taken_back_and_shows_what_differs() {
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(
         text.contains(
-            "# desired stiffness k_de; 0 to 10000 N·m/rad\nk_desired_n_m_per_rad = 2.0000000"
+            "# the desired stiffness k_de; 0 to 500000 N·m/rad\nk_desired_n_m_per_rad = 2.0000000"
         ),
         "{text}"
     );
@@ -218,16 +220,16 @@ fn one_wrong_line_and_nothing_is_written() {
     let name = file.to_str().unwrap();
     for (text, parts) in [
         (
-            "[wall]\nlaw = \"tdpa\"\nk_soft = 1\n",
-            &[":3: wall.k_soft: there is no such setting"][..],
+            "[law]\nkind = \"tdpa\"\nk_soft = 1\n",
+            &[":3: law.k_soft: there is no such setting"][..],
         ),
         (
-            "[wall]\nlaw = \"tdpa\"\nk_soft_n_m_per_rad = \"1\"\n",
-            &[":3: law.k_soft_n_m_per_rad", "0.01 to 10000"],
+            "[law]\nkind = \"tdpa\"\nk_soft_n_m_per_rad = \"1\"\n",
+            &[":3: law.k_soft_n_m_per_rad", "0.01 to 500000"],
         ),
         ("[motor]\npole_pairs = 0x7\n", &[":2: motor.pole_pairs"]),
         (
-            "[wall]\nlaw = \"tdpa\"\nforce_limit_n_m = 5\n",
+            "[law]\nkind = \"tdpa\"\nforce_limit_n_m = 5\n",
             &[
                 ":3: law.force_limit_n_m",
                 "0.000001 to 0.5 N·m",
@@ -295,5 +297,5 @@ fn the_schema_needs_no_device() {
     let json: serde_json::Value =
         serde_json::from_str(&run(&["config", "schema", "--json"]).done()).unwrap();
     assert_eq!(json.as_array().map(Vec::len), Some(FIELDS.len()));
-    assert_eq!(json[0]["path"], "timing.rate_hz");
+    assert_eq!(json[0]["path"], FIELDS[0].path);
 }
