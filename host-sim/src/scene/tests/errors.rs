@@ -115,7 +115,7 @@ fn wrong_types() {
     );
     refused(
         "[law]\ncount_device_damping = 1",
-        "s.toml:2: law.count_device_damping: must be true or false, is 1; give whether TDPA counts the energy that c_i dissipates",
+        "s.toml:2: law.count_device_damping: must be true or false, is 1; give whether tdpa counts c_i as dissipation (2.6)",
     );
     refused(
         "name = 3",
