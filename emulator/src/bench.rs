@@ -1,6 +1,6 @@
 //! A device on the bench: the machine, the desktop's end of its port, and the steps of a person at it.
 
-use touchstone::plant::Hand;
+use touchstone_world::plant::Hand;
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{DeviceCommand, Fault, Phase, Refusal, Reply, Request, Status};

@@ -6,12 +6,12 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use touchstone::error::Result;
-use touchstone::plant::Motion;
-use touchstone::run::judge::Tick;
-use touchstone::run::wall::{Controlled, Wall};
-use touchstone::run::{self, Recorder};
-use touchstone::scene::Scene;
+use touchstone_sim::error::Result;
+use touchstone_world::plant::Motion;
+use touchstone_sim::run::judge::Tick;
+use touchstone_sim::run::wall::{Controlled, Wall};
+use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::scene::Scene;
 use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 

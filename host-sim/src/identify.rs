@@ -7,10 +7,10 @@
 //! Near the limit a press neither grows nor dies quickly: net damping is what is left of `b - c_i`. So a trial is judged by
 //! whether the motion grows from the second quarter of the hold to the last, not by how large it is.
 
-use crate::error::Result;
-use crate::run::judge::Tick;
-use crate::run::{self, Recorder};
-use crate::scene::Scene;
+use touchstone_sim::error::Result;
+use touchstone_sim::run::judge::Tick;
+use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::scene::Scene;
 use touchstone_control::LawKind;
 
 /// What is identified with.
@@ -80,7 +80,7 @@ impl Windows {
 impl Recorder for Windows {
     const WATCHES: bool = true;
 
-    fn take(&mut self, tick: &Tick, state: &impl crate::plant::Motion, _: f64, _: f64) {
+    fn take(&mut self, tick: &Tick, state: &impl touchstone_world::plant::Motion, _: f64, _: f64) {
         for (bounds, range) in self.bounds.iter().zip(&mut self.ranges) {
             if (bounds.0..bounds.1).contains(&tick.index) {
                 let angle = state.angle_rad();

@@ -5,8 +5,8 @@
 //! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
 //! ```
 
-use touchstone::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
-use touchstone::plant::{HeldLinear, MEDIUM};
+use touchstone_world::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
+use touchstone_world::plant::{HeldLinear, MEDIUM};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,

@@ -1,7 +1,7 @@
 //! The current loop around the simulated motor: how fast, how exact, and what it does at its limits.
 
-use touchstone::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
-use touchstone::plant::{BareLinear, Device, State};
+use touchstone_world::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
+use touchstone_world::plant::{BareLinear, Device, State};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{

@@ -36,9 +36,9 @@ fn reading(random: &mut Random, kind: EncoderKind, last: &mut u32) -> EncoderRea
     let count = i64::from(*last);
     match kind {
         EncoderKind::As5047p if garbled => EncoderReading::As5047p(bits(random) as u16),
-        EncoderKind::As5047p => EncoderReading::As5047p(touchstone::motor::as5047p_frame(count)),
+        EncoderKind::As5047p => EncoderReading::As5047p(touchstone_world::motor::as5047p_frame(count)),
         EncoderKind::Mt6701 if garbled => EncoderReading::Mt6701(bits(random)),
-        EncoderKind::Mt6701 => EncoderReading::Mt6701(touchstone::motor::mt6701_frame(count, 0)),
+        EncoderKind::Mt6701 => EncoderReading::Mt6701(touchstone_world::motor::mt6701_frame(count, 0)),
         EncoderKind::Incremental if garbled => EncoderReading::Mt6701(0),
         EncoderKind::Incremental => EncoderReading::Counter16(*last as u16),
     }

@@ -1,7 +1,7 @@
 //! Calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses what it cannot believe.
 
 use std::f64::consts::TAU;
-use touchstone::motor::{GIMBAL, MotorParameters};
+use touchstone_world::motor::{GIMBAL, MotorParameters};
 use touchstone_drive::{
     ControlInput, CurrentSample, DeviceSettings, EncoderKind, EncoderReading, Reason,
 };

@@ -1,7 +1,7 @@
 //! Every fault that the supervisor knows, injected into an armed knob: outputs off in the very tick that sees it, its code and
 //! value latched, and no way back to armed but through stop and calibration.
 
-use touchstone::motor::{Drive, GIMBAL};
+use touchstone_world::motor::{Drive, GIMBAL};
 use touchstone_drive::{
     ControlInput, CurrentSample, DeviceSettings, EncoderReading, Si, TickTiming,
 };
@@ -225,7 +225,7 @@ fn encoder() {
     within(3, FaultCode::EncoderCheck, What::Input(mixed));
     let jump = |i: &mut ControlInput, _| {
         if let EncoderReading::As5047p(frame) = &mut i.encoder {
-            *frame = touchstone::motor::as5047p_frame(i64::from(*frame & 0x3FFF) + 4_000);
+            *frame = touchstone_world::motor::as5047p_frame(i64::from(*frame & 0x3FFF) + 4_000);
         }
     };
     let moved = within(1, FaultCode::EncoderJump, What::Input(jump));
@@ -233,7 +233,7 @@ fn encoder() {
     // 70 rad/s: 183 counts in a millisecond, less than a jump of 630.
     let fast = |i: &mut ControlInput, n: u32| {
         if let EncoderReading::As5047p(frame) = &mut i.encoder {
-            *frame = touchstone::motor::as5047p_frame(
+            *frame = touchstone_world::motor::as5047p_frame(
                 i64::from(*frame & 0x3FFF) + 183 * (i64::from(n) + 1),
             );
         }
@@ -256,7 +256,7 @@ fn speed_after_a_gap_is_that_of_all_its_ticks() {
                     (Some(0 | 1), reading) => *reading = EncoderReading::Silent,
                     (Some(_), EncoderReading::As5047p(frame)) => {
                         let moved = i64::from(*frame & 0x3FFF) + self.counts;
-                        *frame = touchstone::motor::as5047p_frame(moved);
+                        *frame = touchstone_world::motor::as5047p_frame(moved);
                     }
                     _ => {}
                 }

@@ -1,6 +1,6 @@
 //! When settings count: from the next calibration on, and never after they were refused.
 
-use touchstone::motor::{Drive, GIMBAL};
+use touchstone_world::motor::{Drive, GIMBAL};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{Device, DeviceSettings, Si};
 use touchstone_protocol::{Command, FaultCode, State};

@@ -1,6 +1,6 @@
 //! What a reset leaves behind: which starts are faults, and with which value.
 
-use touchstone::motor::{Drive, GIMBAL};
+use touchstone_world::motor::{Drive, GIMBAL};
 use touchstone_drive::{DeviceSettings, ResetFlags, ResetReason};
 use touchstone_protocol::FaultCode;
 use touchstone_tests::knob::{Honest, Knob};

@@ -3,12 +3,12 @@
 //! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
 //! alike: so a difference is the format's and not that of another trajectory.
 
-use touchstone::plant::Motion;
-use touchstone::run::judge::Tick;
-use touchstone::run::wall::{Controlled, Wall};
-use touchstone::run::{self, Recorder};
-use touchstone::scene::Scene;
-use touchstone::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
+use touchstone_world::plant::Motion;
+use touchstone_sim::run::judge::Tick;
+use touchstone_sim::run::wall::{Controlled, Wall};
+use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::scene::Scene;
+use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
 use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 

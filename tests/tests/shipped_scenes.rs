@@ -1,9 +1,9 @@
 //! Every shipped scene runs, and ends as it is known to end.
 
 use std::path::Path;
-use touchstone::run::record::{Summary, Verdict};
-use touchstone::run::{self};
-use touchstone::scene::{self, Scene};
+use touchstone_sim::run::record::{Summary, Verdict};
+use touchstone_sim::run::{self};
+use touchstone_sim::scene::{self, Scene};
 use touchstone_control::LawKind;
 
 fn summary(name: &str) -> Summary {

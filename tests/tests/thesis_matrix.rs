@@ -4,10 +4,10 @@
 //! rest within four encoder counts in every hold; [`Verdict::Active`] then says that the user's port gave energy, and is no
 //! instability.
 
-use touchstone::run::record::{Summary, Verdict};
-use touchstone::run::{self};
-use touchstone::scene::Scene;
-use touchstone::thesis::{BEYOND, COUNTS, GRIPS, cell};
+use touchstone_sim::run::record::{Summary, Verdict};
+use touchstone_sim::run::{self};
+use touchstone_sim::scene::Scene;
+use touchstone_lab::thesis::{BEYOND, COUNTS, GRIPS, cell};
 use touchstone_control::LawKind;
 
 fn base() -> Scene {

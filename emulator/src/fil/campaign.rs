@@ -1,6 +1,6 @@
 //! Carries out injections, one after the other on the same device: each begins with the recovery from the one before.
 
-use touchstone::plant::MEDIUM;
+use touchstone_world::plant::MEDIUM;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
 

@@ -1,6 +1,6 @@
 //! The thesis' press, played by a hand on the emulated device, and its forces compared with the law on this machine.
 
-use touchstone::plant::MEDIUM;
+use touchstone_world::plant::MEDIUM;
 use touchstone_control::{Controller, CountScale, Fixed32, Si};
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Telemetry};
 

@@ -5,13 +5,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use touchstone::report::{self, Block, Colour, ReportInput, Section};
-use touchstone::run;
+use touchstone_lab::report::{self, Block, Colour, ReportInput, Section};
+use touchstone_sim::run;
 use touchstone_control::LawKind;
 
 mod synthetic;
 
-fn main() -> touchstone::error::Result<()> {
+fn main() -> touchstone_sim::error::Result<()> {
     let folder = PathBuf::from(
         std::env::args()
             .nth(1)

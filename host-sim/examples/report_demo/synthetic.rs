@@ -4,7 +4,7 @@
 //! growing oscillation, a negative force, a stiffness that climbs). The laws themselves are in the control crate, the plant in
 //! `plant`; nothing here stands for either.
 
-use crate::run::record::{Run, Summary, Trace, Verdict};
+use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 use touchstone_control::LawKind;
 
 /// Every law, simplest first.

@@ -3,8 +3,8 @@
 use super::config::settings;
 use super::out::say;
 use super::port::PortOption;
-use crate::error::{Error, Result};
-use crate::link::Client;
+use touchstone_sim::error::{Error, Result};
+use touchstone_device::Client;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -2,10 +2,10 @@
 
 use super::SceneOptions;
 use super::out::say;
-use crate::error::Result;
-use crate::report::{self, Colour, ReportInput, json, table};
-use crate::run;
-use crate::scene::Motion;
+use touchstone_sim::error::Result;
+use touchstone_lab::report::{self, Colour, ReportInput, json, table};
+use touchstone_sim::run;
+use touchstone_sim::scene::Motion;
 use std::path::PathBuf;
 
 /// Options of `run`.

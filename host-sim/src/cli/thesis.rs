@@ -2,11 +2,11 @@
 
 use super::check;
 use super::out::say;
-use crate::error::Result;
-use crate::report::{self, Block, Colour, ReportInput, Section, table};
-use crate::run::record::{Run, Verdict};
-use crate::scene::Scene;
-use crate::thesis::{self, COUNTS, GRIPS, STIFFNESSES, claims};
+use touchstone_sim::error::Result;
+use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
+use touchstone_sim::run::record::{Run, Verdict};
+use touchstone_sim::scene::Scene;
+use touchstone_lab::thesis::{self, COUNTS, GRIPS, STIFFNESSES, claims};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Instant;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::columns::{self, COLUMNS};
-use crate::run::record::Trace;
+use touchstone_sim::run::record::Trace;
 
 /// Writes `trace`. Every number has as many digits as it takes to read the very same `f64` back; what does not exist is `NaN`.
 ///

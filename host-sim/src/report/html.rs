@@ -10,7 +10,7 @@ use super::matrix::{Matrix, matrices};
 use super::quantity::{plain, with_unit};
 use super::svg::escape;
 use super::{Block, ReportInput, TraceFiles};
-use crate::run::record::{Run, Verdict};
+use touchstone_sim::run::record::{Run, Verdict};
 use touchstone_control::LawKind;
 
 /// The whole page. `files` are the trace files of each run, as links relative to the page; empty slice: no links.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::TraceFiles;
-use crate::run::record::{Run, Summary};
+use touchstone_sim::run::record::{Run, Summary};
 
 /// Unit of every numeric field of a run. `1` marks a plain count.
 pub const UNITS: &[(&str, &str)] = &[

@@ -1,7 +1,7 @@
 //! The words that a reader sees for laws, verdicts and the conditions of a run.
 
 use super::quantity::{grouped, plain};
-use crate::run::record::{Summary, Verdict};
+use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_control::{Choice, LawKind};
 
 /// A law's short name for people.

@@ -1,7 +1,7 @@
 //! Sorts runs into tables: one for each set of conditions, desired stiffness downwards, laws across.
 
 use super::label::Condition;
-use crate::run::record::Run;
+use touchstone_sim::run::record::Run;
 use touchstone_control::LawKind;
 
 /// Runs under the same conditions as a table of `k_de` × law.

@@ -12,7 +12,7 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 
 use super::columns::{self, COLUMNS};
-use crate::run::record::{Run, Trace};
+use touchstone_sim::run::record::{Run, Trace};
 use touchstone_control::Choice;
 
 /// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can

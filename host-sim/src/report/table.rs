@@ -6,7 +6,7 @@ use super::cell::facts;
 use super::label;
 use super::matrix::{Matrix, matrices};
 use super::quantity::{plain, scale_for, significant};
-use crate::run::record::{Run, Summary, Verdict};
+use touchstone_sim::run::record::{Run, Summary, Verdict};
 
 /// Whether to colour. The words are the same either way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

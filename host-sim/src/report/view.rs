@@ -1,7 +1,7 @@
 //! What the plots show of one run: where it touches the wall, its displayed stiffness, its path, and axes that suit it.
 
 use super::svg::Range;
-use crate::run::record::{Run, Trace};
+use touchstone_sim::run::record::{Run, Trace};
 
 /// Stretches of a path of (angle, force), rad and N·m.
 pub type Strokes = Vec<Vec<(f64, f64)>>;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::{ReportInput, TraceFiles, csv, html, json, label, parquet};
-use crate::error::{Error, Result};
+use touchstone_sim::error::{Error, Result};
 
 /// What was written.
 #[derive(Debug, Clone)]
@@ -62,7 +62,7 @@ pub fn write(input: &ReportInput, folder: &Path) -> Result<Written> {
 /// Names of the trace files, one pair for each run with a trace, no two alike.
 fn trace_files(input: &ReportInput) -> Vec<Option<TraceFiles>> {
     let mut taken = HashSet::new();
-    let name = |run: &crate::run::record::Run| {
+    let name = |run: &touchstone_sim::run::record::Run| {
         run.trace.as_ref()?;
         let stem = label::file_stem(&run.summary);
         // Compared without case: some file systems do.
@@ -232,7 +232,7 @@ fn io_error(folder: &Path, error: &io::Error) -> Error {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-    use crate::run::record::Run;
+    use touchstone_sim::run::record::Run;
     use touchstone_control::LawKind;
 
     /// A folder for one test, removed afterwards.

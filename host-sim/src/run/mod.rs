@@ -11,7 +11,7 @@ pub mod settings;
 pub mod wall;
 
 use crate::error::{Error, Result};
-use crate::plant::{Motion as _, Stepper};
+use touchstone_world::plant::{Motion as _, Stepper};
 use crate::scene::{Motion, Number, Scene};
 use chain::{Amplifier, Crossing, Sensor};
 use judge::{Judge, Terms, Tick};
@@ -174,19 +174,19 @@ pub trait Recorder {
     /// Whether the loss in the device and the law's inside are wanted.
     const WATCHES: bool;
     /// A tick, with the plant's state and the hand's rest point at its sample.
-    fn take(&mut self, tick: &Tick, state: &impl crate::plant::Motion, rest_rad: f64, time_s: f64);
+    fn take(&mut self, tick: &Tick, state: &impl touchstone_world::plant::Motion, rest_rad: f64, time_s: f64);
 }
 
 impl Recorder for () {
     const WATCHES: bool = false;
     #[inline(always)]
-    fn take(&mut self, _: &Tick, _: &impl crate::plant::Motion, _: f64, _: f64) {}
+    fn take(&mut self, _: &Tick, _: &impl touchstone_world::plant::Motion, _: f64, _: f64) {}
 }
 
 impl Recorder for Judge {
     const WATCHES: bool = true;
     #[inline]
-    fn take(&mut self, tick: &Tick, _: &impl crate::plant::Motion, _: f64, _: f64) {
+    fn take(&mut self, tick: &Tick, _: &impl touchstone_world::plant::Motion, _: f64, _: f64) {
         Judge::take(self, tick);
     }
 }
@@ -201,7 +201,7 @@ struct Traced {
 
 impl Recorder for Traced {
     const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, state: &impl crate::plant::Motion, rest_rad: f64, time_s: f64) {
+    fn take(&mut self, tick: &Tick, state: &impl touchstone_world::plant::Motion, rest_rad: f64, time_s: f64) {
         let trace = &mut self.trace;
         trace.time_s.push(time_s);
         trace.angle_rad.push(state.angle_rad());

@@ -3,10 +3,10 @@
 //! A claim that does not reproduce is reported as such, with what was measured; nothing here is tuned until it fits.
 
 use super::{COUNTS, GRIPS, STIFFNESSES};
-use crate::error::Result;
-use crate::run::record::{Run, Summary, Trace, Verdict};
-use crate::run::{self};
-use crate::scene::Scene;
+use touchstone_sim::error::Result;
+use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
+use touchstone_sim::run::{self};
+use touchstone_sim::scene::Scene;
 use touchstone_control::LawKind;
 
 /// How a claim fared.

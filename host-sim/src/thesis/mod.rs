@@ -6,9 +6,9 @@
 
 pub mod claims;
 
-use crate::error::Result;
-use crate::run::{self, record::Run};
-use crate::scene::Scene;
+use touchstone_sim::error::Result;
+use touchstone_sim::run::{self, record::Run};
+use touchstone_sim::scene::Scene;
 use rayon::prelude::*;
 use touchstone_control::{Choice, LawKind};
 

@@ -5,9 +5,9 @@ mod value;
 
 use super::out::{print, say};
 use super::port::PortOption;
-use crate::error::{Error, Result};
-use crate::link::Client;
-use crate::scene::{nearest, renamed};
+use touchstone_sim::error::{Error, Result};
+use touchstone_device::Client;
+use touchstone_sim::scene::{nearest, renamed};
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use touchstone_drive::wire::checked;

@@ -2,8 +2,8 @@
 
 use super::unknown;
 use super::value::{self, Wrong};
-use crate::cli::device::described;
-use crate::error::{Error, Result};
+use crate::device::described;
+use touchstone_sim::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
