@@ -1,11 +1,12 @@
 //! From settings to a running law: coefficients computed once, state beside them, one `tick`.
 
+use crate::choices::{IdealStep, LawKind, OffsetUpdate, Regulate};
 use crate::filter::VirtualMass;
 use crate::law::{
     Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sfa, SfaState, Spring,
     SpringState, Tdpa, TdpaState, View,
 };
-use crate::settings::{IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si};
+use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::{Compliance, Divisor, Energy, Force, Number, Position, Ratio, Stiffness};
 

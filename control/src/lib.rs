@@ -42,6 +42,7 @@
 #[cfg(feature = "float")]
 extern crate std;
 
+pub mod choices;
 pub mod controller;
 mod division;
 pub mod encoder;
@@ -53,21 +54,21 @@ pub mod observer;
 pub mod quantity;
 pub mod reciprocal;
 pub mod settings;
+pub mod table;
 pub mod validate;
 
 /// The crate of the fixed-point types, so that nobody needs its version by heart.
 pub use fixed;
 
+pub use choices::*;
 pub use controller::Controller;
 pub use encoder::CountScale;
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
-pub use observer::ObserverForm;
 pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffness, Tension};
-pub use settings::{
-    FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
-};
+pub use settings::*;
+pub use table::Choice;
 pub use validate::{Field, SettingsError, Warning};
 
 /// The code of the README, compiled and run.

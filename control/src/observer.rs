@@ -8,14 +8,15 @@
 
 use crate::{Energy, Force, Number, Position, Stiffness};
 
-/// Which force an observer pairs with the displacement that just happened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ObserverForm {
-    /// The previous force: the true energy of the port under a zero-order hold.
-    #[default]
-    Exact,
-    /// The new force, thesis (2.1) and (2.4).
-    Thesis,
+crate::choice! {
+    /// Which force an observer pairs with the displacement that just happened.
+    ObserverForm {
+        /// The previous force: the true energy of the port under a zero-order hold.
+        #[default]
+        Exact = "exact",
+        /// The new force, thesis (2.1) and (2.4).
+        Thesis = "thesis",
+    }
 }
 
 /// `c/T · Δ²`: what a damper took over one displacement, rounded down.

@@ -1,67 +1,74 @@
 //! Validation of settings: errors refuse, warnings name a passivity bound that was left and what is lost by it.
 
-use crate::settings::{LawKind, Settings, Si};
-use crate::{Number, Regulate};
+use crate::{LawKind, Number, Regulate, Settings, Si};
 use core::fmt;
 
-/// A setting, by its name in [`Settings`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Field {
-    RateHz,
-    KDesired,
-    KSoft,
-    DeviceDamping,
-    VirtualDamping,
-    StepOfIdeal,
-    LimitOfForce,
-    LimitOfPenetration,
-    FilterMass,
-    FilterStiffness,
-    FilterDamping,
-    FilterGroundDamping,
-    EnergyCredit,
-    ForceLimit,
-}
-
-impl Field {
-    /// All of them.
-    pub const ALL: [Field; 14] = [
-        Field::RateHz,
-        Field::KDesired,
-        Field::KSoft,
-        Field::DeviceDamping,
-        Field::VirtualDamping,
-        Field::StepOfIdeal,
-        Field::LimitOfForce,
-        Field::LimitOfPenetration,
-        Field::FilterMass,
-        Field::FilterStiffness,
-        Field::FilterDamping,
-        Field::FilterGroundDamping,
-        Field::EnergyCredit,
-        Field::ForceLimit,
-    ];
-
-    /// Name as in [`Settings`].
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Field::RateHz => "rate_hz",
-            Field::KDesired => "k_desired",
-            Field::KSoft => "k_soft",
-            Field::DeviceDamping => "device_damping",
-            Field::VirtualDamping => "virtual_damping",
-            Field::StepOfIdeal => "step_of_ideal",
-            Field::LimitOfForce => "limit_of_force",
-            Field::LimitOfPenetration => "limit_of_penetration",
-            Field::FilterMass => "filter.mass",
-            Field::FilterStiffness => "filter.stiffness",
-            Field::FilterDamping => "filter.damping",
-            Field::FilterGroundDamping => "filter.ground_damping",
-            Field::EnergyCredit => "energy_credit",
-            Field::ForceLimit => "force_limit",
+macro_rules! fields {
+    (
+        timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
+        $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
+    ) => {
+        fields! { @rows settings:
+            (timing) (settings) { $($timing)* }
+            (wall) (settings) { $($wall)* }
+            (law) (settings) { $($law)* }
+            $((law $group) (settings.$group) { $($rows)* })+
         }
+    };
+    (@rows $settings:ident: $($table:tt $place:tt {
+        $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
+    })+) => {
+        /// A setting.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Field {
+            $($(#[doc = concat!("For ", $about)] $variant,)+)+
+        }
+
+        impl Field {
+            /// All of them.
+            pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
+
+            /// Its path, in scenes and on devices.
+            #[must_use]
+            pub fn path(self) -> &'static str {
+                match self {
+                    $($(Field::$variant => crate::setting_path!($table $name),)+)+
+                }
+            }
+        }
+
+        /// Every number against its own range.
+        fn check_ranges($settings: &Settings) -> Result<(), SettingsError> {
+            $($(fields!(@check $place $field, $variant: $kind $range);)+)+
+            Ok(())
+        }
+    };
+    (@check ($($place:tt)+) $field:ident, $variant:ident: number ($min:literal, $max:literal)) => {
+        within(Field::$variant, $($place)+.$field, const { Si::lit($min) }, const { Si::lit($max) })?
+    };
+    (@check ($($place:tt)+) $field:ident, $variant:ident: u32 ($min:literal, $max:literal)) => {
+        within(
+            Field::$variant,
+            Si::saturating_from_num($($place)+.$field),
+            const { Si::const_from_int($min) },
+            const { Si::const_from_int($max) },
+        )?
+    };
+    // A word or a flag has no other values.
+    (@check $place:tt $field:ident, $variant:ident: $kind:ident $range:tt) => {};
+}
+crate::law_settings!(fields);
+
+fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), SettingsError> {
+    if value < min || value > max {
+        Err(SettingsError::OutOfRange {
+            field,
+            value,
+            min,
+            max,
+        })
+    } else {
+        Ok(())
     }
 }
 
@@ -106,11 +113,7 @@ impl fmt::Display for SettingsError {
                 min,
                 max,
             } => {
-                write!(
-                    f,
-                    "{} = {value:.6} is outside {min:.6} to {max:.6}",
-                    field.name()
-                )
+                write!(f, "{} = {value} is outside {min} to {max}", field.path())
             }
             Self::OutOfFormat {
                 field,
@@ -120,7 +123,7 @@ impl fmt::Display for SettingsError {
                 write!(
                     f,
                     "{}: its coefficient {value:.6} does not fit the number format {format}",
-                    field.name()
+                    field.path()
                 )
             }
             Self::NoCompensation {
@@ -128,7 +131,9 @@ impl fmt::Display for SettingsError {
                 k_filter,
             } => write!(
                 f,
-                "regulate = mass-compensated needs k_desired below filter.stiffness (thesis 3.5), but {k_desired:.6} >= {k_filter:.6}"
+                "law.regulate = mass-compensated needs {} below {} (thesis 3.5), but {k_desired} >= {k_filter}",
+                Field::KDesired.path(),
+                Field::FilterStiffness.path()
             ),
         }
     }
@@ -170,13 +175,13 @@ pub enum Warning {
 impl Warning {
     /// The setting that leaves the bound.
     #[must_use]
-    pub fn field(&self) -> &'static str {
+    pub fn field(&self) -> Field {
         match self {
-            Self::SoftAboveCritical { .. } => "k_soft",
-            Self::CouplingAboveBound { .. } => "filter.stiffness",
-            Self::GroundDampingBelowBound { .. } => "filter.ground_damping",
-            Self::ThesisObserver => "observer",
-            Self::EnergyCredit { .. } => "energy_credit",
+            Self::SoftAboveCritical { .. } => Field::KSoft,
+            Self::CouplingAboveBound { .. } => Field::FilterStiffness,
+            Self::GroundDampingBelowBound { .. } => Field::FilterGroundDamping,
+            Self::ThesisObserver => Field::Observer,
+            Self::EnergyCredit { .. } => Field::EnergyCredit,
         }
     }
 }
@@ -255,76 +260,7 @@ impl Settings {
     /// # Errors
     /// The first setting that is out of range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let one = Si::ONE;
-        let quantum = const { Si::lit("0.000001") };
-        let stiffness = const { Si::lit("500000") };
-        let damping = const { Si::lit("10000") };
-        let range = |field, value: Si, min: Si, max: Si| {
-            if value < min || value > max {
-                Err(SettingsError::OutOfRange {
-                    field,
-                    value,
-                    min,
-                    max,
-                })
-            } else {
-                Ok(())
-            }
-        };
-        range(
-            Field::RateHz,
-            Si::saturating_from_num(self.rate_hz),
-            one,
-            const { Si::lit("100000") },
-        )?;
-        range(Field::KDesired, self.k_desired, Si::ZERO, stiffness)?;
-        range(
-            Field::KSoft,
-            self.k_soft,
-            const { Si::lit("0.01") },
-            stiffness,
-        )?;
-        range(Field::DeviceDamping, self.device_damping, Si::ZERO, damping)?;
-        range(
-            Field::VirtualDamping,
-            self.virtual_damping,
-            Si::ZERO,
-            damping,
-        )?;
-        range(Field::StepOfIdeal, self.step_of_ideal, Si::ZERO, one)?;
-        range(Field::LimitOfForce, self.limit_of_force, Si::ZERO, one)?;
-        range(
-            Field::LimitOfPenetration,
-            self.limit_of_penetration,
-            Si::ZERO,
-            one,
-        )?;
-        range(Field::FilterMass, self.filter.mass, Si::ZERO, damping)?;
-        range(
-            Field::FilterStiffness,
-            self.filter.stiffness,
-            const { Si::lit("0.01") },
-            stiffness,
-        )?;
-        range(Field::FilterDamping, self.filter.damping, Si::ZERO, damping)?;
-        range(
-            Field::FilterGroundDamping,
-            self.filter.ground_damping,
-            Si::ZERO,
-            damping,
-        )?;
-        range(
-            Field::EnergyCredit,
-            self.energy_credit,
-            Si::ZERO,
-            const { Si::lit("1000") },
-        )?;
-        range(
-            Field::ForceLimit,
-            self.force_limit,
-            quantum,
-            const { Si::lit("100") },
-        )?;
+        check_ranges(self)?;
         if self.law == LawKind::EnhancedSfa
             && !self.is_plain_spring()
             && self.regulate == Regulate::MassCompensated

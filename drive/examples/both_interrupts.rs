@@ -7,8 +7,8 @@
 use touchstone_drive::mailbox::{CommandWords, ReportWords};
 use touchstone_drive::{
     CompactRecord, ControlInput, ControlOutput, CurrentCommand, CurrentConfig, CurrentLoop,
-    CurrentOutput, CurrentReport, CurrentSample, Device, Hardware, ResetFlags, ResetReason, Ring,
-    Settings, SettingsError,
+    CurrentOutput, CurrentReport, CurrentSample, Device, DeviceSettings, Hardware, ResetFlags,
+    ResetReason, Ring, SettingsError,
 };
 
 /// Validates settings and computes everything.
@@ -16,7 +16,7 @@ use touchstone_drive::{
 /// # Errors
 /// As [`Device::new`].
 #[inline(never)]
-pub fn set_up(settings: &Settings, hardware: &Hardware) -> Result<Device, SettingsError> {
+pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, SettingsError> {
     Device::new(settings, hardware)
 }
 
@@ -27,7 +27,7 @@ pub fn set_up(settings: &Settings, hardware: &Hardware) -> Result<Device, Settin
 #[inline(never)]
 pub fn configure(
     device: &mut Device,
-    settings: &Settings,
+    settings: &DeviceSettings,
     hardware: &Hardware,
 ) -> Result<(), SettingsError> {
     device.configure(settings, hardware)

@@ -20,9 +20,10 @@ use crate::Amps;
 use crate::angle::{Angle, ElectricalScale};
 use crate::current::{CurrentCommand, CurrentMode, CurrentReport};
 use crate::hardware::Hardware;
-use crate::settings::Settings;
+use crate::settings::periods_per_tick;
 use crate::transform::Dq;
 use crate::units::{clamp_i32, narrow};
+use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
 /// Why a calibration failed: the value of [`FaultCode::CalibrationFailed`].
@@ -110,12 +111,17 @@ pub struct CalibrationConfig {
 impl CalibrationConfig {
     /// From validated settings.
     #[must_use]
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
-        let rate = settings.wall.rate_hz.max(1);
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
+        let rate = settings.timing.rate_hz.max(1);
         let pole_pairs = settings.motor.pole_pairs.max(1);
         let counts_per_rev = settings.encoder.counts_per_rev.max(1);
         // 2^32 turns · turns/s / rate, from 32 fractional bits.
-        let speed = settings.calibration.turns_per_s.to_bits().unsigned_abs() / u64::from(rate);
+        let speed = settings
+            .calibration
+            .electrical_turns_per_s
+            .to_bits()
+            .unsigned_abs()
+            / u64::from(rate);
         let speed = u32::try_from(speed).unwrap_or(u32::MAX);
         let current = narrow(settings.calibration.current_a);
         // Half a second for the current, a quarter for the speed.
@@ -126,7 +132,7 @@ impl CalibrationConfig {
             current_step: Amps::from_bits(step.max(1)),
             speed,
             speed_step: (speed / quarter).max(1),
-            per_period: (1 << 16) / u32::from(settings.periods_per_tick(hardware)),
+            per_period: (1 << 16) / u32::from(periods_per_tick(settings, hardware)),
             settle: half,
             turns: i64::from(pole_pairs) << 32,
             pole_pairs,

@@ -3,11 +3,12 @@
 use crate::Amps;
 use crate::angle::Angle;
 use crate::current::{CurrentCommand, CurrentMode};
-use crate::settings::{AnalogueSettings, DriveKind, Field, MotorSettings, Settings, SettingsError};
+use crate::settings::{DriveKind, MotorSettings, out_of_format};
 use crate::transform::Dq;
 use crate::units::{clamp_i32, narrow, product, quotient};
 use touchstone_control::{Fixed32, Force, Si};
-use touchstone_protocol::{Limit, Limits};
+use touchstone_protocol::settings::{DriveSettings, SettingsError};
+use touchstone_protocol::{DeviceSettings, Limit, Limits};
 
 /// A code of the 12-bit output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,13 +68,10 @@ impl ThreePhase {
     /// # Errors
     /// A torque constant whose inverse does not fit.
     pub fn new(motor: &MotorSettings) -> Result<Self, SettingsError> {
-        let inverse = quotient(Si::ONE, motor.torque_constant_nm_per_a);
+        let inverse = quotient(Si::ONE, motor.torque_constant_n_m_per_a);
         let amps_per_nm = narrow(inverse);
         if amps_per_nm <= Amps::ZERO || amps_per_nm == Amps::MAX {
-            return Err(SettingsError::Coefficient {
-                field: Field::TorqueConstantNmPerA,
-                value: inverse,
-            });
+            return Err(out_of_format("motor.torque_constant_n_m_per_a", inverse));
         }
         Ok(Self {
             amps_per_nm,
@@ -120,14 +118,11 @@ impl Analogue {
     ///
     /// # Errors
     /// A full scale whose inverse does not fit.
-    pub fn new(analogue: &AnalogueSettings) -> Result<Self, SettingsError> {
-        let codes = quotient(Si::const_from_int(2_047), analogue.full_scale_nm);
+    pub fn new(drive: &DriveSettings) -> Result<Self, SettingsError> {
+        let codes = quotient(Si::const_from_int(2_047), drive.analogue_full_scale_n_m);
         let codes_per_nm = narrow(codes).to_bits();
         if codes_per_nm <= 0 || codes_per_nm == i32::MAX {
-            return Err(SettingsError::Coefficient {
-                field: Field::FullScaleNm,
-                value: codes,
-            });
+            return Err(out_of_format("drive.analogue_full_scale_n_m", codes));
         }
         Ok(Self { codes_per_nm })
     }
@@ -161,10 +156,10 @@ impl AnyDrive {
     ///
     /// # Errors
     /// A coefficient that does not fit.
-    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        Ok(match settings.drive {
+    pub fn new(settings: &DeviceSettings) -> Result<Self, SettingsError> {
+        Ok(match settings.drive.kind {
             DriveKind::ThreePhase => Self::ThreePhase(ThreePhase::new(&settings.motor)?),
-            DriveKind::Analogue => Self::Analogue(Analogue::new(&settings.analogue)?),
+            DriveKind::Analogue => Self::Analogue(Analogue::new(&settings.drive)?),
         })
     }
 }
@@ -196,7 +191,7 @@ mod tests {
     };
 
     fn current(nm: f64, rotor: Rotor) -> (f64, Limits) {
-        let drive = ThreePhase::new(&Settings::default().motor).unwrap();
+        let drive = ThreePhase::new(&DeviceSettings::default().motor).unwrap();
         let (command, limits) = drive.command(torque(nm), &rotor);
         let DriveCommand::Current(command) = command else {
             panic!("{command:?}")
@@ -262,7 +257,7 @@ mod tests {
     #[test]
     fn the_analogue_output_spans_its_full_scale_around_the_middle() {
         // 1 N·m at the upper end.
-        let drive = Analogue::new(&Settings::default().analogue).unwrap();
+        let drive = Analogue::new(&DeviceSettings::default().drive).unwrap();
         for (nm, code) in [
             (0.0, 2_048),
             (1.0, 4_095),

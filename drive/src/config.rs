@@ -6,12 +6,14 @@ use crate::command::AnyDrive;
 use crate::current::CurrentConfig;
 use crate::hardware::Hardware;
 use crate::pi::PiGains;
-use crate::settings::{DriveKind, Field, Settings, SettingsError};
+use crate::settings::{DriveKind, out_of_format, periods_per_tick, validate};
 use crate::supervisor::SupervisorConfig;
 use crate::thermistor::Thermistor;
 use crate::units::{narrow, quotient};
 use fixed::types::I8F24;
 use touchstone_control::{Controller, CountScale, Fixed32, Number, Si};
+use touchstone_protocol::DeviceSettings;
+use touchstone_protocol::settings::{SettingsError, refused};
 
 /// What settings are computed into.
 #[derive(Debug, Clone, Copy)]
@@ -34,11 +36,11 @@ impl Config {
     /// Validates and computes.
     ///
     /// # Errors
-    /// As [`Settings::validate`], and coefficients that do not fit their formats.
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
-        settings.validate(hardware)?;
+    /// As [`validate`], and coefficients that do not fit their formats.
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
+        validate(settings, hardware)?;
         let motor = &settings.motor;
-        let rate = Si::saturating_from_num(settings.wall.rate_hz);
+        let rate = Si::saturating_from_num(settings.timing.rate_hz);
         let ticks = settings.limits.fade_in_s.saturating_mul(rate);
         // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
         // Rounded up, so that the last of these ticks has all of it.
@@ -51,14 +53,10 @@ impl Config {
             supervisor: SupervisorConfig::new(settings, hardware),
             calibration: CalibrationConfig::new(settings, hardware),
             drive: AnyDrive::new(settings)?,
-            law: Controller::new(&settings.wall)?,
-            force_limit: Fixed32::saturating_signal(settings.wall.force_limit),
-            scale: CountScale::new(counts, settings.surface_rad).ok_or(
-                SettingsError::Coefficient {
-                    field: Field::CountsPerRev,
-                    value: Si::ZERO,
-                },
-            )?,
+            law: Controller::new(&settings.law()).map_err(|error| refused(&error))?,
+            force_limit: Fixed32::saturating_signal(settings.law.force_limit_n_m),
+            scale: CountScale::new(counts, settings.wall.surface_rad)
+                .ok_or_else(|| out_of_format("encoder.counts_per_rev", Si::ZERO))?,
             electrical: ElectricalScale::new(motor.pole_pairs, counts),
             thermistor: hardware.thermistor,
             fade_step,
@@ -76,9 +74,9 @@ impl CurrentConfig {
     ///
     /// # Errors
     /// Gains that do not fit. For an analogue drive they are not used and never refused.
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let motor = &settings.motor;
-        let gains = match settings.drive {
+        let gains = match settings.drive.kind {
             DriveKind::ThreePhase => PiGains::new(
                 motor.resistance_ohm,
                 motor.inductance_h,
@@ -95,7 +93,7 @@ impl CurrentConfig {
             volts_per_code: narrow(hardware.volts_per_code),
             limit: narrow(motor.current_limit_a),
             trip: narrow(settings.limits.trip_current_a),
-            periods_per_tick: settings.periods_per_tick(hardware),
+            periods_per_tick: periods_per_tick(settings, hardware),
         })
     }
 }

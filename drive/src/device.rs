@@ -17,7 +17,6 @@ use crate::encoder::EncoderReading;
 use crate::hardware::Hardware;
 use crate::record::Record;
 use crate::reset::ResetReason;
-use crate::settings::{Settings, SettingsError};
 use crate::supervisor::power::Power;
 use crate::supervisor::{Found, Supervisor};
 use crate::timing::TickTiming;
@@ -25,6 +24,8 @@ use crate::units::clamp_i32;
 use fixed::types::I8F24;
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, Force, Position};
+use touchstone_protocol::DeviceSettings;
+use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, Outputs, State,
 };
@@ -112,7 +113,7 @@ impl Device {
     ///
     /// # Errors
     /// As [`Config::new`].
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Result<Self, SettingsError> {
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let config = Config::new(settings, hardware)?;
         Ok(Self {
             configs: Configs::new(config),
@@ -158,7 +159,7 @@ impl Device {
     /// As [`Config::new`]; nothing is changed then.
     pub fn configure(
         &mut self,
-        settings: &Settings,
+        settings: &DeviceSettings,
         hardware: &Hardware,
     ) -> Result<(), SettingsError> {
         self.prepare(Config::new(settings, hardware)?);
@@ -426,7 +427,7 @@ mod tests {
 
     #[test]
     fn the_present_position_becomes_zero_while_nothing_may_move() {
-        let mut settings = Settings::default();
+        let mut settings = DeviceSettings::default();
         settings.encoder.kind = EncoderKind::Incremental;
         let mut device = Device::new(&settings, &IHM08M1).unwrap();
         let count = |device: &mut Device, counter| {

@@ -61,10 +61,11 @@ pub use hardware::Hardware;
 pub use record::Record;
 pub use reset::{ResetFlags, ResetReason};
 pub use ring::{CompactRecord, Ring};
-pub use settings::{Settings, SettingsError};
 pub use timing::TickTiming;
 
 pub use touchstone_control::Si;
+pub use touchstone_protocol::DeviceSettings;
+pub use touchstone_protocol::settings::SettingsError;
 
 /// A current, A: ±32,768 in steps of 15 µA.
 pub type Amps = fixed::types::I16F16;

@@ -12,11 +12,12 @@
 //! with the winding's own time constant, so that it is what the resistance takes when the limit is left: no wind-up, no
 //! tail (Hanus' conditioned controller). It never leaves the limits of `v`, being a mean of values within them.
 
-use crate::settings::{Field, SettingsError};
+use crate::settings::out_of_format;
 use crate::units::{clamp_i32, narrow, product, quotient};
 use crate::{Amps, Volts};
 use fixed::types::I16F16;
 use touchstone_control::Si;
+use touchstone_protocol::settings::SettingsError;
 
 /// Gains, computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,10 +54,7 @@ impl PiGains {
         let share = quotient(quotient(resistance_ohm, inductance_h), loop_rate_hz);
         let gain = narrow(proportional);
         if gain <= I16F16::ZERO || gain == I16F16::MAX {
-            return Err(SettingsError::Coefficient {
-                field: Field::InductanceH,
-                value: proportional,
-            });
+            return Err(out_of_format("motor.inductance_h", proportional));
         }
         let bits = share.to_bits() >> 16;
         match u16::try_from(bits) {
@@ -64,10 +62,7 @@ impl PiGains {
                 proportional: gain,
                 share,
             }),
-            _ => Err(SettingsError::Coefficient {
-                field: Field::ResistanceOhm,
-                value: share,
-            }),
+            _ => Err(out_of_format("motor.resistance_ohm", share)),
         }
     }
 }

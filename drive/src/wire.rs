@@ -1,15 +1,10 @@
-//! Between the wire and the drive: its settings from the tree that people write, its records to the ones that they read.
+//! Between the wire and the drive: the check of what people write, and the records that they read.
 
 use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1};
-use crate::settings::{
-    AnalogueSettings, CalibrationSettings, DriveKind, EncoderSettings, Field, LimitSettings,
-    MotorSettings,
-};
-use crate::{CompactRecord, EncoderKind, Record, ResetReason, Settings, SettingsError};
+use crate::settings::validate;
+use crate::{CompactRecord, Record, ResetReason};
 use touchstone_control::Si;
-use touchstone_protocol::settings::{
-    self as tree, Decimal, DeviceSettings, Invalid, Reason, refused,
-};
+use touchstone_protocol::settings::{Decimal, DeviceSettings, SettingsError};
 use touchstone_protocol::{Board, Fault, Phase, RingRecord, Telemetry};
 
 /// The power stage of a board.
@@ -25,115 +20,9 @@ pub const fn hardware(board: Board) -> &'static Hardware {
 ///
 /// # Errors
 /// The first setting that is refused.
-pub fn checked(settings: &DeviceSettings, board: Board) -> Result<Settings, Invalid> {
+pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsError> {
     settings.validate(board)?;
-    let drive = Settings::from(settings);
-    match drive.validate(hardware(board)) {
-        Ok(()) => Ok(drive),
-        Err(error) => Err(invalid(&error)),
-    }
-}
-
-impl From<&DeviceSettings> for Settings {
-    fn from(tree: &DeviceSettings) -> Self {
-        let (motor, limits) = (&tree.motor, &tree.limits);
-        Self {
-            wall: tree.law(),
-            surface_rad: tree.wall.surface_rad.0,
-            encoder: EncoderSettings {
-                kind: match tree.encoder.kind {
-                    tree::EncoderKind::Incremental => EncoderKind::Incremental,
-                    tree::EncoderKind::As5047p => EncoderKind::As5047p,
-                    tree::EncoderKind::Mt6701 => EncoderKind::Mt6701,
-                },
-                counts_per_rev: tree.encoder.counts_per_rev,
-                reversed: tree.encoder.reversed,
-                bad_readings: tree.encoder.bad_readings,
-            },
-            drive: match tree.drive.kind {
-                tree::DriveKind::ThreePhase => DriveKind::ThreePhase,
-                tree::DriveKind::Analogue => DriveKind::Analogue,
-            },
-            motor: MotorSettings {
-                pole_pairs: motor.pole_pairs,
-                resistance_ohm: motor.resistance_ohm.0,
-                inductance_h: motor.inductance_h.0,
-                torque_constant_nm_per_a: motor.torque_constant_n_m_per_a.0,
-                current_limit_a: motor.current_limit_a.0,
-                current_bandwidth_hz: motor.current_bandwidth_hz.0,
-            },
-            analogue: AnalogueSettings {
-                full_scale_nm: tree.drive.analogue_full_scale_n_m.0,
-            },
-            limits: LimitSettings {
-                bus_min_v: limits.bus_min_v.0,
-                bus_max_v: limits.bus_max_v.0,
-                trip_current_a: limits.trip_current_a.0,
-                derate_from_c: limits.derate_from_celsius.0,
-                fault_from_c: limits.fault_from_celsius.0,
-                max_speed_rad_per_s: limits.max_speed_rad_per_s.0,
-                fade_in_s: limits.fade_in_s.0,
-            },
-            calibration: CalibrationSettings {
-                current_a: tree.calibration.current_a.0,
-                turns_per_s: tree.calibration.electrical_turns_per_s.0,
-            },
-        }
-    }
-}
-
-/// The path of a setting of the drive in the tree.
-const fn path(field: Field) -> &'static str {
-    match field {
-        Field::RateHz => "control.rate_hz",
-        Field::SurfaceRad => "wall.surface_rad",
-        Field::CountsPerRev => "encoder.counts_per_rev",
-        Field::BadReadings => "encoder.bad_readings",
-        Field::PolePairs => "motor.pole_pairs",
-        Field::ResistanceOhm => "motor.resistance_ohm",
-        Field::InductanceH => "motor.inductance_h",
-        Field::TorqueConstantNmPerA => "motor.torque_constant_n_m_per_a",
-        Field::CurrentLimitA => "motor.current_limit_a",
-        Field::CurrentBandwidthHz => "motor.current_bandwidth_hz",
-        Field::FullScaleNm => "drive.analogue_full_scale_n_m",
-        Field::BusMinV => "limits.bus_min_v",
-        Field::BusMaxV => "limits.bus_max_v",
-        Field::TripCurrentA => "limits.trip_current_a",
-        Field::DerateFromC => "limits.derate_from_celsius",
-        Field::FaultFromC => "limits.fault_from_celsius",
-        Field::MaxSpeedRadPerS => "limits.max_speed_rad_per_s",
-        Field::FadeInS => "limits.fade_in_s",
-        Field::CalibrationCurrentA => "calibration.current_a",
-        Field::CalibrationTurnsPerS => "calibration.electrical_turns_per_s",
-    }
-}
-
-/// The drive's refusal, by the path of the setting in the tree.
-#[must_use]
-pub fn invalid(error: &SettingsError) -> Invalid {
-    match *error {
-        SettingsError::Wall(error) => refused(&error),
-        SettingsError::OutOfRange {
-            field,
-            value,
-            min,
-            max,
-        } => {
-            let reason = Reason::Outside {
-                least: Decimal(min),
-                most: Decimal(max),
-            };
-            Invalid::new(path(field), Decimal(value), reason)
-        }
-        SettingsError::Rate { rate_hz, pwm_hz } => Invalid::new(
-            path(Field::RateHz),
-            Decimal::from_num(rate_hz),
-            Reason::NoFractionOf(pwm_hz),
-        ),
-        SettingsError::Coefficient { field, value } => {
-            Invalid::new(path(field), Decimal(value), Reason::OutOfFormat)
-        }
-    }
+    validate(settings, hardware(board))
 }
 
 /// `A` with 16 fractional bits as mA, towards minus infinity.
@@ -209,7 +98,7 @@ mod tests {
     fn the_defaults_of_each_board_are_accepted() {
         for board in Board::ALL {
             let settings = DeviceSettings::defaults(board);
-            assert_eq!(checked(&settings, board).map(|_| ()), Ok(()));
+            assert_eq!(checked(&settings, board), Ok(()));
         }
     }
 

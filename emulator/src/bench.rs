@@ -1,6 +1,8 @@
 //! A device on the bench: the machine, the desktop's end of its port, and the steps of a person at it.
 
 use touchstone_world::plant::Hand;
+use touchstone_control::Si;
+use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::settings::{Decimal, DeviceSettings};
 use touchstone_protocol::{DeviceCommand, Fault, Phase, Refusal, Reply, Request, Status};
 
@@ -302,8 +304,8 @@ impl Bench {
 
 /// A setting as a number.
 #[must_use]
-pub fn number(decimal: Decimal) -> f64 {
-    decimal.0.to_num()
+pub fn number(value: Si) -> f64 {
+    value.to_num()
 }
 
 /// From 0 to 1, as people move.

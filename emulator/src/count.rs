@@ -1,6 +1,8 @@
 //! What the program costs: instructions and table cycles of the law, of the control interrupt, of the current loop; the stack.
 
 use touchstone_world::plant::{FIRM, Hand, MEDIUM};
+use touchstone_control::Si;
+use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::settings::{Decimal, DeviceSettings};
 use touchstone_protocol::{DeviceCommand, Phase, Request};
 
@@ -35,28 +37,28 @@ struct Case {
 const CASES: &[Case] = &[
     Case {
         name: "press, 1 N·m/rad",
-        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("1"),
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Si::lit("1"),
         hand: MEDIUM,
         torque_n_m: 0.1,
         ramp_s: 0.5,
     },
     Case {
         name: "press, 5 N·m/rad",
-        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("5"),
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Si::lit("5"),
         hand: MEDIUM,
         torque_n_m: 0.1,
         ramp_s: 0.5,
     },
     Case {
         name: "tap, 5 N·m/rad",
-        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("5"),
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Si::lit("5"),
         hand: FIRM,
         torque_n_m: 0.15,
         ramp_s: 0.06,
     },
     Case {
         name: "hard press, 20 N·m/rad",
-        settings: |settings| settings.wall.k_desired_n_m_per_rad = Decimal::lit("20"),
+        settings: |settings| settings.wall.k_desired_n_m_per_rad = Si::lit("20"),
         hand: FIRM,
         torque_n_m: 0.3,
         ramp_s: 0.2,
@@ -64,9 +66,9 @@ const CASES: &[Case] = &[
     Case {
         name: "press, all steps at their largest",
         settings: |settings| {
-            settings.wall.step_of_ideal = Decimal::lit("1");
-            settings.wall.limit_of_force = Decimal::lit("1");
-            settings.wall.limit_of_penetration = Decimal::lit("1");
+            settings.law.step_of_ideal = Si::lit("1");
+            settings.law.limit_of_force = Si::lit("1");
+            settings.law.limit_of_penetration = Si::lit("1");
         },
         hand: FIRM,
         torque_n_m: 0.3,
@@ -74,14 +76,14 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "press, strictly passive",
-        settings: |settings| settings.wall.energy_credit_j = Decimal::lit("0"),
+        settings: |settings| settings.law.energy_credit_j = Si::lit("0"),
         hand: MEDIUM,
         torque_n_m: 0.1,
         ramp_s: 0.3,
     },
     Case {
         name: "press, 2 kHz",
-        settings: |settings| settings.control.rate_hz = 2_000,
+        settings: |settings| settings.timing.rate_hz = 2_000,
         hand: MEDIUM,
         torque_n_m: 0.1,
         ramp_s: 0.3,
@@ -294,8 +296,8 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
     bench.demand(Request::Defaults)?;
     bench.configure(|settings| {
         settings.encoder.kind = encoder.kind();
-        settings.calibration.electrical_turns_per_s = Decimal::lit("16");
-        settings.wall.surface_rad = Decimal::lit("0.2");
+        settings.calibration.electrical_turns_per_s = Si::lit("16");
+        settings.wall.surface_rad = Si::lit("0.2");
         (case.settings)(settings);
     })?;
     bench.arm()?;

@@ -5,8 +5,8 @@ use core::sync::atomic::Ordering::Relaxed;
 use heapless::Deque;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
-    ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DriveCommand, EncoderKind,
-    Ring, Settings, TickTiming,
+    ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DeviceSettings, DriveCommand,
+    EncoderKind, Ring, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
@@ -66,7 +66,7 @@ pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
 impl Control {
     /// Before the first tick.
-    pub fn new(device: Device, settings: &Settings, decimation: u16) -> Self {
+    pub fn new(device: Device, settings: &DeviceSettings) -> Self {
         Self {
             device,
             tick: 0,
@@ -74,7 +74,7 @@ impl Control {
             command: None,
             accepted: None,
             telemetry: Deque::new(),
-            decimation,
+            decimation: settings.telemetry.decimation,
             dropped: 0,
             cycles_max: 0,
             lateness_max: 0,
@@ -82,7 +82,7 @@ impl Control {
             duration: 0,
             encoder: settings.encoder.kind,
             next_encoder: settings.encoder.kind,
-            rate_hz: settings.wall.rate_hz,
+            rate_hz: settings.timing.rate_hz,
             brown_out_told: false,
         }
     }
@@ -156,11 +156,11 @@ impl Control {
     }
 
     /// Other settings, and what was made of them: they count from the next calibration.
-    pub fn prepare(&mut self, settings: &Settings, config: Config, decimation: u16) {
+    pub fn prepare(&mut self, settings: &DeviceSettings, config: Config) {
         self.device.prepare(config);
         self.next_encoder = settings.encoder.kind;
-        self.rate_hz = settings.wall.rate_hz;
-        self.decimation = decimation;
+        self.rate_hz = settings.timing.rate_hz;
+        self.decimation = settings.telemetry.decimation;
     }
 
     fn reconfigure(&mut self) {

@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering::Relaxed;
 use touchstone_drive::config::Config;
 use touchstone_drive::{CompactRecord, wire};
 use touchstone_protocol::session::{Device, FlashError};
-use touchstone_protocol::settings::{DeviceSettings, Invalid};
+use touchstone_protocol::settings::{DeviceSettings, SettingsError};
 use touchstone_protocol::{
     Command, Counters, DeviceCommand, Fault, FaultCode, Identity, PROTOCOL_VERSION, Phase,
     ResetReason, RingChunk, State, flash, stored,
@@ -54,10 +54,9 @@ impl Thread {
     #[inline(never)]
     pub fn apply(&mut self, settings: &DeviceSettings) {
         self.new_settings = false;
-        let drive = touchstone_drive::Settings::from(settings);
-        match Config::new(&drive, &board::HARDWARE) {
+        match Config::new(settings, &board::HARDWARE) {
             Ok(config) => {
-                control(|control| control.prepare(&drive, config, settings.telemetry.decimation));
+                control(|control| control.prepare(settings, config));
             }
             // They were checked, so this does not happen.
             Err(_) => {
@@ -149,8 +148,8 @@ impl Device for Thread {
         })
     }
 
-    fn check(&self, settings: &DeviceSettings) -> Result<(), Invalid> {
-        wire::checked(settings, board::BOARD).map(|_| ())
+    fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
+        wire::checked(settings, board::BOARD)
     }
 
     fn use_settings(&mut self, _settings: &DeviceSettings) {

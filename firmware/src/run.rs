@@ -6,7 +6,7 @@ use embassy_executor::Spawner;
 use embassy_stm32::usart::BufferedUart;
 use embassy_time::{Duration, Ticker};
 use static_cell::StaticCell;
-use touchstone_drive::{CurrentLoop, Device, ResetReason, Settings, wire};
+use touchstone_drive::{CurrentLoop, Device, ResetReason, wire};
 use touchstone_protocol::session::Session;
 use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{Context, FaultCode, Phase, State, flash};
@@ -71,7 +71,7 @@ fn start(spawner: Spawner, mut board: Board) -> &'static mut CurrentLoop {
 fn session(storage: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);
     let start = flash::load(storage, PAGES, defaults, &|settings| {
-        wire::checked(settings, board::BOARD).map(|_| ())
+        wire::checked(settings, board::BOARD)
     });
     let are_refused = start.refused.is_some();
     (
@@ -87,10 +87,8 @@ fn control(
     reason: ResetReason,
     are_refused: bool,
 ) -> &'static mut CurrentLoop {
-    let decimation = settings.telemetry.decimation;
-    let settings = Settings::from(settings);
-    let control = CONTROLLER.init_with(|| match Device::new(&settings, &board::HARDWARE) {
-        Ok(device) => Control::new(device, &settings, decimation),
+    let control = CONTROLLER.init_with(|| match Device::new(settings, &board::HARDWARE) {
+        Ok(device) => Control::new(device, settings),
         Err(_) => defmt::panic!("settings that were checked are refused"),
     });
     control.device.started(reason);

@@ -229,11 +229,11 @@ mod tests {
                 }
             };
             let (min, max): (Si, Si) = (min.parse().unwrap(), max.parse().unwrap());
-            assert!(!refused(min) && !refused(max), "{}", field.name());
+            assert!(!refused(min) && !refused(max), "{}", field.path());
             assert!(
                 refused(min - Si::DELTA) && refused(max + Si::DELTA),
                 "{}",
-                field.name()
+                field.path()
             );
         }
         let with = |rate_hz, force_limit: &str| Settings {

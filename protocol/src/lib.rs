@@ -1,6 +1,6 @@
 //! What firmware and desktop share: from the encoder's counter to an unbroken count ([`unwrap`]), and the states that decide
-//! whether the outputs may be on ([`machine`]). With the feature `wire` also what the two say to each other: the settings and
-//! how they are stored, requests and replies, telemetry, and the frames around them.
+//! whether the outputs may be on ([`machine`]), and what a person may set ([`settings`]). With the feature `wire` also what the two say to
+//! each other: the settings' form there and in flash, requests and replies, telemetry, and the frames around them.
 //!
 //! All are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
 #![cfg_attr(not(test), no_std)]
@@ -9,8 +9,10 @@
 #[cfg(kani)]
 extern crate kani;
 
+pub mod board;
 pub mod limit;
 pub mod machine;
+pub mod settings;
 pub mod unwrap;
 
 #[cfg(feature = "flash")]
@@ -24,22 +26,20 @@ pub mod request;
 #[cfg(feature = "wire")]
 pub mod session;
 #[cfg(feature = "wire")]
-pub mod settings;
-#[cfg(feature = "wire")]
 pub mod stored;
 #[cfg(feature = "wire")]
 pub mod telemetry;
 
+pub use board::Board;
 pub use limit::{Limit, Limits};
 pub use machine::{Command, Context, Event, FaultCode, Machine, Outputs, State};
+pub use settings::{Decimal, DeviceSettings};
 pub use unwrap::{Unwrap16, Unwrap32};
 
 #[cfg(feature = "wire")]
-pub use reply::{Board, Counters, FromDevice, Identity, Refusal, Reply, ResetReason, Status};
+pub use reply::{Counters, FromDevice, Identity, Refusal, Reply, ResetReason, Status};
 #[cfg(feature = "wire")]
 pub use request::{DeviceCommand, PROTOCOL_VERSION, Request, ToDevice};
-#[cfg(feature = "wire")]
-pub use settings::{Decimal, DeviceSettings};
 #[cfg(feature = "wire")]
 pub use telemetry::{Fault, Phase, RingChunk, RingRecord, Telemetry};
 

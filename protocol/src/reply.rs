@@ -1,5 +1,6 @@
 //! What the device answers, and what it sends by itself.
 
+use crate::Board;
 use crate::settings::{DeviceSettings, Invalid, KeyError, VALUE_MAX};
 use crate::telemetry::{Fault, Phase, RingChunk, Telemetry};
 use heapless::{String, Vec};
@@ -77,29 +78,6 @@ pub struct Identity {
     pub reset_reason: ResetReason,
     /// Hash of the source that the firmware was built from, 0 if unknown.
     pub build_hash: u64,
-}
-
-/// The boards that there is firmware for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Board {
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
-    NucleoG474re,
-    /// B-G431B-ESC1.
-    BG431bEsc1,
-}
-
-impl Board {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::NucleoG474re, Self::BG431bEsc1];
-
-    /// Its name on the command line and in file names.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NucleoG474re => "nucleo-g474re",
-            Self::BG431bEsc1 => "b-g431b-esc1",
-        }
-    }
 }
 
 /// Why the device last started.

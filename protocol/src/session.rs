@@ -5,7 +5,7 @@
 use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
 use crate::request::{DeviceCommand, Request, ToDevice};
-use crate::settings::{DeviceSettings, Invalid, VALUE_MAX};
+use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
 
@@ -27,7 +27,7 @@ pub trait Device {
     ///
     /// # Errors
     /// The first setting that is refused.
-    fn check(&self, settings: &DeviceSettings) -> Result<(), Invalid>;
+    fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError>;
     /// Takes settings that were checked; they count from the next calibration.
     fn use_settings(&mut self, settings: &DeviceSettings);
     /// Writes an image of settings into flash.
@@ -199,7 +199,9 @@ impl Session {
             Phase::Boot | Phase::Ready | Phase::Stopped | Phase::Fault => {}
             phase @ (Phase::Calibrating | Phase::Armed) => return Err(Refusal::NotNow(phase)),
         }
-        device.check(settings).map_err(Refusal::Invalid)?;
+        device
+            .check(settings)
+            .map_err(|error| Refusal::Invalid(error.into()))?;
         if *settings != self.settings {
             self.unsaved = true;
             self.settings.clone_from(settings);

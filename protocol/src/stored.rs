@@ -9,10 +9,10 @@
 //! another layout is left alone until its place is needed, so that a step back to the firmware before finds its settings.
 
 use crate::frame::{PAYLOAD_MAX, crc_of};
-use crate::settings::{DeviceSettings, Invalid};
+use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
-pub const LAYOUT_VERSION: u16 = 1;
+pub const LAYOUT_VERSION: u16 = 2;
 
 /// No image is longer, bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + CRC_BYTES;
@@ -21,7 +21,7 @@ const VERSION_BYTES: usize = 2;
 const CRC_BYTES: usize = 4;
 
 /// The check of settings, `touchstone_drive::wire::checked` on a device.
-pub type Check<'c> = &'c dyn Fn(&DeviceSettings) -> Result<(), Invalid>;
+pub type Check<'c> = &'c dyn Fn(&DeviceSettings) -> Result<(), SettingsError>;
 
 /// Why an image is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub enum Refused {
     /// Whole, but of another layout.
     OtherLayout(u16),
     /// Whole, but refused by the validation.
-    Invalid(Invalid),
+    Invalid(SettingsError),
 }
 
 /// What a device starts with.

@@ -8,7 +8,7 @@
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,
-    EncoderKind, EncoderReading, Record, Settings, TickTiming,
+    DeviceSettings, EncoderKind, EncoderReading, Record, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_world::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
@@ -57,7 +57,7 @@ pub struct Knob<T: Tamper> {
     pub record: Record,
     /// The last control tick's output.
     pub output: Option<ControlOutput>,
-    settings: Settings,
+    settings: DeviceSettings,
     shunts: [Shunt; 2],
     mailbox: CurrentCommand,
     report: CurrentReport,
@@ -75,7 +75,7 @@ fn off_or(bridge: touchstone_drive::Bridge) -> Drive {
 
 /// The thesis' knob's motor at 24 V.
 #[must_use]
-pub fn honest(settings: &Settings) -> Knob<Honest> {
+pub fn honest(settings: &DeviceSettings) -> Knob<Honest> {
     Knob::new(settings, GIMBAL, 0.0, Honest)
 }
 
@@ -85,7 +85,12 @@ impl<T: Tamper> Knob<T> {
     /// # Panics
     /// For settings that are refused.
     #[must_use]
-    pub fn new(settings: &Settings, motor: MotorParameters, angle_rad: f64, tamper: T) -> Self {
+    pub fn new(
+        settings: &DeviceSettings,
+        motor: MotorParameters,
+        angle_rad: f64,
+        tamper: T,
+    ) -> Self {
         let hardware = &IHM08M1;
         let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).expect("a plant");
         let device = Device::new(settings, hardware).expect("settings");
@@ -103,7 +108,7 @@ impl<T: Tamper> Knob<T> {
             acting: Drive::Off,
             record: empty_record(settings),
             output: None,
-            settings: *settings,
+            settings: settings.clone(),
             // The shield's parts, not the constants of `drive`; between two codes, and not where the schematic says.
             shunts: [2_128.3, 2_099.8]
                 .map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset)),
@@ -239,6 +244,6 @@ impl<T: Tamper> Knob<T> {
 }
 
 /// What a device says before its first tick.
-fn empty_record(settings: &Settings) -> Record {
+fn empty_record(settings: &DeviceSettings) -> Record {
     Device::new(settings, &IHM08M1).expect("settings").record()
 }

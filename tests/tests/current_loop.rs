@@ -4,7 +4,7 @@ use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{
     Amps, Angle, Bridge as Out, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode,
-    CurrentOutput, CurrentSample, Settings,
+    CurrentOutput, CurrentSample, DeviceSettings,
 };
 use touchstone_protocol::FaultCode;
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
@@ -29,7 +29,7 @@ struct Setup {
 
 impl Setup {
     fn new(device: &Device, bus_v: f64) -> Self {
-        let settings = Settings::default();
+        let settings = DeviceSettings::default();
         let mut setup = Self {
             current: CurrentLoop::new(CurrentConfig::new(&settings, &IHM08M1).unwrap()),
             rig: Rig::new(
@@ -309,7 +309,7 @@ fn an_old_command_switches_off_within_two_control_periods() {
 
 #[test]
 fn without_offsets_nothing_is_driven() {
-    let settings = Settings::default();
+    let settings = DeviceSettings::default();
     let mut current = CurrentLoop::new(CurrentConfig::new(&settings, &IHM08M1).unwrap());
     for tick in 1..100 {
         let command = CurrentCommand {

@@ -5,7 +5,7 @@ use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1};
 use touchstone_drive::settings::DriveKind;
 use touchstone_drive::{
     Bridge, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport, CurrentSample,
-    Device, EncoderKind, EncoderReading, Ring, Settings, Si, TickTiming,
+    Device, DeviceSettings, EncoderKind, EncoderReading, Ring, Si, TickTiming,
 };
 use touchstone_protocol::{Command, Outputs, State};
 use touchstone_tests::random::Random;
@@ -66,15 +66,15 @@ fn command(random: &mut Random, state: State) -> Option<Command> {
     }
 }
 
-fn settings(kind: EncoderKind, drive: DriveKind, rate_hz: u32) -> Settings {
-    let mut settings = Settings::default();
+fn settings(kind: EncoderKind, drive: DriveKind, rate_hz: u32) -> DeviceSettings {
+    let mut settings = DeviceSettings::default();
     settings.encoder.kind = kind;
-    settings.drive = drive;
-    settings.wall.rate_hz = rate_hz;
+    settings.drive.kind = drive;
+    settings.timing.rate_hz = rate_hz;
     // A calibration that is soon over.
     settings.motor.pole_pairs = 1;
-    settings.calibration.turns_per_s = Si::lit("20");
-    settings.surface_rad = Si::lit("-0.1");
+    settings.calibration.electrical_turns_per_s = Si::lit("20");
+    settings.wall.surface_rad = Si::lit("-0.1");
     settings
 }
 
@@ -87,11 +87,11 @@ struct Visits {
 }
 
 /// Random reports and readings into `Device`, and its commands with random samples into `CurrentLoop`.
-fn run(settings: &Settings, ticks: u32, seed: u64, visits: &mut Visits) {
+fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
     let mut random = Random::new(seed);
     let mut device = Device::new(settings, &IHM08M1).unwrap();
     let mut current = CurrentLoop::new(device.current_config());
-    let mut ring = Ring::new(settings.wall.rate_hz);
+    let mut ring = Ring::new(settings.timing.rate_hz);
     let mut report = CurrentReport::default();
     let mut mailbox = CurrentCommand::OFF;
     let (mut last, mut since_fault) = (0, [false; 2]);
@@ -157,7 +157,7 @@ fn run(settings: &Settings, ticks: u32, seed: u64, visits: &mut Visits) {
             visits.armed += 1;
         }
         visits.calibrating += u32::from(after == State::Calibrating);
-        let torque_limit = settings.wall.force_limit.to_num::<f64>();
+        let torque_limit = settings.law.force_limit_n_m.to_num::<f64>();
         assert!(output.record.torque.0.to_num::<f64>().abs() <= torque_limit);
 
         // The loop under the device's command, with samples from quiet to wild.
@@ -237,7 +237,7 @@ fn a_million_ticks_keep_the_promises() {
 fn wild_commands_into_the_loop() {
     let mut random = Random::new(77);
     for hardware in [IHM08M1, B_G431B_ESC1] {
-        let mut settings = Settings::default();
+        let mut settings = DeviceSettings::default();
         // Both boards bear it.
         settings.limits.bus_max_v = Si::lit("25");
         let device = Device::new(&settings, &hardware).unwrap();

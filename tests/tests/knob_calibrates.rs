@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 use touchstone_drive::{
-    ControlInput, CurrentSample, EncoderKind, EncoderReading, Reason, Settings,
+    ControlInput, CurrentSample, DeviceSettings, EncoderKind, EncoderReading, Reason,
 };
 use touchstone_protocol::{Command, FaultCode, State};
 use touchstone_tests::knob::{Honest, Knob, Tamper};
 use touchstone_world::motor::{GIMBAL, MotorParameters};
 
-fn settings(kind: EncoderKind, pole_pairs: u8) -> Settings {
-    let mut settings = Settings::default();
+fn settings(kind: EncoderKind, pole_pairs: u8) -> DeviceSettings {
+    let mut settings = DeviceSettings::default();
     settings.encoder.kind = kind;
     settings.motor.pole_pairs = pole_pairs;
     settings
@@ -76,7 +76,11 @@ fn every_direction_offset_and_number_of_pole_pairs_is_found() {
     assert!(worst < 0.5, "{worst} electrical degrees");
 }
 
-fn fails<T: Tamper>(settings: &Settings, motor: MotorParameters, tamper: T) -> (FaultCode, i32) {
+fn fails<T: Tamper>(
+    settings: &DeviceSettings,
+    motor: MotorParameters,
+    tamper: T,
+) -> (FaultCode, i32) {
     let mut knob = Knob::new(settings, motor, 0.0, tamper);
     let state = knob.calibrate();
     let fault = knob.device.fault();
@@ -85,7 +89,7 @@ fn fails<T: Tamper>(settings: &Settings, motor: MotorParameters, tamper: T) -> (
     (fault.code, fault.value)
 }
 
-fn reason(settings: &Settings, motor: MotorParameters) -> Option<Reason> {
+fn reason(settings: &DeviceSettings, motor: MotorParameters) -> Option<Reason> {
     let (code, value) = fails(settings, motor, Honest);
     assert_eq!(code, FaultCode::CalibrationFailed);
     Reason::from_value(value)
@@ -118,7 +122,7 @@ impl Tamper for Frozen {
 #[test]
 fn an_encoder_that_does_not_move_is_stuck() {
     assert_eq!(
-        fails(&Settings::default(), GIMBAL, Frozen).0,
+        fails(&DeviceSettings::default(), GIMBAL, Frozen).0,
         FaultCode::EncoderStuck
     );
 }
@@ -138,7 +142,7 @@ impl Tamper for Open {
 
 #[test]
 fn a_current_that_does_not_come_is_noticed() {
-    let (code, value) = fails(&Settings::default(), GIMBAL, Open);
+    let (code, value) = fails(&DeviceSettings::default(), GIMBAL, Open);
     assert_eq!(
         (code, Reason::from_value(value)),
         (FaultCode::CalibrationFailed, Some(Reason::NoCurrent))
@@ -158,7 +162,7 @@ impl Tamper for Offset {
 
 #[test]
 fn current_sensors_are_believed_near_their_schematic_only() {
-    let settings = Settings::default();
+    let settings = DeviceSettings::default();
     assert_eq!(
         fails(&settings, GIMBAL, Offset(300, 0)),
         (FaultCode::CurrentSensor, 2_400)
@@ -176,7 +180,7 @@ fn a_shaft_that_is_held_fast_is_noticed() {
         flux_linkage_wb: GIMBAL.flux_linkage_wb / 12.0,
         ..GIMBAL
     };
-    let mut knob = Knob::new(&Settings::default(), weak, 0.0, Honest);
+    let mut knob = Knob::new(&DeviceSettings::default(), weak, 0.0, Honest);
     knob.ask(Command::Calibrate);
     knob.tick();
     while knob.device.state() == State::Calibrating {

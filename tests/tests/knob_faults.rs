@@ -1,7 +1,9 @@
 //! Every fault that the supervisor knows, injected into an armed knob: outputs off in the very tick that sees it, its code and
 //! value latched, and no way back to armed but through stop and calibration.
 
-use touchstone_drive::{ControlInput, CurrentSample, EncoderReading, Settings, Si, TickTiming};
+use touchstone_drive::{
+    ControlInput, CurrentSample, DeviceSettings, EncoderReading, Si, TickTiming,
+};
 use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::knob::{Knob, Tamper};
 use touchstone_world::motor::{Drive, GIMBAL};
@@ -47,10 +49,10 @@ impl Tamper for Inject {
     }
 }
 
-fn settings() -> Settings {
-    let mut settings = Settings::default();
+fn settings() -> DeviceSettings {
+    let mut settings = DeviceSettings::default();
     settings.encoder.bad_readings = 3;
-    settings.surface_rad = Si::lit("0.2");
+    settings.wall.surface_rad = Si::lit("0.2");
     settings
 }
 
@@ -317,7 +319,7 @@ fn an_encoder_that_stops_while_the_shaft_turns() {
     }
     // Outside the wall, where nothing else would show it.
     let mut settings = settings();
-    settings.surface_rad = Si::lit("50");
+    settings.wall.surface_rad = Si::lit("50");
     let mut knob = Knob::new(
         &settings,
         GIMBAL,

@@ -2,19 +2,19 @@
 //! it read; the motor's torque is that force; and the wall holds the hand.
 
 use touchstone_control::{Controller, CountScale, Fixed32, Force, Si};
-use touchstone_drive::{EncoderKind, Record, Settings};
+use touchstone_drive::{DeviceSettings, EncoderKind, Record};
 use touchstone_protocol::{Limit, State};
 use touchstone_tests::knob::{Honest, Knob, honest};
 
-fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> Settings {
-    let mut settings = Settings::default();
-    settings.wall.k_desired = Si::from_str(k_desired).unwrap();
-    settings.wall.rate_hz = rate_hz;
+fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings {
+    let mut settings = DeviceSettings::default();
+    settings.wall.k_desired_n_m_per_rad = Si::from_str(k_desired).unwrap();
+    settings.timing.rate_hz = rate_hz;
     settings.encoder.kind = kind;
     if kind == EncoderKind::Incremental {
         settings.encoder.counts_per_rev = 40_000;
     }
-    settings.surface_rad = Si::lit("0.3");
+    settings.wall.surface_rad = Si::lit("0.3");
     settings.limits.fade_in_s = Si::lit("0.05");
     settings
 }
@@ -35,9 +35,10 @@ fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
 }
 
 /// The force of a fresh controller for the recorded counts, and whether each equals the recorded one.
-fn replayed(settings: &Settings, records: &[Record]) {
-    let mut wall = Controller::<Fixed32>::new(&settings.wall).unwrap();
-    let scale = CountScale::new(settings.encoder.counts_per_rev, settings.surface_rad).unwrap();
+fn replayed(settings: &DeviceSettings, records: &[Record]) {
+    let mut wall = Controller::<Fixed32>::new(&settings.law()).unwrap();
+    let scale =
+        CountScale::new(settings.encoder.counts_per_rev, settings.wall.surface_rad).unwrap();
     let mut felt = 0;
     for record in records {
         assert!(record.law_ran && record.state == State::Armed, "{record:?}");
@@ -106,7 +107,7 @@ fn the_wall_holds_the_hand() {
     for k in ["1", "5"] {
         let settings = settings(k, 1_000, EncoderKind::Incremental);
         let mut knob = honest(&settings).armed();
-        let stiffness: f64 = settings.wall.k_desired.to_num();
+        let stiffness: f64 = settings.wall.k_desired_n_m_per_rad.to_num();
         let start = knob.rig.now().angle_rad;
         // The hand's spring of 0.0225 N·m/rad means to be 4 rad inside.
         for tick in 0..3_000_u32 {
@@ -138,7 +139,7 @@ fn the_wall_holds_the_hand() {
 #[test]
 fn arming_inside_the_wall_fades_in() {
     let mut settings = settings("1", 1_000, EncoderKind::Incremental);
-    settings.surface_rad = Si::lit("-0.2");
+    settings.wall.surface_rad = Si::lit("-0.2");
     settings.limits.fade_in_s = Si::lit("0.2");
     let mut knob = honest(&settings).armed();
     // The hand leans on it, so that it stays inside.

@@ -1,14 +1,14 @@
 //! When settings count: from the next calibration on, and never after they were refused.
 
 use touchstone_drive::hardware::IHM08M1;
-use touchstone_drive::{Device, Settings, Si};
+use touchstone_drive::{Device, DeviceSettings, Si};
 use touchstone_protocol::{Command, FaultCode, State};
 use touchstone_tests::knob::{Honest, Knob};
 use touchstone_world::motor::{Drive, GIMBAL};
 
 #[test]
 fn refused_settings_do_not_calibrate_until_there_are_others() {
-    let mut knob = Knob::new(&Settings::default(), GIMBAL, 0.0, Honest);
+    let mut knob = Knob::new(&DeviceSettings::default(), GIMBAL, 0.0, Honest);
     knob.device.report_fault(FaultCode::SettingsInvalid, 0);
     knob.tick();
     assert_eq!(knob.fault(), Some(FaultCode::SettingsInvalid));
@@ -25,21 +25,21 @@ fn refused_settings_do_not_calibrate_until_there_are_others() {
     knob.tick();
     assert!(knob.device.may_configure());
     knob.device
-        .configure(&Settings::default(), &IHM08M1)
+        .configure(&DeviceSettings::default(), &IHM08M1)
         .unwrap();
     assert_eq!(knob.calibrate(), State::Ready);
 }
 
 #[test]
 fn settings_count_from_the_next_calibration_on() {
-    let mut knob = Knob::new(&Settings::default(), GIMBAL, 0.0, Honest);
+    let mut knob = Knob::new(&DeviceSettings::default(), GIMBAL, 0.0, Honest);
     assert_eq!(knob.calibrate(), State::Ready);
-    let mut others = Settings::default();
+    let mut others = DeviceSettings::default();
     others.motor.current_bandwidth_hz = Si::lit("300");
     knob.device.configure(&others, &IHM08M1).unwrap();
     assert_eq!(
         knob.device.current_config(),
-        Device::new(&Settings::default(), &IHM08M1)
+        Device::new(&DeviceSettings::default(), &IHM08M1)
             .unwrap()
             .current_config()
     );
@@ -57,7 +57,7 @@ fn settings_count_from_the_next_calibration_on() {
         assert!(!knob.output.unwrap().reconfigure);
     }
     assert_eq!(knob.device.state(), State::Ready);
-    let mut wrong = Settings::default();
+    let mut wrong = DeviceSettings::default();
     wrong.motor.pole_pairs = 0;
     assert!(knob.device.configure(&wrong, &IHM08M1).is_err());
 }

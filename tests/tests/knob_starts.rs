@@ -1,6 +1,6 @@
 //! What a reset leaves behind: which starts are faults, and with which value.
 
-use touchstone_drive::{ResetFlags, ResetReason, Settings};
+use touchstone_drive::{DeviceSettings, ResetFlags, ResetReason};
 use touchstone_protocol::FaultCode;
 use touchstone_tests::knob::{Honest, Knob};
 use touchstone_world::motor::{Drive, GIMBAL};
@@ -78,7 +78,7 @@ fn what_the_start_tells() {
         ),
     ];
     for (flags, expected) in cases {
-        let mut knob = Knob::new(&Settings::default(), GIMBAL, 0.0, Honest);
+        let mut knob = Knob::new(&DeviceSettings::default(), GIMBAL, 0.0, Honest);
         knob.device.started(ResetReason::of(&flags));
         knob.tick();
         let fault = knob

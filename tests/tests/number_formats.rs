@@ -3,11 +3,10 @@
 //! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
 //! alike: so a difference is the format's and not that of another trajectory.
 
+use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
 use touchstone_sim::run::judge::Tick;
-use touchstone_sim::run::record::LawKind;
-use touchstone_sim::run::settings::settings;
 use touchstone_sim::run::wall::{Controlled, Wall};
 use touchstone_sim::run::{self, Recorder};
 use touchstone_sim::scene::Scene;
@@ -43,7 +42,7 @@ fn forces<N: Reported>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
     let per_rev = scene.encoder.as_ref().unwrap().counts_per_rev as u32;
     let surface = Si::from_num(scene.wall.surface_rad);
     let scale = CountScale::new(per_rev, surface).unwrap();
-    let mut wall = Controlled::<N>::new(&settings(scene).unwrap(), scale).unwrap();
+    let mut wall = Controlled::<N>::new(&scene.settings().unwrap(), scale).unwrap();
     counts.iter().map(|&count| wall.at_count(count)).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Both sides of every passivity bound: the last setting without a warning, and the named warning for the next one. Warnings
 //! come where a law uses the setting, and nowhere else.
 
-use touchstone_control::{LawKind, ObserverForm, Settings, Si, Warning};
+use touchstone_control::{Field, LawKind, ObserverForm, Settings, Si, Warning};
 use touchstone_tests::si::{assert_one_line, next, si};
 
 fn warns(settings: &Settings, is: fn(&Warning) -> bool) -> bool {
@@ -62,7 +62,7 @@ fn a_soft_spring_above_the_critical_stiffness_is_warned_about() {
         k_critical: si("2"),
     };
     assert!(settings.warnings().any(|w| w == expected));
-    assert_eq!(expected.field(), "k_soft");
+    assert_eq!(expected.field(), Field::KSoft);
     // Laws without the spring, and stiffnesses that are shown without it.
     for law in [
         LawKind::Spring,
@@ -93,7 +93,7 @@ fn a_coupling_above_its_sampling_bound_is_warned_about() {
         bound: Si::ONE,
     };
     assert!(settings.warnings().any(|w| w == expected));
-    assert_eq!(expected.field(), "filter.stiffness");
+    assert_eq!(expected.field(), Field::FilterStiffness);
     // From the other side: less damping left over, c_i as well as c_f.
     settings = dyadic();
     settings.filter.damping = next(settings.filter.damping, true);
@@ -117,7 +117,7 @@ fn ground_damping_below_half_the_soft_spring_is_warned_about() {
         bound: si("0.375"),
     };
     assert!(settings.warnings().any(|w| w == expected));
-    assert_eq!(expected.field(), "filter.ground_damping");
+    assert_eq!(expected.field(), Field::FilterGroundDamping);
     settings.law = LawKind::Tdpa;
     assert!(!warns(&settings, is));
 }
@@ -158,9 +158,9 @@ fn the_thesis_observer_and_a_credit_are_warned_about_where_they_are_used() {
         },
         credit
     ));
-    assert_eq!(Warning::ThesisObserver.field(), "observer");
+    assert_eq!(Warning::ThesisObserver.field(), Field::Observer);
     assert_eq!(
         Warning::EnergyCredit { credit: Si::DELTA }.field(),
-        "energy_credit"
+        Field::EnergyCredit
     );
 }

@@ -1,7 +1,8 @@
 //! Every shipped scene runs, and ends as it is known to end.
 
 use std::path::Path;
-use touchstone_sim::run::record::{LawKind, Summary, Verdict};
+use touchstone_control::LawKind;
+use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::{self, Scene};
 

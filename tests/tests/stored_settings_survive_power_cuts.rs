@@ -1,9 +1,10 @@
 //! The settings in flash: a cut of power at any write or erase loses nothing but that write, and what is damaged is refused.
 
+use touchstone_control::Si;
 use touchstone_drive::wire::checked;
-use touchstone_protocol::settings::Invalid;
+use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::stored::{self, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
-use touchstone_protocol::{Board, Decimal, DeviceSettings, flash};
+use touchstone_protocol::{Board, DeviceSettings, flash};
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
@@ -13,14 +14,14 @@ const PAGES: usize = 8;
 const SAVES: u16 = 200;
 const BOARD: Board = Board::NucleoG474re;
 
-fn check(settings: &DeviceSettings) -> Result<(), Invalid> {
-    checked(settings, BOARD).map(|_| ())
+fn check(settings: &DeviceSettings) -> Result<(), SettingsError> {
+    checked(settings, BOARD)
 }
 
 /// Settings that differ from all others.
 fn settings(number: u16) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
-    settings.wall.k_desired_n_m_per_rad = Decimal::from_num(number);
+    settings.wall.k_desired_n_m_per_rad = Si::from_num(number);
     settings
 }
 
@@ -44,7 +45,7 @@ fn number_in(flash: &mut Flash) -> u16 {
         return 0;
     }
     assert_eq!(start.refused, None);
-    let number = start.settings.wall.k_desired_n_m_per_rad.0.to_num();
+    let number = start.settings.wall.k_desired_n_m_per_rad.to_num();
     assert_eq!(start.settings, settings(number));
     number
 }
@@ -151,7 +152,7 @@ fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
     assert_eq!(start.refused, Some(Refused::Damaged));
 
     let mut wrong = settings(3);
-    wrong.limits.bus_max_v = Decimal::lit("49");
+    wrong.limits.bus_max_v = Si::lit("49");
     let image = stored::encode(&wrong, &mut buffer).expect("room").to_vec();
     match stored::start(Some(&image), settings(0), &check).refused {
         Some(Refused::Invalid(invalid)) => {

@@ -4,8 +4,9 @@
 //! rest within four encoder counts in every hold; [`Verdict::Active`] then says that the user's port gave energy, and is no
 //! instability.
 
+use touchstone_control::LawKind;
 use touchstone_lab::thesis::{BEYOND, COUNTS, GRIPS, cell};
-use touchstone_sim::run::record::{LawKind, Summary, Verdict};
+use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
 
@@ -90,7 +91,7 @@ fn spring_tdpa_and_original_sfa_do_not_come_to_rest_at_high_stiffness() {
 #[test]
 fn the_tdpa_of_the_comparison_uses_the_thesis_observer() {
     let scene = cell(&base(), 5.0, LawKind::Tdpa, GRIPS[0], COUNTS[0]).unwrap();
-    assert_eq!(scene.law.observer, touchstone_sim::scene::Observer::Thesis);
+    assert_eq!(scene.law.observer, touchstone_control::ObserverForm::Thesis);
 }
 
 #[test]

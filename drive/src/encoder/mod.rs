@@ -3,22 +3,12 @@
 mod as5047p;
 mod mt6701;
 
+pub use touchstone_protocol::settings::EncoderKind;
+
 use touchstone_protocol::Unwrap32;
 
 pub use as5047p::READ_ANGLE as AS5047P_READ_ANGLE;
 pub use as5047p::READ_ERRORS as AS5047P_READ_ERRORS;
-
-/// Which encoder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum EncoderKind {
-    /// Two tracks into a timer.
-    Incremental,
-    /// AS5047P over SPI: 14 bits, parity.
-    #[default]
-    As5047p,
-    /// MT6701 over SSI: 14 bits, CRC.
-    Mt6701,
-}
 
 /// What was read in this tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -23,11 +23,12 @@ pub mod stuck;
 use crate::current::CurrentReport;
 use crate::device::ControlInput;
 use crate::hardware::Hardware;
-use crate::settings::{DriveKind, Settings};
+use crate::settings::DriveKind;
 use crate::timing::TickTiming;
 use power::{Power, PowerConfig};
 use shaft::{Seen, Shaft, ShaftConfig};
 use stuck::{Stuck, StuckConfig};
+use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
 /// Why, and the value that goes into the context.
@@ -46,15 +47,15 @@ pub struct SupervisorConfig {
 impl SupervisorConfig {
     /// From validated settings.
     #[must_use]
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
-        let rate = settings.wall.rate_hz.max(1);
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
+        let rate = settings.timing.rate_hz.max(1);
         let motor = (
             PowerConfig::new(settings, hardware),
             StuckConfig::new(settings),
         );
         Self {
             shaft: ShaftConfig::new(settings, hardware),
-            motor: (settings.drive == DriveKind::ThreePhase).then_some(motor),
+            motor: (settings.drive.kind == DriveKind::ThreePhase).then_some(motor),
             period: hardware.core_hz / rate,
         }
     }

@@ -3,11 +3,11 @@
 use super::Found;
 use crate::current::CurrentReport;
 use crate::hardware::Hardware;
-use crate::settings::Settings;
 use crate::thermistor::Thermistor;
 use crate::units::{clamp_i32, milli, narrow, quotient};
 use crate::{Celsius, Volts};
 use touchstone_control::Si;
+use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
 /// Limits of the power stage.
@@ -24,14 +24,16 @@ pub struct PowerConfig {
 impl PowerConfig {
     /// From validated settings.
     #[must_use]
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let limits = &settings.limits;
-        let span = limits.fault_from_c.saturating_sub(limits.derate_from_c);
+        let span = limits
+            .fault_from_celsius
+            .saturating_sub(limits.derate_from_celsius);
         Self {
             bus_min: narrow(limits.bus_min_v),
             bus_max: narrow(limits.bus_max_v),
             thermistor: hardware.thermistor,
-            fault_from: narrow(limits.fault_from_c),
+            fault_from: narrow(limits.fault_from_celsius),
             share_per_degree: narrow(quotient(Si::ONE, span)).to_bits(),
         }
     }
@@ -87,7 +89,7 @@ mod tests {
 
     #[test]
     fn derating_falls_from_all_to_nothing_where_the_fault_is() {
-        let config = PowerConfig::new(&Settings::default(), &IHM08M1);
+        let config = PowerConfig::new(&DeviceSettings::default(), &IHM08M1);
         let mut last = 1 << 16;
         let mut seen = [false; 3];
         for code in 1_140..3_700 {
@@ -108,7 +110,7 @@ mod tests {
 
     #[test]
     fn each_limit_has_its_code_and_value() {
-        let config = PowerConfig::new(&Settings::default(), &IHM08M1);
+        let config = PowerConfig::new(&DeviceSettings::default(), &IHM08M1);
         let code = |bus, code| Power::look(&config, &report(bus, code)).0;
         assert_eq!(code(24.0, 1_300), None);
         assert_eq!(code(31.5, 1_300), Some((FaultCode::OverVoltage, 31_500)));

@@ -8,10 +8,11 @@
 
 use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
 use crate::hardware::Hardware;
-use crate::settings::Settings;
+use crate::settings::periods_per_tick;
 use crate::units::{clamp_i32, narrow, quotient};
 use fixed::types::I16F16;
 use touchstone_control::Si;
+use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
 /// Longest window of the speed, ticks.
@@ -46,8 +47,8 @@ pub struct ShaftConfig {
 impl ShaftConfig {
     /// From validated settings.
     #[must_use]
-    pub fn new(settings: &Settings, hardware: &Hardware) -> Self {
-        let rate = settings.wall.rate_hz.max(1);
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
+        let rate = settings.timing.rate_hz.max(1);
         let counts = settings.encoder.counts_per_rev.max(1);
         let window = usize::try_from(rate / 500)
             .unwrap_or(2)
@@ -69,7 +70,7 @@ impl ShaftConfig {
         let speed = quotient(quotient(Si::ONE, per_speed), window_ticks);
         // 2^48 pole pairs/(counts · PWM periods in a window).
         let periods =
-            (window as u64).saturating_mul(u64::from(settings.periods_per_tick(hardware)));
+            (window as u64).saturating_mul(u64::from(periods_per_tick(settings, hardware)));
         let divisor = u64::from(counts).saturating_mul(periods).max(1);
         let advance = (u64::from(settings.motor.pole_pairs) << 48) / divisor;
         Self {
@@ -231,10 +232,10 @@ mod tests {
 
     /// Turns a good encoder of 16,384 counts by so many in each tick; the tick with a fault, and the fault.
     fn turned(rate_hz: u32, counts: i64) -> Option<(u32, Seen)> {
-        let mut settings = Settings::default();
+        let mut settings = DeviceSettings::default();
         settings.encoder.kind = EncoderKind::Incremental;
         settings.encoder.counts_per_rev = 16_384;
-        settings.wall.rate_hz = rate_hz;
+        settings.timing.rate_hz = rate_hz;
         let config = ShaftConfig::new(&settings, &IHM08M1);
         let mut shaft = Shaft::new();
         for tick in 0..200_u32 {

@@ -13,11 +13,11 @@
 use super::Found;
 use crate::Volts;
 use crate::current::CurrentReport;
-use crate::settings::Settings;
 use crate::transform::Dq;
 use crate::units::{milli, narrow, product, quotient};
 use fixed::types::I16F16;
 use touchstone_control::Si;
+use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
 /// Coefficients.
@@ -33,20 +33,20 @@ pub struct StuckConfig {
 impl StuckConfig {
     /// From validated settings.
     #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &DeviceSettings) -> Self {
         let motor = &settings.motor;
         // Speed at which 8 counts pass in 10 ms, at least 5 rad/s: 2π · 8/(counts · 0.01 s).
         let counts = Si::saturating_from_num(settings.encoder.counts_per_rev);
         let speed = quotient(const { Si::lit("5026.548") }, counts).max(const { Si::lit("5") });
         // k_t = 3/2 p λ, and the back-EMF's amplitude is p λ ω.
         let flux = motor
-            .torque_constant_nm_per_a
+            .torque_constant_n_m_per_a
             .saturating_mul(const { Si::lit("0.666666667") });
         let least = flux.saturating_mul(speed).saturating_add(Si::ONE);
         Self {
             resistance_ohm: narrow(motor.resistance_ohm),
             least: narrow(least),
-            ticks: (settings.wall.rate_hz / 100).max(2),
+            ticks: (settings.timing.rate_hz / 100).max(2),
         }
     }
 }

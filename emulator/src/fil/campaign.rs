@@ -1,6 +1,7 @@
 //! Carries out injections, one after the other on the same device: each begins with the recovery from the one before.
 
 use touchstone_world::plant::MEDIUM;
+use touchstone_control::Si;
 use touchstone_protocol::settings::Decimal;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
 
@@ -40,8 +41,8 @@ impl Campaign {
         let kind = setup.board.encoder.kind();
         bench.configure(|settings| {
             settings.encoder.kind = kind;
-            settings.calibration.electrical_turns_per_s = Decimal::lit("16");
-            settings.wall.surface_rad = Decimal::lit("0.3");
+            settings.calibration.electrical_turns_per_s = Si::lit("16");
+            settings.wall.surface_rad = Si::lit("0.3");
         })?;
         bench.demand(Request::Save)?;
         Ok(Self { bench, fresh: true })

@@ -1,10 +1,10 @@
 //! The thesis' press, played by a hand on the emulated device, and its forces compared with the law on this machine.
 
 use touchstone_world::plant::MEDIUM;
-use touchstone_control::{Controller, CountScale, Fixed32};
+use touchstone_control::{Controller, CountScale, Fixed32, Si};
+use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Telemetry};
 use touchstone_drive::Settings;
 use touchstone_protocol::settings::Decimal;
-use touchstone_protocol::{DeviceCommand, Phase, Request, Telemetry};
 
 use crate::bench::{Bench, MS};
 
@@ -12,7 +12,7 @@ use crate::bench::{Bench, MS};
 #[derive(Debug, Clone)]
 pub struct Press {
     /// Desired stiffness, N·m/rad.
-    pub k_desired: Decimal,
+    pub k_desired: Si,
     /// Control ticks compared.
     pub compared: usize,
     /// Of them in contact: with a force.
@@ -29,7 +29,7 @@ pub struct Press {
 ///
 /// # Errors
 /// Whatever fails, or the first tick whose bits differ.
-pub fn press(bench: &mut Bench, k_desired: Decimal) -> Result<Press, String> {
+pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     bench.release();
     let phase = bench.status()?.phase;
     if phase != Phase::Boot && phase != Phase::Stopped {
@@ -47,7 +47,7 @@ pub fn press(bench: &mut Bench, k_desired: Decimal) -> Result<Press, String> {
     if status.phase != Phase::Armed {
         return Err(format!("{} with {:?}", status.phase.name(), status.fault));
     }
-    let settings = Settings::from(&bench.settings()?);
+    let settings = bench.settings()?;
     let gaps = bench.link.gaps(from);
     if gaps > 0 {
         return Err(format!("{gaps} records of telemetry are missing"));
@@ -79,10 +79,10 @@ pub fn press(bench: &mut Bench, k_desired: Decimal) -> Result<Press, String> {
 }
 
 /// The law on this machine, given the counts that the device was given: penetration, force and offset equal to the bit.
-fn compare(settings: &Settings, armed: &[&Telemetry]) -> Result<usize, String> {
+fn compare(settings: &DeviceSettings, armed: &[&Telemetry]) -> Result<usize, String> {
     let refused = |error| format!("the settings are refused here: {error:?}");
-    let mut law = Controller::<Fixed32>::new(&settings.wall).map_err(refused)?;
-    let scale = CountScale::new(settings.encoder.counts_per_rev, settings.surface_rad)
+    let mut law = Controller::<Fixed32>::new(&settings.law()).map_err(refused)?;
+    let scale = CountScale::new(settings.encoder.counts_per_rev, settings.wall.surface_rad)
         .ok_or("the encoder's counts are refused here")?;
     for record in armed {
         let penetration = scale.penetration::<Fixed32>(i64::from(record.count));

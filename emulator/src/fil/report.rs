@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use touchstone_protocol::settings::Decimal;
+use touchstone_control::Si;
 use touchstone_protocol::{FaultCode, Request};
 
 use super::jobs::{Programs, jobs};
@@ -109,7 +109,7 @@ fn codes(latched: &BTreeSet<&FaultCode>) -> Vec<String> {
 pub fn boot(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     println!("{:?}", bench.boot()?);
-    let pressed = press::press(&mut bench, Decimal::lit("5"))?;
+    let pressed = press::press(&mut bench, Si::lit("5"))?;
     println!("{:?}", bench.demand(Request::Counters)?);
     println!(
         "not modelled, but used: {:x?}",

@@ -1,6 +1,7 @@
 //! Settings in flash: damaged bits, and the power cut at each of the writes.
 
-use touchstone_protocol::settings::{Decimal, DeviceSettings};
+use touchstone_control::Si;
+use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
@@ -13,11 +14,11 @@ use crate::cpu::elf::Program;
 const SETTINGS: (u32, usize) = (0x0801_c000, 16 * 1024);
 
 /// Something to tell apart from the defaults, and from one another.
-fn changed(bench: &mut Bench, k: Decimal) -> Result<(), String> {
+fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
 }
 
-fn k_of(bench: &mut Bench) -> Result<Decimal, String> {
+fn k_of(bench: &mut Bench) -> Result<Si, String> {
     Ok(bench.settings()?.wall.k_desired_n_m_per_rad)
 }
 
@@ -33,7 +34,7 @@ fn restart(bench: &mut Bench) -> Result<(), String> {
 /// # Errors
 /// What is wrong after which cut.
 pub fn power_cuts(program: &Program, setup: &Setup, at_most: u64) -> Result<u64, String> {
-    let (old, new) = (Decimal::lit("2"), Decimal::lit("3"));
+    let (old, new) = (Si::lit("2"), Si::lit("3"));
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
     for cut in 0..at_most {
@@ -80,7 +81,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
         return Err("the device does not say who it is".into());
     };
     let defaults = DeviceSettings::defaults(identity.board);
-    changed(&mut bench, Decimal::lit("2"))?;
+    changed(&mut bench, Si::lit("2"))?;
     // Twice: what damages one copy only must do no harm.
     bench.demand(Request::Save)?;
     bench.demand(Request::Save)?;

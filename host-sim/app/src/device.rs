@@ -86,7 +86,7 @@ pub fn main(options: &Options) -> Result<()> {
 /// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
 fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
-    let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.0.to_num();
+    let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
     // Positive by its range; what is not is no reason to panic.
     CALIBRATION_REST + Duration::try_from_secs_f64(turns / turns_per_s).unwrap_or_default()
 }
@@ -304,7 +304,8 @@ fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchstone_protocol::{Board, Decimal};
+    use touchstone_control::Si;
+    use touchstone_protocol::Board;
 
     #[test]
     fn a_slow_calibration_of_many_pole_pairs_is_waited_for() {
@@ -315,7 +316,7 @@ mod tests {
             calibration_limit(&settings),
             CALIBRATION_REST + Duration::from_secs(8)
         );
-        settings.calibration.electrical_turns_per_s = Decimal::lit("0.8");
+        settings.calibration.electrical_turns_per_s = Si::lit("0.8");
         // 40 s and the rest, less what rounds 0.8 to its format.
         assert!((54..=55).contains(&calibration_limit(&settings).as_secs()));
     }

@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     let mut client = options.port.connect()?;
     let settings = config::settings(&mut client)?;
     let mut table = match &options.csv {
-        Some(path) => Some(Table::new(path, settings.control.rate_hz)?),
+        Some(path) => Some(Table::new(path, settings.timing.rate_hz)?),
         None => None,
     };
     let dropped_before = dropped(&mut client)?;

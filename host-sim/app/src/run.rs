@@ -45,7 +45,7 @@ pub fn main(options: &Options) -> Result<()> {
                 intro: &scene.description,
                 command: &super::command_line(),
                 k_critical: Some(
-                    2.0 * scene.law.c_i_n_m_s_per_rad * f64::from(scene.timing.rate_hz),
+                    2.0 * scene.law.device_damping_n_m_s_per_rad * f64::from(scene.timing.rate_hz),
                 ),
                 runs: &runs,
                 notes: &warnings,

@@ -5,10 +5,11 @@ use crate::scene_options::check;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Instant;
+use touchstone_control::LawKind;
 use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
 use touchstone_lab::thesis::{self, COUNTS, GRIPS, STIFFNESSES, claims};
 use touchstone_sim::error::Result;
-use touchstone_sim::run::record::{LawKind, Run, Verdict};
+use touchstone_sim::run::record::{Run, Verdict};
 use touchstone_sim::scene::Scene;
 
 /// Options of `thesis`.
@@ -60,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     say!("");
     say!("{}", claims_text(&claims).trim_end());
 
-    let k_critical = 2.0 * base.law.c_i_n_m_s_per_rad * f64::from(base.timing.rate_hz);
+    let k_critical = 2.0 * base.law.device_damping_n_m_s_per_rad * f64::from(base.timing.rate_hz);
     let section = claims_section(&claims);
     let row_notes = row_notes();
     let input = ReportInput {

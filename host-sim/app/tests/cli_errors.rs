@@ -176,12 +176,12 @@ fn a_value_outside_its_number_format_is_refused_where_it_stands() {
         "bad.toml",
         &scene(
             GOOD,
-            "number = \"fixed16\"\nk_v_n_m_per_rad = 600.0\nkind = \"sfa\"",
+            "number = \"fixed16\"\nk_soft_n_m_per_rad = 600.0\nkind = \"sfa\"",
         ),
     );
     folder.refused(
         &["run", "bad.toml", "--out", "out"],
-        &["bad.toml:9:", "k_v_n_m_per_rad", "600", "fixed16"],
+        &["bad.toml:9:", "k_soft_n_m_per_rad", "600", "fixed16"],
     );
     // The 32-bit format takes the first of them.
     let output = folder.run(&["run", "tap", "--k-desired", "400000", "--json"]);

@@ -25,8 +25,8 @@ fn text(bytes: &[u8]) -> String {
 /// A setting just inside its bound and one just outside, with what the warning must say.
 const BOUNDS: [(&str, &str, &[&str]); 3] = [
     (
-        "law.k_v_n_m_per_rad=1.0",
-        "law.k_v_n_m_per_rad=1.01",
+        "law.k_soft_n_m_per_rad=1.0",
+        "law.k_soft_n_m_per_rad=1.01",
         &[
             "k_v = 1.01",
             "k_c = 2 c_i/T = 1:",
@@ -45,8 +45,8 @@ const BOUNDS: [(&str, &str, &[&str]); 3] = [
         ],
     ),
     (
-        "law.filter.damping_to_ground_n_m_s_per_rad=4.01e-4",
-        "law.filter.damping_to_ground_n_m_s_per_rad=3.9e-4",
+        "law.filter.ground_damping_n_m_s_per_rad=4.01e-4",
+        "law.filter.ground_damping_n_m_s_per_rad=3.9e-4",
         &[
             "c_env = 3.9e-4",
             "k_v T/2 = 4e-4",

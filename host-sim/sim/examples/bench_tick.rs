@@ -6,6 +6,7 @@
 
 use std::hint::black_box;
 use std::time::Instant;
+use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Tick;
@@ -133,7 +134,7 @@ fn law<N: Reported + 'static>(scene: &Scene) -> Law {
         let encoder = scene.encoder.as_ref().expect("a scene with an encoder");
         let surface = Si::from_num(scene.wall.surface_rad);
         let scale = CountScale::new(encoder.counts_per_rev as u32, surface).expect("counts");
-        let settings = settings(&scene).expect("a scene that has run");
+        let settings = scene.settings().expect("a scene that has run");
         let mut wall = Controlled::<N>::new(&settings, scale).expect("a scene that fits");
         counts.iter().map(|&count| wall.at_count(count)).collect()
     })

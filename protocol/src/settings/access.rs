@@ -61,7 +61,7 @@ impl DeviceSettings {
 mod tests {
     use super::super::fields::FIELDS;
     use super::*;
-    use crate::reply::Board;
+    use crate::Board;
     use miniconf::TreeSchema;
 
     #[test]
@@ -116,12 +116,12 @@ mod tests {
             ".",
             "wall",
             "wall.",
-            ".wall.law",
-            "wall.law.x",
-            "wall.filter",
+            ".law.kind",
+            "law.kind.x",
+            "law.filter",
             "wall.0",
             "x",
-            "wall..law",
+            "law..kind",
         ] {
             let mut buffer = [0; VALUE_MAX];
             assert_eq!(

@@ -3,8 +3,8 @@
 use core::fmt;
 use core::str::FromStr;
 use fixed::traits::ToFixed;
-use serde::de::{Error, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "wire")]
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error, de::Visitor};
 use touchstone_control::Si;
 
 /// A value in `I32F32`: ±2.1e9 in steps of 2.3e-10.
@@ -49,6 +49,7 @@ impl FromStr for Decimal {
     }
 }
 
+#[cfg(feature = "wire")]
 impl Serialize for Decimal {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {
@@ -59,6 +60,7 @@ impl Serialize for Decimal {
     }
 }
 
+#[cfg(feature = "wire")]
 impl<'de> Deserialize<'de> for Decimal {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         if deserializer.is_human_readable() {
@@ -69,8 +71,10 @@ impl<'de> Deserialize<'de> for Decimal {
     }
 }
 
+#[cfg(feature = "wire")]
 struct Text;
 
+#[cfg(feature = "wire")]
 impl Visitor<'_> for Text {
     type Value = Decimal;
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -82,6 +86,7 @@ impl Visitor<'_> for Text {
 }
 
 /// A number format of the control law as its bits; for `#[serde(with = …)]`.
+#[cfg(feature = "wire")]
 pub(crate) mod bits {
     use fixed::types::I8F24;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -133,6 +138,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "wire")]
     #[test]
     fn the_wire_comes_back_as_the_same_bits() {
         for value in samples() {

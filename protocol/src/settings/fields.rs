@@ -1,9 +1,11 @@
 //! Every leaf of the tree once more, with its unit, its bounds and what it means: for validation, and for people.
 
 use super::{
-    Decimal, DeviceSettings, DriveKind, EncoderKind, FirstContact, IdealStep, Invalid, Law,
-    Observer, OffsetUpdate, Reason, Regulate,
+    Decimal, DeviceSettings, DriveKind, EncoderKind, Reason, SettingsError, device_settings,
 };
+use touchstone_control::choices::*;
+use touchstone_control::table::equal;
+use touchstone_control::{Choice, Si, setting_path};
 
 /// What a leaf may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,199 +63,136 @@ pub fn field(path: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.path == path)
 }
 
-/// The smallest value of a number; for constants, so that the table need not be in a program.
+/// The range of a number; for constants, so that the table need not be in a program.
 ///
 /// # Panics
 /// If no number has this path.
-pub(super) const fn least(path: &str) -> Decimal {
+#[must_use]
+pub const fn range(path: &str) -> (Si, Si) {
     let mut index = 0;
     while index < FIELDS.len() {
-        let Field {
-            path: other, kind, ..
-        } = &FIELDS[index];
-        if let Kind::Number { least, .. } = kind
-            && equal(path.as_bytes(), other.as_bytes())
-        {
-            return *least;
+        if equal(path, FIELDS[index].path) {
+            match FIELDS[index].kind {
+                Kind::Number { least, most } => return (least.0, most.0),
+                Kind::Whole { least, most } => {
+                    return (
+                        Si::const_from_int(least as i64),
+                        Si::const_from_int(most as i64),
+                    );
+                }
+                Kind::Choice(_) | Kind::Flag => break,
+            }
         }
         index += 1;
     }
     panic!("no number has this path")
 }
 
-/// `==` in constants.
-const fn equal(mut left: &[u8], mut right: &[u8]) -> bool {
-    while let ([first, left_rest @ ..], [other, right_rest @ ..]) = (left, right) {
-        if *first != *other {
-            return false;
-        }
-        (left, right) = (left_rest, right_rest);
-    }
-    left.is_empty() && right.is_empty()
-}
-
-/// A number as such, whatever its type; nothing for words and flags, whose type is their range.
-trait Leaf {
-    fn number(&self) -> Option<Decimal> {
-        None
-    }
-}
-
-macro_rules! leaf {
-    (number: $($whole:ty)*; word: $($word:ty)*) => {
-        $(impl Leaf for $whole {
-            fn number(&self) -> Option<Decimal> {
-                Some(Decimal::from_num(*self))
-            }
-        })*
-        $(impl Leaf for $word {})*
-    };
-}
-leaf!(number: u8 u16 u32; word: bool Law Observer FirstContact Regulate OffsetUpdate IdealStep EncoderKind DriveKind);
-
-impl Leaf for Decimal {
-    fn number(&self) -> Option<Decimal> {
-        Some(*self)
-    }
-}
-
-const fn number(least: &'static str, most: &'static str) -> Kind {
-    Kind::Number {
-        least: Decimal::lit(least),
-        most: Decimal::lit(most),
-    }
-}
-
-const fn whole(least: u32, most: u32) -> Kind {
-    Kind::Whole { least, most }
-}
-
-const fn word(words: &'static [&'static str]) -> Kind {
-    Kind::Choice(words)
-}
-
-/// The table for people and the check of the numbers, of one list. Firmware has the second only: the texts of a `const` that
+/// The table for people and the check of the numbers, of the two lists. Firmware has the second only: the texts of a `const` that
 /// nothing uses are not in the program.
 macro_rules! fields {
-    ($($head:ident $(. $tail:ident)*: $kind:expr, $unit:literal, $about:literal;)+) => {
+    (
+        own_wall { $($own_wall:tt)* } own { $($(#[$own_doc:meta])* $own:ident $Own:ident { $($own_rows:tt)* })+ }
+        timing { $($timing:tt)* }
+        wall { $($w_variant:ident $w_field:ident, $w_name:ident: $w_kind:ident $w_range:tt = $w_default:tt, $w_unit:literal, $w_about:literal;)+ }
+        law { $($l_variant:ident $l_field:ident, $l_name:ident: $l_kind:ident $l_range:tt = $l_default:tt, $l_unit:literal, $l_about:literal;)+ }
+        $($(#[$doc:meta])* $group:ident $Group:ident {
+            $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
+        })+
+    ) => {
+        fields! { @rows settings:
+            (wall) (settings.wall) { $($own_wall)* $($w_name: $w_kind $w_range = $w_default, $w_unit, $w_about;)+ }
+            (law) (settings.law) { $($l_name: $l_kind $l_range = $l_default, $l_unit, $l_about;)+ }
+            $((law $group) (settings.law.$group) { $($name: $kind $range = $default, $unit, $about;)+ })+
+            $(($own) (settings.$own) { $($own_rows)* })+
+        }
+    };
+    (@rows $settings:ident: $($table:tt $place:tt {
+        $($name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
+    })+) => {
         /// Every leaf, in the order of the tree.
-        pub const FIELDS: &[Field] = &[$(Field {
-            path: concat!(stringify!($head) $(, ".", stringify!($tail))*),
-            kind: $kind,
+        pub const FIELDS: &[Field] = &[$($(Field {
+            path: setting_path!($table $name),
+            kind: fields!(@kind $kind $range),
             unit: $unit,
             about: $about,
-        },)+];
+        },)+)+];
 
         /// Every number against its own range; the first that is outside.
-        pub(super) fn check(settings: &DeviceSettings) -> Result<(), Invalid> {
-            $(within(
-                concat!(stringify!($head) $(, ".", stringify!($tail))*),
-                settings.$head $(.$tail)*.number(),
-                const { $kind },
-            )?;)+
+        pub(super) fn check($settings: &DeviceSettings) -> Result<(), SettingsError> {
+            $($(fields!(@check ($table $name) $place $name $kind $range);)+)+
             Ok(())
         }
     };
-}
-
-fn within(path: &str, value: Option<Decimal>, kind: Kind) -> Result<(), Invalid> {
-    let (Some(value), Some((least, most))) = (value, kind.range()) else {
-        return Ok(());
+    (@kind number ($least:literal, $most:literal)) => {
+        Kind::Number { least: Decimal::lit($least), most: Decimal::lit($most) }
     };
+    (@kind flag ()) => { Kind::Flag };
+    (@kind choice ($choice:ident)) => { Kind::Choice(<$choice as Choice>::WORDS) };
+    (@kind choice_of_law ($choice:ident)) => { Kind::Choice(<$choice as Choice>::WORDS) };
+    (@kind $whole:ident ($least:literal, $most:literal)) => { Kind::Whole { least: $least, most: $most } };
+    // The type of a word or a flag is its range.
+    (@check $path:tt $place:tt $name:ident choice $range:tt) => {};
+    (@check $path:tt $place:tt $name:ident choice_of_law $range:tt) => {};
+    (@check $path:tt $place:tt $name:ident flag ()) => {};
+    (@check ($($path:tt)+) ($($place:tt)+) $name:ident $kind:ident $range:tt) => {
+        within(
+            setting_path!($($path)+),
+            fields!(@number $kind $($place)+.$name),
+            const { range(setting_path!($($path)+)) },
+        )?
+    };
+    (@number number $value:expr) => { $value };
+    (@number $whole:ident $value:expr) => { Si::saturating_from_num($value) };
+}
+device_settings!(fields);
+
+/// A number against a range.
+///
+/// # Errors
+/// It is outside.
+pub fn within(path: &'static str, value: Si, (least, most): (Si, Si)) -> Result<(), SettingsError> {
     if value < least || value > most {
-        return Err(Invalid::new(path, value, Reason::Outside { least, most }));
+        let (value, least, most) = (Decimal(value), Decimal(least), Decimal(most));
+        return Err(SettingsError {
+            path,
+            value,
+            reason: Reason::Outside { least, most },
+        });
     }
     Ok(())
 }
 
-// Bounds of the wall: those of `control`, or narrower where this device cannot do more; a test holds the two together.
-fields! {
-    control.rate_hz: whole(500, 10_000), "Hz",
-        "control rate, a whole fraction of 20000 Hz";
-    wall.surface_rad: number("-100", "100"), "rad",
-        "where the surface is, from the zero of the calibration; inside is beyond it";
-    wall.law: word(Law::WORDS), "",
-        "the control law";
-    wall.k_desired_n_m_per_rad: number("0", "10000"), "N·m/rad",
-        "desired stiffness k_de";
-    wall.k_soft_n_m_per_rad: number("0.01", "10000"), "N·m/rad",
-        "soft stiffness k_v, stable by itself: at most k_c = 2 c_i/T";
-    wall.device_damping_n_m_s_per_rad: number("0", "10"), "N·m·s/rad",
-        "damping c_i that device and fingertip are trusted to have";
-    wall.virtual_damping_n_m_s_per_rad: number("0", "10"), "N·m·s/rad",
-        "virtual damping of the law spring-damper";
-    wall.observer: word(Observer::WORDS), "",
-        "energy observer; thesis counts the sampling leak with the wrong sign";
-    wall.count_device_damping: Kind::Flag, "",
-        "tdpa: count c_i as dissipation";
-    wall.first_contact: word(FirstContact::WORDS), "",
-        "what happens to the force when the first contact ends";
-    wall.regulate: word(Regulate::WORDS), "",
-        "which stiffness the offset regulates";
-    wall.offset_update: word(OffsetUpdate::WORDS), "",
-        "when the offset is changed";
-    wall.ideal_step: word(IdealStep::WORDS), "",
-        "what the ideal step supposes of the hand";
-    wall.step_of_ideal: number("0", "1"), "",
-        "c, the part of the ideal step that is taken";
-    wall.limit_of_force: number("0", "1"), "",
-        "b, the largest step of the force as a part of it";
-    wall.limit_of_penetration: number("0", "1"), "",
-        "a, the largest step of the offset as a part of the penetration";
-    wall.filter.mass_kg_m2: number("0", "1"), "kg·m²",
-        "virtual inertia";
-    wall.filter.stiffness_n_m_per_rad: number("0.01", "10000"), "N·m/rad",
-        "coupling stiffness k_f, at most 2 (c_i - c_f)/T";
-    wall.filter.damping_n_m_s_per_rad: number("0", "10"), "N·m·s/rad",
-        "coupling damping c_f";
-    wall.filter.ground_damping_n_m_s_per_rad: number("0", "10"), "N·m·s/rad",
-        "damping of the virtual mass to ground c_env, at least k_v T/2";
-    wall.energy_credit_j: number("0", "10"), "J",
-        "energy that one contact may give beyond what it took; 0 is strictly passive";
-    wall.force_limit_n_m: number("0.000001", "50"), "N·m",
-        "largest torque ever commanded, at most torque constant times current limit";
-    encoder.kind: word(EncoderKind::WORDS), "",
-        "which encoder is connected";
-    encoder.counts_per_rev: whole(4, 1_000_000), "counts/rev",
-        "counts a revolution, all edges counted; 16384 for as5047p and mt6701";
-    encoder.reversed: Kind::Flag, "",
-        "turning the other way is positive";
-    encoder.bad_readings: whole(1, 10), "readings",
-        "bad readings in a row that make a fault; the outputs are off from the first";
-    drive.kind: word(DriveKind::WORDS), "",
-        "what moves the shaft";
-    drive.analogue_full_scale_n_m: number("0.01", "100"), "N·m",
-        "analogue: torque at the upper end of the output; none in the middle";
-    motor.pole_pairs: whole(1, 50), "",
-        "pole pairs; the calibration checks them";
-    motor.resistance_ohm: number("0.01", "100"), "Ω",
-        "resistance of one phase to the star point: half of that between two wires";
-    motor.inductance_h: number("0.000005", "0.1"), "H",
-        "inductance of one phase to the star point: half of that between two wires";
-    motor.torque_constant_n_m_per_a: number("0.001", "10"), "N·m/A",
-        "torque for a q-axis current of 1 A (the amplitude of a phase current)";
-    motor.current_limit_a: number("0.05", "25"), "A",
-        "largest current that is ever asked for, at most the trip current";
-    motor.current_bandwidth_hz: number("50", "1500"), "Hz",
-        "bandwidth of the current loop";
-    limits.trip_current_a: number("0.05", "25"), "A",
-        "phase current that switches off; at most 15 on nucleo-g474re";
-    limits.bus_min_v: number("8", "48"), "V",
-        "bus voltage below which it switches off";
-    limits.bus_max_v: number("8", "48"), "V",
-        "bus voltage above which it switches off; at most 30 on b-g431b-esc1";
-    limits.derate_from_celsius: number("20", "109"), "°C",
-        "from here the current is reduced";
-    limits.fault_from_celsius: number("30", "110"), "°C",
-        "switches off; the reduced current reaches zero here";
-    limits.max_speed_rad_per_s: number("1", "1000"), "rad/s",
-        "speed above which it switches off";
-    limits.fade_in_s: number("0", "10"), "s",
-        "time over which the torque fades in after arming";
-    calibration.current_a: number("0.05", "25"), "A",
-        "current of the field that turns the shaft, at most the current limit";
-    calibration.electrical_turns_per_s: number("0.2", "20"), "turns/s",
-        "speed of that field, electrical turns";
-    telemetry.decimation: whole(0, 1000), "ticks",
-        "one record every so many control ticks; 0 sends none";
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_control::table::suffix;
+
+    #[test]
+    fn a_name_ends_in_its_unit() {
+        for field in FIELDS {
+            assert!(field.path.ends_with(suffix(field.unit)), "{field:?}");
+            assert!(
+                !field.about.is_empty() && !field.about.ends_with('.'),
+                "{field:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_defaults_are_within_their_ranges() {
+        for board in crate::Board::ALL {
+            assert_eq!(check(&DeviceSettings::defaults(board)), Ok(()));
+        }
+    }
+
+    #[test]
+    fn the_law_is_the_one_of_the_tables_defaults() {
+        let law = touchstone_control::Settings::default();
+        assert_eq!(DeviceSettings::default().law(), law);
+        // Every setting of the law is a leaf here too, but the control rate with a range of the device's own.
+        for law in touchstone_control::Field::ALL {
+            assert!(field(law.path()).is_some(), "{}", law.path());
+        }
+    }
 }

@@ -2,31 +2,47 @@
 //! itself.
 
 use super::{Decimal, DeviceSettings, DriveKind, EncoderKind, fields};
-use crate::reply::Board;
+use crate::Board;
 use core::fmt;
+#[cfg(feature = "wire")]
 use serde::{Deserialize, Serialize};
 use touchstone_control as law;
-use touchstone_control::{Controller, Fixed32, SettingsError};
+use touchstone_control::{Choice, Controller, Field, Fixed32};
 
 /// Longest path of a leaf, bytes.
+#[cfg(feature = "wire")]
 pub const PATH_MAX: usize = 48;
 
 /// A path that owns its text.
+#[cfg(feature = "wire")]
 pub type PathText = heapless::String<PATH_MAX>;
 
 /// A setting that is refused, and why.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Invalid {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SettingsError {
     /// The path of the leaf.
-    pub path: PathText,
+    pub path: &'static str,
     /// Its value, or the coefficient for [`Reason::OutOfFormat`].
     pub value: Decimal,
     /// Why it is refused.
     pub reason: Reason,
 }
 
-/// Why a setting is refused.
+/// The same on the wire.
+#[cfg(feature = "wire")]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Invalid {
+    /// As [`SettingsError::path`].
+    pub path: PathText,
+    /// As [`SettingsError::value`].
+    pub value: Decimal,
+    /// As [`SettingsError::reason`].
+    pub reason: Reason,
+}
+
+/// Why a setting is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
 pub enum Reason {
     /// Outside the range that it has, or that the other settings leave it.
     Outside {
@@ -43,26 +59,26 @@ pub enum Reason {
     NotOnThisBoard,
 }
 
-impl Invalid {
-    /// By its path.
-    #[must_use]
-    pub fn new(path: &str, value: Decimal, reason: Reason) -> Self {
+#[cfg(feature = "wire")]
+impl From<SettingsError> for Invalid {
+    fn from(error: SettingsError) -> Self {
         Self {
             // Every path fits: a test goes through all of them.
-            path: PathText::try_from(path).unwrap_or_default(),
-            value,
-            reason,
+            path: PathText::try_from(error.path).unwrap_or_default(),
+            value: error.value,
+            reason: error.reason,
         }
     }
 }
 
-impl fmt::Display for Invalid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            path,
-            value,
-            reason,
-        } = self;
+impl SettingsError {
+    /// What the words for people are made of.
+    fn tell(
+        f: &mut fmt::Formatter<'_>,
+        path: &str,
+        value: &Decimal,
+        reason: &Reason,
+    ) -> fmt::Result {
         let unit = fields::field(path).map_or("", |field| field.unit);
         let space = if unit.is_empty() { "" } else { " " };
         match reason {
@@ -89,6 +105,22 @@ impl fmt::Display for Invalid {
     }
 }
 
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Self::tell(f, self.path, &self.value, &self.reason)
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+#[cfg(feature = "wire")]
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        SettingsError::tell(f, &self.path, &self.value, &self.reason)
+    }
+}
+
+#[cfg(feature = "wire")]
 impl core::error::Error for Invalid {}
 
 impl DeviceSettings {
@@ -99,102 +131,89 @@ impl DeviceSettings {
     ///
     /// # Errors
     /// The first setting that is refused.
-    pub fn validate(&self, board: Board) -> Result<Controller<Fixed32>, Invalid> {
+    pub fn validate(&self, board: Board) -> Result<Controller<Fixed32>, SettingsError> {
         fields::check(self)?;
         self.check_board(board)?;
         self.check_force_limit()?;
         Controller::new(&self.law()).map_err(|error| refused(&error))
     }
 
+    /// Every number against its own range.
+    ///
+    /// # Errors
+    /// The first that is outside.
+    pub fn check_ranges(&self) -> Result<(), SettingsError> {
+        fields::check(self)
+    }
+
     /// The smaller board has neither SPI nor a DAC on its connectors.
-    fn check_board(&self, board: Board) -> Result<(), Invalid> {
+    fn check_board(&self, board: Board) -> Result<(), SettingsError> {
         if board == Board::NucleoG474re {
             return Ok(());
         }
         let (encoder, drive) = (self.encoder.kind, self.drive.kind);
-        let refused = if encoder != EncoderKind::Incremental {
-            Some(("encoder.kind", encoder as u32))
+        let (path, number) = if encoder != EncoderKind::Incremental {
+            ("encoder.kind", encoder.number())
         } else if drive != DriveKind::ThreePhase {
-            Some(("drive.kind", drive as u32))
+            ("drive.kind", drive.number())
         } else {
-            None
+            return Ok(());
         };
-        refused.map_or(Ok(()), |(path, number)| {
-            let value = Decimal::from_num(number);
-            Err(Invalid::new(path, value, Reason::NotOnThisBoard))
+        Err(SettingsError {
+            path,
+            value: Decimal::from_num(number),
+            reason: Reason::NotOnThisBoard,
         })
     }
 
     /// A torque that the drive cannot give would be taken for given by the law's energy observer.
-    fn check_force_limit(&self) -> Result<(), Invalid> {
+    fn check_force_limit(&self) -> Result<(), SettingsError> {
+        const PATH: &str = "law.force_limit_n_m";
         let most = match self.drive.kind {
             DriveKind::Analogue => self.drive.analogue_full_scale_n_m,
             DriveKind::ThreePhase => {
                 let motor = &self.motor;
-                let torque = motor.torque_constant_n_m_per_a.0;
-                Decimal(torque.saturating_mul(motor.current_limit_a.0))
+                motor
+                    .torque_constant_n_m_per_a
+                    .saturating_mul(motor.current_limit_a)
             }
         };
-        let value = self.wall.force_limit_n_m;
-        if value <= most {
-            return Ok(());
-        }
-        let least = const { fields::least("wall.force_limit_n_m") };
-        let reason = Reason::Outside { least, most };
-        Err(Invalid::new("wall.force_limit_n_m", value, reason))
+        let least = const { fields::range(PATH).0 };
+        fields::within(PATH, self.law.force_limit_n_m, (least, most))
     }
 }
 
-/// The law's refusal, by the path of the setting.
+/// The law's refusal.
 #[must_use]
-pub fn refused(error: &SettingsError) -> Invalid {
+pub fn refused(error: &law::SettingsError) -> SettingsError {
+    let outside = |field: Field, value, min, max| SettingsError {
+        path: field.path(),
+        value: Decimal(value),
+        reason: Reason::Outside {
+            least: Decimal(min),
+            most: Decimal(max),
+        },
+    };
     match *error {
-        SettingsError::OutOfRange {
+        law::SettingsError::OutOfRange {
             field,
             value,
             min,
             max,
-        } => Invalid::new(
-            path(field),
-            Decimal(value),
-            Reason::Outside {
-                least: Decimal(min),
-                most: Decimal(max),
-            },
-        ),
-        SettingsError::OutOfFormat { field, value, .. } => {
-            Invalid::new(path(field), Decimal(value), Reason::OutOfFormat)
-        }
-        SettingsError::NoCompensation {
+        } => outside(field, value, min, max),
+        law::SettingsError::OutOfFormat { field, value, .. } => SettingsError {
+            path: field.path(),
+            value: Decimal(value),
+            reason: Reason::OutOfFormat,
+        },
+        law::SettingsError::NoCompensation {
             k_desired,
             k_filter,
-        } => Invalid::new(
-            path(law::Field::KDesired),
-            Decimal(k_desired),
-            Reason::Outside {
-                least: Decimal::default(),
-                most: Decimal(k_filter.saturating_sub(law::Si::DELTA)),
-            },
+        } => outside(
+            Field::KDesired,
+            k_desired,
+            law::Si::ZERO,
+            k_filter.saturating_sub(law::Si::DELTA),
         ),
-    }
-}
-
-/// The path of a setting of the law.
-fn path(field: law::Field) -> &'static str {
-    match field {
-        law::Field::RateHz => "control.rate_hz",
-        law::Field::KDesired => "wall.k_desired_n_m_per_rad",
-        law::Field::KSoft => "wall.k_soft_n_m_per_rad",
-        law::Field::DeviceDamping => "wall.device_damping_n_m_s_per_rad",
-        law::Field::VirtualDamping => "wall.virtual_damping_n_m_s_per_rad",
-        law::Field::StepOfIdeal => "wall.step_of_ideal",
-        law::Field::LimitOfForce => "wall.limit_of_force",
-        law::Field::LimitOfPenetration => "wall.limit_of_penetration",
-        law::Field::FilterMass => "wall.filter.mass_kg_m2",
-        law::Field::FilterStiffness => "wall.filter.stiffness_n_m_per_rad",
-        law::Field::FilterDamping => "wall.filter.damping_n_m_s_per_rad",
-        law::Field::FilterGroundDamping => "wall.filter.ground_damping_n_m_s_per_rad",
-        law::Field::EnergyCredit => "wall.energy_credit_j",
-        law::Field::ForceLimit => "wall.force_limit_n_m",
     }
 }

@@ -9,11 +9,11 @@ use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use touchstone_device::Client;
 use touchstone_drive::wire::checked;
-use touchstone_protocol::settings::Invalid;
+use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::settings::fields::{FIELDS, Field, field};
 use touchstone_protocol::{Board, DeviceSettings, Reply, Request};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::nearest;
+use touchstone_sim::scene::{nearest, renamed};
 use value::Wrong;
 
 /// Options of `config`.
@@ -126,7 +126,7 @@ fn known(path: &str) -> Result<&'static Field> {
 /// Problem and fix for a path that no setting has.
 fn unknown(path: &str) -> Wrong {
     let paths: Vec<&str> = FIELDS.iter().map(|field| field.path).collect();
-    let fix = match nearest(path, &paths) {
+    let fix = match renamed(path).or_else(|| nearest(path, &paths)) {
         Some(near) => format!("did you mean {near}?"),
         None => "`touchstone config schema` lists all settings".into(),
     };
@@ -202,7 +202,7 @@ fn io(file: &Path, error: &std::io::Error) -> Error {
 }
 
 /// Why a setting is refused, without its path where that stands before it anyway.
-fn without_path(invalid: &Invalid, path: &str) -> String {
+fn without_path(invalid: &SettingsError, path: &str) -> String {
     let text = invalid.to_string();
     let rest = text
         .strip_prefix(path)
@@ -217,9 +217,9 @@ fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result
         return Err(Error::File {
             file: file.to_owned(),
             // A setting that the file leaves out can be refused too, for what the file says of another.
-            line: lines.get(invalid.path.as_str()).copied().unwrap_or(1),
+            line: lines.get(invalid.path).copied().unwrap_or(1),
             field: invalid.path.to_string(),
-            problem: without_path(&invalid, &invalid.path),
+            problem: without_path(&invalid, invalid.path),
             fix: "choose another value; nothing was changed".into(),
         });
     }

@@ -162,9 +162,9 @@ mod tests {
         };
         let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
         // Steps of the format that no float of 53 bits could carry.
-        settings.wall.k_desired_n_m_per_rad.0 =
+        settings.wall.k_desired_n_m_per_rad =
             touchstone_control::Si::from_bits((5000_i64 << 32) + 1);
-        settings.wall.surface_rad.0 = touchstone_control::Si::from_bits(-(7_i64 << 32) - 3);
+        settings.wall.surface_rad = touchstone_control::Si::from_bits(-(7_i64 << 32) - 3);
         let text = write(&settings, &identity);
         let other = DeviceSettings::defaults(Board::BG431bEsc1);
         let (read, lines) = read(&text, Path::new("x.toml"), &other).expect("own file");

@@ -2,8 +2,9 @@
 
 use crate::fake::{Fake, Trouble};
 use crate::{folder, run};
+use touchstone_control::Si;
 use touchstone_protocol::settings::fields::FIELDS;
-use touchstone_protocol::{Board, Decimal, DeviceSettings, Event, Machine, State, stored};
+use touchstone_protocol::{Board, DeviceSettings, Event, Machine, State, stored};
 
 const STIFFNESS: &str = "wall.k_desired_n_m_per_rad";
 
@@ -12,10 +13,10 @@ fn settings_are_shown_alone_by_table_and_all() {
     let device = Fake::new();
     let one = device.run(&["config", "get", STIFFNESS]).done();
     assert_eq!(one, "wall.k_desired_n_m_per_rad = 5 N·m/rad\n");
-    let table = device.run(&["config", "get", "wall.filter"]).done();
+    let table = device.run(&["config", "get", "law.filter"]).done();
     assert_eq!(table.lines().count(), 4);
     assert!(
-        table.contains("wall.filter.mass_kg_m2 = 0.000003 kg·m²"),
+        table.contains("law.filter.mass_kg_m2 = 0.000003 kg·m²"),
         "{table}"
     );
     let all = device.run(&["config", "get"]).done();
@@ -43,7 +44,7 @@ fn a_setting_is_changed_exactly_and_kept_by_save() {
         let (session, world) = &*device.world();
         assert_eq!(
             session.settings().wall.k_desired_n_m_per_rad,
-            Decimal::lit("1.5")
+            Si::lit("1.5")
         );
         assert_eq!(&world.used, session.settings());
         assert_eq!(world.saved, None);
@@ -57,7 +58,7 @@ fn a_setting_is_changed_exactly_and_kept_by_save() {
 #[test]
 fn words_flags_and_negative_numbers() {
     let device = Fake::new();
-    device.run(&["config", "set", "wall.law", "tdpa"]).done();
+    device.run(&["config", "set", "law.kind", "tdpa"]).done();
     device
         .run(&["config", "set", "encoder.reversed", "true"])
         .done();
@@ -68,14 +69,14 @@ fn words_flags_and_negative_numbers() {
         .run(&[
             "config",
             "get",
-            "wall.law",
+            "law.kind",
             "encoder.reversed",
             "wall.surface_rad",
         ])
         .done();
     assert_eq!(
         shown,
-        "wall.law = tdpa\nencoder.reversed = true\nwall.surface_rad = -0.25 rad\n"
+        "law.kind = tdpa\nencoder.reversed = true\nwall.surface_rad = -0.25 rad\n"
     );
 }
 
@@ -85,21 +86,19 @@ fn what_is_no_value_is_refused_with_its_range_and_nothing_changes() {
     for (path, value, parts) in [
         (
             STIFFNESS,
-            "10001",
-            &["10001 is outside 0 to 10000", "N·m/rad"][..],
+            "500001",
+            &["500001 is outside 0 to 500000", "N·m/rad"][..],
         ),
         (STIFFNESS, "stiff", &["`stiff` is no decimal number"]),
         ("motor.pole_pairs", "7.5", &["no whole number", "1 to 50"]),
-        ("wall.law", "tpda", &["did you mean tdpa?"]),
+        ("law.kind", "tpda", &["did you mean tdpa?"]),
         ("encoder.reversed", "yes", &["true or false"]),
+        ("wall.law", "tdpa", &["did you mean law.kind?"]),
+        ("control.rate_hz", "1000", &["did you mean timing.rate_hz?"]),
         ("motor.pole_pair", "7", &["did you mean motor.pole_pairs?"]),
+        ("timing.rate_hz", "3000", &["no whole fraction of 20000 Hz"]),
         (
-            "control.rate_hz",
-            "3000",
-            &["no whole fraction of 20000 Hz"],
-        ),
-        (
-            "wall.force_limit_n_m",
+            "law.force_limit_n_m",
             "0.6",
             &["0.6 is outside 0.000001 to 0.5 N·m"],
         ),
@@ -130,7 +129,7 @@ fn an_export_is_taken_back_and_shows_what_differs() {
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(
         text.contains(
-            "# desired stiffness k_de; 0 to 10000 N·m/rad\nk_desired_n_m_per_rad = 2.0000000"
+            "# the desired stiffness k_de; 0 to 500000 N·m/rad\nk_desired_n_m_per_rad = 2.0000000"
         ),
         "{text}"
     );
@@ -211,10 +210,7 @@ fn several_settings_that_need_each_other_come_in_one_import() {
     device
         .run(&["config", "import", file.to_str().unwrap()])
         .done();
-    assert_eq!(
-        device.world().0.settings().limits.bus_min_v,
-        Decimal::lit("32")
-    );
+    assert_eq!(device.world().0.settings().limits.bus_min_v, Si::lit("32"));
 }
 
 #[test]
@@ -224,18 +220,18 @@ fn one_wrong_line_and_nothing_is_written() {
     let name = file.to_str().unwrap();
     for (text, parts) in [
         (
-            "[wall]\nlaw = \"tdpa\"\nk_soft = 1\n",
-            &[":3: wall.k_soft: there is no such setting"][..],
+            "[law]\nkind = \"tdpa\"\nk_soft = 1\n",
+            &[":3: law.k_soft: there is no such setting"][..],
         ),
         (
-            "[wall]\nlaw = \"tdpa\"\nk_soft_n_m_per_rad = \"1\"\n",
-            &[":3: wall.k_soft_n_m_per_rad", "0.01 to 10000"],
+            "[law]\nkind = \"tdpa\"\nk_soft_n_m_per_rad = \"1\"\n",
+            &[":3: law.k_soft_n_m_per_rad", "0.01 to 500000"],
         ),
         ("[motor]\npole_pairs = 0x7\n", &[":2: motor.pole_pairs"]),
         (
-            "[wall]\nlaw = \"tdpa\"\nforce_limit_n_m = 5\n",
+            "[law]\nkind = \"tdpa\"\nforce_limit_n_m = 5\n",
             &[
-                ":3: wall.force_limit_n_m",
+                ":3: law.force_limit_n_m",
                 "0.000001 to 0.5 N·m",
                 "nothing was changed",
             ],
@@ -243,7 +239,7 @@ fn one_wrong_line_and_nothing_is_written() {
         ("[wall]\nlaw = tdpa\n", &[":2: TOML"]),
         (
             "[motor]\ncurrent_limit_a = 1\n",
-            &["wall.force_limit_n_m: 0.5 is outside"],
+            &["law.force_limit_n_m: 0.5 is outside"],
         ),
     ] {
         std::fs::write(&file, text).unwrap();
@@ -301,5 +297,5 @@ fn the_schema_needs_no_device() {
     let json: serde_json::Value =
         serde_json::from_str(&run(&["config", "schema", "--json"]).done()).unwrap();
     assert_eq!(json.as_array().map(Vec::len), Some(FIELDS.len()));
-    assert_eq!(json[0]["path"], "control.rate_hz");
+    assert_eq!(json[0]["path"], FIELDS[0].path);
 }

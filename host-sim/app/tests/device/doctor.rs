@@ -4,6 +4,7 @@
 use crate::fake::{Fake, Trouble};
 use crate::{Said, folder, program, script};
 use std::path::{Path, PathBuf};
+use touchstone_protocol::PROTOCOL_VERSION;
 
 /// A machine on which everything is there.
 struct Machine(PathBuf);
@@ -139,12 +140,14 @@ fn a_device_that_does_not_answer_and_one_of_another_version() {
         said.out
     );
     let other = Fake::with(Trouble {
-        version: Some(2),
+        version: Some(PROTOCOL_VERSION + 1),
         ..Trouble::default()
     });
     let said = machine.doctor(&other.address);
     assert!(
-        said.out.contains("version 2") && said.code == Some(1),
+        said.out
+            .contains(&format!("version {}", PROTOCOL_VERSION + 1))
+            && said.code == Some(1),
         "{}",
         said.out
     );

@@ -7,7 +7,7 @@ use std::time::Duration;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::session::{Device, FlashError, Session};
-use touchstone_protocol::settings::Invalid;
+use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::telemetry::RING_CHUNK;
 use touchstone_protocol::{
     Board, Command, Context, Counters, Decimal, DeviceCommand, DeviceSettings, Event, Fault,
@@ -281,8 +281,8 @@ impl Device for World {
             }
         })
     }
-    fn check(&self, settings: &DeviceSettings) -> Result<(), Invalid> {
-        checked(settings, self.board).map(|_| ())
+    fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
+        checked(settings, self.board)
     }
     fn use_settings(&mut self, settings: &DeviceSettings) {
         self.used = settings.clone();

@@ -4,7 +4,8 @@
 //! growing oscillation, a negative force, a stiffness that climbs). The laws themselves are in the control crate, the plant in
 //! `plant`; nothing here stands for either.
 
-use touchstone_sim::run::record::{LawKind, Run, Summary, Trace, Verdict};
+use touchstone_control::LawKind;
+use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 
 /// Every law, simplest first.
 #[allow(dead_code, reason = "each user of this file needs another part of it")]

@@ -8,9 +8,10 @@
 //! whether the motion grows from the second quarter of the hold to the last, not by how large it is.
 
 use super::swing::Mechanics;
+use touchstone_control::LawKind;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Tick;
-use touchstone_sim::run::{self, Recorder, record::LawKind};
+use touchstone_sim::run::{self, Recorder};
 use touchstone_sim::scene::Scene;
 
 /// What is identified with.
@@ -202,7 +203,7 @@ pub fn identify(
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;
-    scene.law.c_i_n_m_s_per_rad = damping;
+    scene.law.device_damping_n_m_s_per_rad = damping;
     scene.wall.k_desired_n_m_per_rad = 8.0 * damping * f64::from(scene.timing.rate_hz);
     let windows = run::watch(&scene, Windows::new(&scene))?;
     let [early_rad, late_rad] = windows.widths();

@@ -53,6 +53,7 @@ impl Decimal {
 mod tests {
     use super::*;
     use crate::report::synthetic;
+    use touchstone_control::LawKind;
     use touchstone_sim::run::record::LawKind;
 
     #[test]

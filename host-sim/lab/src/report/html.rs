@@ -10,7 +10,8 @@ use super::matrix::{Matrix, matrices};
 use super::quantity::{plain, with_unit};
 use super::svg::escape;
 use super::{Block, ReportInput, TraceFiles};
-use touchstone_sim::run::record::{LawKind, Run, Verdict};
+use touchstone_control::LawKind;
+use touchstone_sim::run::record::{Run, Verdict};
 
 /// The whole page. `files` are the trace files of each run, as links relative to the page; empty slice: no links.
 pub fn render(input: &ReportInput, files: &[Option<TraceFiles>]) -> String {

@@ -1,7 +1,8 @@
 //! The words that a reader sees for laws, verdicts and the conditions of a run.
 
 use super::quantity::{grouped, plain};
-use touchstone_sim::run::record::{LawKind, Summary, Verdict};
+use touchstone_control::{Choice, LawKind};
+use touchstone_sim::run::record::{Summary, Verdict};
 
 /// A law's short name for people.
 pub fn law(law: LawKind) -> &'static str {
@@ -14,24 +15,6 @@ pub fn law(law: LawKind) -> &'static str {
         LawKind::SfaContinuous => "SFA, contin.",
         LawKind::EnhancedSfa => "Enhanced SFA",
     }
-}
-
-/// A law's name in scenes, on the command line and in results.
-pub fn law_key(law: LawKind) -> &'static str {
-    match law {
-        LawKind::Spring => "spring",
-        LawKind::SpringDamper => "spring-damper",
-        LawKind::Tdpa => "tdpa",
-        LawKind::Fba => "fba",
-        LawKind::Sfa => "sfa",
-        LawKind::SfaContinuous => "sfa-continuous",
-        LawKind::EnhancedSfa => "enhanced-sfa",
-    }
-}
-
-/// A law's place in tables: simplest first.
-pub fn law_order(law: LawKind) -> usize {
-    law as usize
 }
 
 /// A verdict in a word.
@@ -102,7 +85,7 @@ pub fn file_stem(summary: &Summary) -> String {
         .map_or("exact".to_owned(), |c| format!("{}cpr", plain(c)));
     let parts = [
         summary.scene.clone(),
-        law_key(summary.law).to_owned(),
+        summary.law.word().to_owned(),
         format!("k{}", plain(summary.k_desired)),
         summary.grip.clone(),
         counts,
@@ -128,13 +111,6 @@ pub fn file_stem(summary: &Summary) -> String {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-
-    #[test]
-    fn keys_are_the_serialised_names() {
-        for kind in synthetic::ALL_LAWS {
-            assert_eq!(serde_json::to_value(kind).unwrap(), law_key(kind));
-        }
-    }
 
     #[test]
     fn a_file_name_cannot_leave_its_folder() {

@@ -1,7 +1,8 @@
 //! Sorts runs into tables: one for each set of conditions, desired stiffness downwards, laws across.
 
-use super::label::{Condition, law_order};
-use touchstone_sim::run::record::{LawKind, Run};
+use super::label::Condition;
+use touchstone_control::LawKind;
+use touchstone_sim::run::record::Run;
 
 /// Runs under the same conditions as a table of `k_de` × law.
 pub struct Matrix {
@@ -56,7 +57,8 @@ pub fn matrices(runs: &[Run]) -> Vec<Matrix> {
                 .iter()
                 .map(|&index| runs[index].summary.law)
                 .collect();
-            laws.sort_by_key(|&law| law_order(law));
+            // Simplest first, as they stand in the enum.
+            laws.sort_unstable();
             laws.dedup();
             let at = |k: f64, law: LawKind| {
                 let here = |&&i: &&usize| {

@@ -12,7 +12,7 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 
 use super::columns::{self, COLUMNS};
-use super::label::law_key;
+use touchstone_control::Choice;
 use touchstone_sim::run::record::{Run, Trace};
 
 /// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can
@@ -84,7 +84,7 @@ fn properties(run: &Run) -> WriterProperties {
         .expect("a summary has only string keys and plain values");
     let entries = [
         ("scene", run.summary.scene.clone()),
-        ("law", law_key(run.summary.law).to_owned()),
+        ("law", run.summary.law.word().to_owned()),
         ("summary", summary),
         ("units", map(|column| column.unit)),
         ("columns", map(|column| column.meaning)),
@@ -114,6 +114,7 @@ mod tests {
 
     use super::*;
     use crate::report::synthetic;
+    use touchstone_control::LawKind;
     use touchstone_sim::run::record::LawKind;
 
     /// Writes and reads back: columns and metadata.

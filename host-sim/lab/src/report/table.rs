@@ -182,6 +182,7 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
 mod tests {
     use super::*;
     use crate::report::synthetic;
+    use touchstone_control::LawKind;
     use touchstone_sim::run::record::LawKind;
 
     fn run(law: LawKind, k: f64, verdict: Verdict, shown: Option<f64>, cycle: Option<f64>) -> Run {

@@ -220,6 +220,7 @@ impl<'a> View<'a> {
 mod tests {
     use super::*;
     use crate::report::synthetic;
+    use touchstone_control::LawKind;
     use touchstone_sim::run::record::LawKind;
 
     #[test]

@@ -232,7 +232,8 @@ fn io_error(folder: &Path, error: &io::Error) -> Error {
 mod tests {
     use super::*;
     use crate::report::synthetic;
-    use touchstone_sim::run::record::{LawKind, Run};
+    use touchstone_control::LawKind;
+    use touchstone_sim::run::record::Run;
 
     /// A folder for one test, removed afterwards.
     struct Scratch(PathBuf);

@@ -3,8 +3,9 @@
 //! A claim that does not reproduce is reported as such, with what was measured; nothing here is tuned until it fits.
 
 use super::{COUNTS, GRIPS, STIFFNESSES};
+use touchstone_control::LawKind;
 use touchstone_sim::error::Result;
-use touchstone_sim::run::record::{LawKind, Run, Summary, Trace, Verdict};
+use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
 
@@ -290,7 +291,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
         "law.offset_update=inward",
         "law.ideal_step=position",
         // With a light filter: the thesis gives no values, and a heavier one is slower still.
-        "law.filter.damping_to_ground_n_m_s_per_rad=8e-4",
+        "law.filter.ground_damping_n_m_s_per_rad=8e-4",
     ];
     let as_published = with(&published)?.summary;
     let kept = with(&["law.first_contact=keep-force"])?.summary;

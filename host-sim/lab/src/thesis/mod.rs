@@ -7,8 +7,9 @@
 pub mod claims;
 
 use rayon::prelude::*;
+use touchstone_control::{Choice, LawKind};
 use touchstone_sim::error::Result;
-use touchstone_sim::run::{self, record::LawKind, record::Run};
+use touchstone_sim::run::{self, record::Run};
 use touchstone_sim::scene::Scene;
 
 /// Desired stiffnesses of §5.1, N·m/rad.
@@ -44,13 +45,9 @@ pub struct Cell {
 /// # Errors
 /// A base scene that does not go with one of them.
 pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: &str, counts: u32) -> Result<Scene> {
-    let name = serde_json::to_value(law)
-        .ok()
-        .and_then(|name| name.as_str().map(str::to_owned))
-        .unwrap_or_default();
     let mut sets = vec![
         format!("wall.k_desired_n_m_per_rad={k_desired}"),
-        format!("law.kind={name}"),
+        format!("law.kind={}", law.word()),
         format!("operator.grip={grip}"),
         format!("encoder.counts_per_rev={counts}"),
     ];

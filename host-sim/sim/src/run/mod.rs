@@ -16,7 +16,7 @@ use chain::{Amplifier, Crossing, Sensor};
 use judge::{Judge, Terms, Tick};
 use plan::{Prepared, Visitor};
 use record::{Run, Summary, Trace};
-use touchstone_control::{CountScale, Fixed16, Fixed32, Settings, Si, Warning};
+use touchstone_control::{Choice, CountScale, Fixed16, Fixed32, Settings, Si, Warning};
 use touchstone_world::plant::{Motion as _, Stepper};
 use wall::{Controlled, Wall};
 
@@ -25,7 +25,7 @@ use wall::{Controlled, Wall};
 /// # Errors
 /// Settings that the law or its number format cannot take, at their place in the scene.
 pub fn wall(scene: &Scene) -> Result<Box<dyn Wall>> {
-    let settings = settings::settings(scene)?;
+    let settings = scene.settings()?;
     let scale = count_scale(scene)?;
     let boxed =
         match scene.law.number {
@@ -70,7 +70,7 @@ fn count_scale(scene: &Scene) -> Result<CountScale> {
 /// # Errors
 /// As [`wall()`].
 pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
-    let settings: Settings = settings::settings(scene)?;
+    let settings: Settings = scene.settings()?;
     Ok(settings
         .warnings()
         .map(|warning| (warning, settings::warned(scene, &warning)))
@@ -148,7 +148,7 @@ fn summary(scene: &Scene, judge: &Judge) -> Summary {
     Summary {
         scene: scene.name.clone(),
         law: scene.law.kind,
-        number: scene.law.number.name().to_owned(),
+        number: scene.law.number.word().to_owned(),
         k_desired: scene.wall.k_desired_n_m_per_rad,
         grip: scene.operator.grip.name().to_owned(),
         encoder_counts_per_rev: scene.encoder.as_ref().map(|encoder| encoder.counts_per_rev),

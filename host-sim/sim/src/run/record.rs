@@ -1,26 +1,7 @@
 //! What one run leaves behind: the summary that goes into `results.json` and the trace that the plots are drawn from.
 
 use serde::Serialize;
-
-/// The law that made the force, by its name in scenes, on the command line and in results.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LawKind {
-    /// Virtual spring, thesis (1.6).
-    Spring,
-    /// Virtual spring with virtual damping, thesis §1.2.6.
-    SpringDamper,
-    /// Time-domain passivity approach, thesis (2.1)–(2.6).
-    Tdpa,
-    /// Force bounding approach, thesis (2.6a)–(2.10).
-    Fba,
-    /// Original successive force augmentation, thesis (2.11)–(2.17).
-    Sfa,
-    /// Successive force augmentation with the offset changed at every inward tick, thesis (3.2)–(3.3).
-    SfaContinuous,
-    /// Enhanced successive force augmentation, thesis Algorithm 3.1 and Fig. 3.18.
-    EnhancedSfa,
-}
+use touchstone_control::LawKind;
 
 /// How a run ended. The order is from good to bad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -42,6 +23,7 @@ pub struct Summary {
     /// Scene name.
     pub scene: String,
     /// Law.
+    #[serde(serialize_with = "crate::scene::word")]
     pub law: LawKind,
     /// Number format of the law: `fixed32`, `fixed16`, `f32` or `f64`.
     pub number: String,

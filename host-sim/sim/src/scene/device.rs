@@ -1,6 +1,7 @@
 //! What the hand moves and how it is measured, timed and stopped: device, encoder, timing, wall.
 
 use serde::{Deserialize, Serialize};
+use touchstone_control::Settings;
 
 /// A knob with one degree of freedom: `inertia · x'' + damping · x' + friction = torques`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,7 +101,7 @@ impl Default for Encoder {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Timing {
-    /// Control rate, Hz, 1 to 1,000,000. Default 1000.
+    /// Control rate, Hz, 1 to 100,000. Default 1000.
     pub rate_hz: u32,
     /// Simulated time, s, above 0, at most a day. Default 3.
     pub duration_s: f64,
@@ -125,7 +126,7 @@ impl Default for Timing {
     fn default() -> Self {
         Timing {
             // Both devices of the thesis.
-            rate_hz: 1000,
+            rate_hz: Settings::default().rate_hz,
             // The default press (2.5 s) and half a second to see that the released device comes to rest.
             duration_s: 3.0,
             // The thesis' bounds are those without delay.
@@ -140,7 +141,7 @@ impl Default for Timing {
 pub struct Wall {
     /// Undeformed surface `x_s`, rad. Default 0.5.
     pub surface_rad: f64,
-    /// Stiffness to display, `k_de`, N·m/rad, above 0. Default 5.
+    /// Stiffness to display, `k_de`, N·m/rad, 0 to 500,000. Default 5.
     pub k_desired_n_m_per_rad: f64,
 }
 
@@ -150,7 +151,7 @@ impl Default for Wall {
             // Thesis Fig. 5.1.
             surface_rad: 0.5,
             // The hardest wall of the thesis' comparison, §5.1: five times the critical stiffness.
-            k_desired_n_m_per_rad: 5.0,
+            k_desired_n_m_per_rad: Settings::default().k_desired.to_num(),
         }
     }
 }

@@ -19,6 +19,7 @@ mod operator;
 mod origin;
 mod overrides;
 mod print;
+mod renamed;
 mod schema;
 mod shipped;
 #[cfg(test)]
@@ -28,13 +29,15 @@ mod unknown;
 mod value;
 
 pub use device::{Device, Encoder, Friction, Timing, Wall};
-pub use law::{Filter, FirstContact, IdealStep, Law, Number, Observer, OffsetUpdate, Regulate};
+pub(crate) use law::word;
+pub use law::{FilterSettings, Law, Number};
 pub use motion::{Curve, Motion, Recording, SMOOTHING_HZ};
 pub use operator::{
     APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, Grip, Hand, MotionSpec, Operator,
     PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
 };
 pub use origin::Origin;
+pub use renamed::renamed;
 pub use shipped::names;
 pub use unknown::{list, nearest};
 
@@ -123,7 +126,7 @@ impl Scene {
         draft::Draft::from_scene(self).build().map(drop)
     }
 
-    /// The error for a field of this scene, by its dotted path (`law.k_v_n_m_per_rad`), with the place where it was
+    /// The error for a field of this scene, by its dotted path (`law.k_soft_n_m_per_rad`), with the place where it was
     /// written.
     pub fn error(&self, path: &str, problem: impl Into<String>, fix: impl Into<String>) -> Error {
         self.origin.error(path, problem, fix)

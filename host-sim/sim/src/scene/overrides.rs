@@ -5,8 +5,9 @@ use toml::Value;
 use super::Scene;
 use super::draft::Draft;
 use super::origin::Place;
+use super::renamed::renamed;
 use super::schema::{self, Field, Kind, MOTION_KIND};
-use super::unknown::{explain, list, nearest, wrong_unit};
+use super::unknown::{explain, list, nearest, was_renamed, wrong_unit};
 use crate::error::{Error, Result};
 
 /// Word that takes an optional field or table away: `--set encoder=none`.
@@ -16,7 +17,7 @@ impl Scene {
     /// The scene with fields changed, each as `key=value`, the last word on a field winning; checked once, after all
     /// of them.
     ///
-    /// A key is a dotted path as in the file (`device.inertia_kg_m2`) or the end of one (`k_v_n_m_per_rad`,
+    /// A key is a dotted path as in the file (`device.inertia_kg_m2`) or the end of one (`k_soft_n_m_per_rad`,
     /// `filter.mass_kg_m2`) if no other field ends so. Text needs no quotes. `none` takes an optional field or table
     /// away. A new grip replaces `[operator.hand]`; a single value of `operator.hand` changes the present grip into a
     /// custom one; a new kind of motion keeps the fields that both kinds have.
@@ -137,6 +138,9 @@ fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
         .is_some_and(|(table, _)| schema::is_table(table))
     {
         return explain(key, draft.motion(), value.as_ref());
+    }
+    if let Some(new) = renamed(key) {
+        return was_renamed(new);
     }
     // An end of a path: compare with the ends of all paths.
     let all: Vec<&Field> = schema::FIELDS.iter().collect();

@@ -2,6 +2,7 @@
 
 use toml::Value;
 
+use super::renamed::renamed;
 use super::schema::{self, Field, Kind};
 use super::units;
 
@@ -18,6 +19,9 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
             ),
             format!("remove it, or use it with {}", list(field.motions)),
         );
+    }
+    if let Some(new) = renamed(path) {
+        return was_renamed(new);
     }
     let here: Vec<&Field> = schema::FIELDS
         .iter()
@@ -51,13 +55,18 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
     }
 }
 
+/// Problem and fix for a setting that has another name today.
+pub(crate) fn was_renamed(new: &str) -> (String, String) {
+    ("it has another name now".to_owned(), format!("write {new}"))
+}
+
 /// Problem and fix where `name` is one of these fields with another unit, or without any.
 pub(crate) fn wrong_unit(
     name: &str,
     fields: &[&Field],
     value: Option<&Value>,
 ) -> Option<(String, String)> {
-    // The longest stem first: `damping_to_ground_…` begins with `damping`.
+    // The longest stem first: `touch_ramp_…` begins with `touch`.
     let mut stems: Vec<(&str, &Field)> = fields
         .iter()
         .filter_map(|field| Some((field.stem()?, *field)))

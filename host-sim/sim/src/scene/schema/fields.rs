@@ -1,9 +1,13 @@
 //! The table itself.
 
 use super::Kind::{Choice, Flag, Text, Whole};
-use super::Range::{Any, AtLeast, NotNegative, NotZero, Positive, UpTo, Within};
+use super::Range::{Any, AtLeast, Exactly, NotNegative, NotZero, Positive, UpTo, Within};
 use super::{Field, Kind, Range};
+use crate::scene::law::Number;
 use crate::scene::operator::{FASTEST_MOTION_HZ, FASTEST_RAMP_S};
+use touchstone_control::choices::*;
+use touchstone_control::table::suffix;
+use touchstone_control::{Choice as _, setting_path};
 
 impl Field {
     const fn absent(self, meaning: &'static str) -> Field {
@@ -50,22 +54,7 @@ const WIGGLE: &[&str] = &["press-wiggle-release"];
 const TAP: &[&str] = &["tap"];
 const RECORDED: &[&str] = &["recorded"];
 
-/// Laws, motions and the like by their names in scenes.
-const LAWS: &[&str] = &[
-    "spring",
-    "spring-damper",
-    "tdpa",
-    "fba",
-    "sfa",
-    "sfa-continuous",
-    "enhanced-sfa",
-];
-const NUMBERS: &[&str] = &["fixed32", "fixed16", "f32", "f64"];
-const OBSERVERS: &[&str] = &["exact", "thesis"];
-const FIRST_CONTACTS: &[&str] = &["keep-force", "zero-offset"];
-const REGULATES: &[&str] = &["mass", "mass-compensated", "hip"];
-const OFFSET_UPDATES: &[&str] = &["inward", "every-tick"];
-const IDEAL_STEPS: &[&str] = &["position", "force"];
+/// Grips and motions by their names in scenes.
 const GRIPS: &[&str] = &["none", "light", "medium", "firm", "custom"];
 const MOTIONS: &[&str] = &[
     "none",
@@ -86,8 +75,7 @@ pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("operator.hand", "the grip's values"),
 ];
 
-/// All fields, in the order in which they are printed.
-pub(crate) const FIELDS: &[Field] = &[
+const DEVICE: &[Field] = &[
     field("name", "", Text, "the scene's name"),
     field("description", "", Text, "what the scene shows"),
     number(
@@ -148,12 +136,9 @@ pub(crate) const FIELDS: &[Field] = &[
         Positive,
         "the encoder's counts in one turn",
     ),
-    field(
-        "timing.rate_hz",
-        "hz",
-        Whole(1, 1_000_000),
-        "the control rate",
-    ),
+];
+
+const TIMING_AND_SURFACE: &[Field] = &[
     number(
         "timing.duration_s",
         "s",
@@ -167,128 +152,16 @@ pub(crate) const FIELDS: &[Field] = &[
         "the delay from sample to command",
     ),
     number("wall.surface_rad", "rad", Any, "the wall's surface"),
-    number(
-        "wall.k_desired_n_m_per_rad",
-        "n_m_per_rad",
-        Positive,
-        "the stiffness to display",
-    ),
-    field("law.kind", "", Choice(LAWS), "the control law"),
-    field(
-        "law.number",
-        "",
-        Choice(NUMBERS),
-        "the number format that the law computes in",
-    ),
-    number(
-        "law.k_v_n_m_per_rad",
-        "n_m_per_rad",
-        Positive,
-        "the soft spring of the augmentation",
-    ),
-    number(
-        "law.c_i_n_m_s_per_rad",
-        "n_m_s_per_rad",
-        Positive,
-        "the damping that the law counts on",
-    ),
-    field(
-        "law.observer",
-        "",
-        Choice(OBSERVERS),
-        "the form of the energy observer",
-    ),
-    field(
-        "law.count_device_damping",
-        "",
-        Flag,
-        "whether TDPA counts the energy that c_i dissipates",
-    ),
-    number(
-        "law.virtual_damping_n_m_s_per_rad",
-        "n_m_s_per_rad",
-        NotNegative,
-        "the virtual damping of the law spring-damper",
-    ),
-    field(
-        "law.first_contact",
-        "",
-        Choice(FIRST_CONTACTS),
-        "the rule at the end of the first contact",
-    )
-    .absent("keep-force for sfa, zero-offset for the later laws"),
-    field(
-        "law.regulate",
-        "",
-        Choice(REGULATES),
-        "where the displayed stiffness is regulated",
-    ),
-    field(
-        "law.offset_update",
-        "",
-        Choice(OFFSET_UPDATES),
-        "when the enhanced law changes the offset",
-    ),
-    field(
-        "law.ideal_step",
-        "",
-        Choice(IDEAL_STEPS),
-        "what the offset's ideal step supposes to stay",
-    ),
-    number(
-        "law.energy_credit_j",
-        "j",
-        NotNegative,
-        "the energy that one contact may give beyond what it took",
-    ),
-    number(
-        "law.limit_a_of_penetration",
-        "",
-        Within(0.0, 1.0),
-        "the largest step of the offset as a share of the penetration",
-    ),
-    number(
-        "law.limit_b_of_force",
-        "",
-        Within(0.0, 1.0),
-        "the largest step of the force as a share of the force",
-    ),
-    number(
-        "law.step_c_of_ideal",
-        "",
-        Within(0.0, 1.0),
-        "the step of the offset as a share of the ideal one",
-    ),
-    number(
-        "law.force_limit_n_m",
-        "n_m",
-        Positive,
-        "the largest force that the law commands",
-    ),
-    number(
-        "law.filter.mass_kg_m2",
-        "kg_m2",
-        Positive,
-        "the filter's virtual mass",
-    ),
-    number(
-        "law.filter.stiffness_n_m_per_rad",
-        "n_m_per_rad",
-        Positive,
-        "the filter's spring",
-    ),
-    number(
-        "law.filter.damping_n_m_s_per_rad",
-        "n_m_s_per_rad",
-        NotNegative,
-        "the damper between HIP and virtual mass",
-    ),
-    number(
-        "law.filter.damping_to_ground_n_m_s_per_rad",
-        "n_m_s_per_rad",
-        NotNegative,
-        "the damper between virtual mass and ground",
-    ),
+];
+
+const NUMBER: &[Field] = &[field(
+    "law.number",
+    "",
+    Choice(Number::WORDS),
+    "the number format that the law computes in",
+)];
+
+const OPERATOR: &[Field] = &[
     field("operator.grip", "", Choice(GRIPS), "how the knob is held"),
     number(
         "operator.hand.pad_stiffness_n_m_per_rad",
@@ -439,3 +312,66 @@ pub(crate) const FIELDS: &[Field] = &[
     )
     .only(RECORDED),
 ];
+
+/// Of the law's table: its rows as fields, and all fields in their order.
+macro_rules! table {
+    (
+        timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
+        $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
+    ) => {
+        /// Everything in the order in which it is printed.
+        const PARTS: &[&[Field]] = &[
+            DEVICE,
+            table!(@rows (timing) $($timing)*),
+            TIMING_AND_SURFACE,
+            table!(@rows (wall) $($wall)*),
+            table!(@rows (law) $($law)*),
+            NUMBER,
+            $(table!(@rows (law $group) $($rows)*),)+
+            OPERATOR,
+        ];
+    };
+    (@rows $table:tt $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+) => {
+        &[$(table!(@row $kind $range (setting_path!($table $name), suffix($unit)) $about),)+]
+    };
+    (@row number ($least:literal, $most:literal) ($path:expr, $unit:expr) $about:literal) => {
+        number($path, $unit, Exactly($least, $most), $about)
+    };
+    (@row flag () ($path:expr, $unit:expr) $about:literal) => { field($path, $unit, Flag, $about) };
+    (@row choice ($choice:ident) ($path:expr, $unit:expr) $about:literal) => {
+        field($path, $unit, Choice($choice::WORDS), $about)
+    };
+    (@row choice_of_law ($choice:ident) ($path:expr, $unit:expr) $about:literal) => {
+        field($path, $unit, Choice($choice::WORDS), $about).absent("the law's own")
+    };
+    (@row $whole:ident ($least:literal, $most:literal) ($path:expr, $unit:expr) $about:literal) => {
+        field($path, $unit, Whole($least, $most), $about)
+    };
+}
+touchstone_control::law_settings!(table);
+
+const COUNT: usize = {
+    let (mut part, mut count) = (0, 0);
+    while part < PARTS.len() {
+        count += PARTS[part].len();
+        part += 1;
+    }
+    count
+};
+
+const JOINED: [Field; COUNT] = {
+    let mut all = [field("", "", Text, ""); COUNT];
+    let (mut part, mut place) = (0, 0);
+    while part < PARTS.len() {
+        let mut row = 0;
+        while row < PARTS[part].len() {
+            all[place] = PARTS[part][row];
+            (row, place) = (row + 1, place + 1);
+        }
+        part += 1;
+    }
+    all
+};
+
+/// All fields, in the order in which they are printed.
+pub(crate) const FIELDS: &[Field] = &JOINED;

@@ -1,7 +1,8 @@
 //! Every field of a scene in one table: name, unit, range and meaning.
 //!
 //! Parsing, `--set`, error messages and printing all read this table, so a field that is added to the types in this
-//! module needs one entry in `schema/fields.rs`; a test compares the two.
+//! module needs one entry in `schema/fields.rs`; a test compares the two. The law's fields are those of
+//! [`touchstone_control::law_settings`].
 
 mod fields;
 
@@ -39,6 +40,8 @@ pub(crate) enum Range {
     UpTo(f64),
     /// Between these, ends included.
     Within(f64, f64),
+    /// Between these decimals, ends included, as a table of settings gives them.
+    Exactly(&'static str, &'static str),
 }
 
 impl Range {
@@ -52,6 +55,10 @@ impl Range {
             Range::AtLeast(least) => value >= least,
             Range::UpTo(most) => value > 0.0 && value <= most,
             Range::Within(least, most) => (least..=most).contains(&value),
+            Range::Exactly(least, most) => {
+                let number = |text: &str| text.parse().unwrap_or(f64::NAN);
+                (number(least)..=number(most)).contains(&value)
+            }
         }
     }
 
@@ -65,6 +72,7 @@ impl Range {
             Range::AtLeast(least) => format!("at least {least}"),
             Range::UpTo(most) => format!("above 0 and at most {most}"),
             Range::Within(least, most) => format!("between {least} and {most}"),
+            Range::Exactly(least, most) => format!("between {least} and {most}"),
         }
     }
 }

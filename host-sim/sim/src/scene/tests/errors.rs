@@ -54,8 +54,12 @@ fn the_first_of_several_problems_in_the_file_is_reported() {
 #[test]
 fn fields_in_the_wrong_table_or_motion() {
     refused(
-        "[device]\nk_v_n_m_per_rad = 0.8",
-        "s.toml:2: device.k_v_n_m_per_rad: unknown field in [device]; move it to [law]",
+        "[device]\nk_soft_n_m_per_rad = 0.8",
+        "s.toml:2: device.k_soft_n_m_per_rad: unknown field in [device]; move it to [law]",
+    );
+    refused(
+        "[law]\nk_v_n_m_per_rad = 0.8",
+        "s.toml:2: law.k_v_n_m_per_rad: it has another name now; write law.k_soft_n_m_per_rad",
     );
     refused(
         "rate_hz = 1000",
@@ -89,9 +93,9 @@ fn wrong_units() {
          write k_desired_n_m_per_rad and give the value in N·m/rad",
     );
     refused(
-        "[law.filter]\ndamping_to_ground_n_m_per_rad = 5",
-        "s.toml:2: law.filter.damping_to_ground_n_m_per_rad: wrong unit, this field is in N·m·s/rad; \
-         write damping_to_ground_n_m_s_per_rad and give the value in N·m·s/rad",
+        "[law.filter]\nground_damping_n_m_per_rad = 5",
+        "s.toml:2: law.filter.ground_damping_n_m_per_rad: wrong unit, this field is in N·m·s/rad; \
+         write ground_damping_n_m_s_per_rad and give the value in N·m·s/rad",
     );
     refused(
         "[device]\ninertia = 1e-4",
@@ -111,7 +115,7 @@ fn wrong_types() {
     );
     refused(
         "[law]\ncount_device_damping = 1",
-        "s.toml:2: law.count_device_damping: must be true or false, is 1; give whether TDPA counts the energy that c_i dissipates",
+        "s.toml:2: law.count_device_damping: must be true or false, is 1; give whether tdpa counts c_i as dissipation (2.6)",
     );
     refused(
         "name = 3",
@@ -187,7 +191,16 @@ fn numbers_out_of_range() {
         refused(
             &format!("[timing]\nrate_hz = {value}"),
             &format!(
-                "s.toml:2: timing.rate_hz: must be between 1 and 1000000, is {value}; give the control rate in Hz"
+                "s.toml:2: timing.rate_hz: must be between 1 and 100000, is {value}; give the control rate in Hz"
+            ),
+        );
+    }
+    for value in ["-1", "1e9"] {
+        refused(
+            &format!("[wall]\nk_desired_n_m_per_rad = {value}"),
+            &format!(
+                "s.toml:2: wall.k_desired_n_m_per_rad: must be between 0 and 500000, is {}; give the desired stiffness k_de in N·m/rad",
+                value.parse::<f64>().unwrap()
             ),
         );
     }
@@ -216,8 +229,8 @@ fn numbers_out_of_range() {
         "s.toml:3: operator.motion.ramp_s: must be at least 0.05, is 0.01; give the time from rest to the full push in s",
     );
     refused(
-        "[law]\nstep_c_of_ideal = 1.5",
-        "s.toml:2: law.step_c_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one",
+        "[law]\nstep_of_ideal = 1.5",
+        "s.toml:2: law.step_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one, c of (3.8)",
     );
 }
 
@@ -323,18 +336,18 @@ fn scenes_that_do_not_exist() {
 
 #[test]
 fn late_errors_still_know_the_place() {
-    let scene = parse("[law]\nk_v_n_m_per_rad = 0.8").unwrap();
+    let scene = parse("[law]\nk_soft_n_m_per_rad = 0.8").unwrap();
     let message = |path| scene.error(path, "is too large", "lower it").to_string();
     assert_eq!(
-        message("law.k_v_n_m_per_rad"),
-        "s.toml:2: law.k_v_n_m_per_rad: is too large; lower it"
+        message("law.k_soft_n_m_per_rad"),
+        "s.toml:2: law.k_soft_n_m_per_rad: is too large; lower it"
     );
     assert_eq!(
-        message("law.c_i_n_m_s_per_rad"),
-        "s.toml:1: law.c_i_n_m_s_per_rad: is too large; lower it"
+        message("law.device_damping_n_m_s_per_rad"),
+        "s.toml:1: law.device_damping_n_m_s_per_rad: is too large; lower it"
     );
     // Nothing of it was written: the first line.
-    let later = parse("\n[law]\nk_v_n_m_per_rad = 0.8").unwrap().error(
+    let later = parse("\n[law]\nk_soft_n_m_per_rad = 0.8").unwrap().error(
         "law.filter.mass_kg_m2",
         "is heavy",
         "lower it",
@@ -350,11 +363,14 @@ fn late_errors_still_know_the_place() {
         later.to_string(),
         "s.toml:1: device.inertia_kg_m2: is heavy; lower it"
     );
-    let scene = scene.with_overrides(&["k_v_n_m_per_rad=0.9"]).unwrap();
+    let scene = scene.with_overrides(&["k_soft_n_m_per_rad=0.9"]).unwrap();
     let message = scene
-        .error("law.k_v_n_m_per_rad", "is too large", "lower it")
+        .error("law.k_soft_n_m_per_rad", "is too large", "lower it")
         .to_string();
-    assert_eq!(message, "--set k_v_n_m_per_rad=0.9: is too large; lower it");
+    assert_eq!(
+        message,
+        "--set k_soft_n_m_per_rad=0.9: is too large; lower it"
+    );
 }
 
 #[test]

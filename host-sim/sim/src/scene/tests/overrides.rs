@@ -1,7 +1,7 @@
 //! `--set`.
 
 use super::*;
-use crate::run::record::LawKind;
+use touchstone_control::LawKind;
 
 fn knob() -> Scene {
     Scene::load("thesis-knob").expect("a shipped scene")
@@ -28,14 +28,14 @@ fn refused(sets: &[&str], expected: &str) {
 fn full_paths_and_unambiguous_ends() {
     let scene = set(&[
         "device.inertia_kg_m2=2e-4",
-        "k_v_n_m_per_rad = .5",
+        "k_soft_n_m_per_rad = .5",
         "filter.mass_kg_m2=1",
         "law.kind=tdpa",
         "name=\"x\"",
     ]);
     let mut expected = knob();
     expected.device.inertia_kg_m2 = 2e-4;
-    expected.law.k_v_n_m_per_rad = 0.5;
+    expected.law.k_soft_n_m_per_rad = 0.5;
     expected.law.filter.mass_kg_m2 = 1.0;
     expected.law.kind = LawKind::Tdpa;
     expected.name = "x".into();

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::draft::Draft;
 use super::schema::{FIELDS, Kind};
 use super::*;
-use crate::run::record::LawKind;
+use touchstone_control::{FirstContact, LawKind};
 
 /// A scene that names everything, for each motion, with values unlike the defaults.
 fn full_scenes() -> Vec<Scene> {
@@ -60,9 +60,9 @@ fn full_scenes() -> Vec<Scene> {
         law: Law {
             kind: LawKind::SfaContinuous,
             first_contact: Some(FirstContact::KeepForce),
-            filter: Filter {
+            filter: FilterSettings {
                 mass_kg_m2: 2e-5,
-                ..Filter::default()
+                ..FilterSettings::default()
             },
             ..Law::default()
         },
@@ -148,9 +148,9 @@ fn every_number_ends_in_its_unit() {
         names,
         [
             "counts_per_rev",
-            "limit_a_of_penetration",
-            "limit_b_of_force",
-            "step_c_of_ideal",
+            "step_of_ideal",
+            "limit_of_force",
+            "limit_of_penetration",
             "scale"
         ]
     );
@@ -301,7 +301,7 @@ fn shipped_scenes_are_what_their_names_say() {
     assert!(scene("free-release").device.initial_angle_rad > Some(0.5));
     assert!(
         scene("low-stiffness").wall.k_desired_n_m_per_rad
-            < scene("low-stiffness").law.k_v_n_m_per_rad
+            < scene("low-stiffness").law.k_soft_n_m_per_rad
     );
     for name in ["tap", "press-wiggle-release"] {
         assert_eq!(scene(name).operator.motion.name(), name);
@@ -314,4 +314,60 @@ fn shipped_scenes_are_what_their_names_say() {
         scene("press-hold").hold_window_s(),
         Some((0.1 + 0.5 + 0.75, 0.1 + 0.5 + 1.5))
     );
+}
+
+/// What a person writes of a setting of the law means the same in a scene and on a device, to the bit.
+#[test]
+fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
+    use touchstone_control::{Field, Settings};
+    use touchstone_protocol::DeviceSettings;
+    use touchstone_protocol::settings::{Decimal, VALUE_MAX, fields};
+
+    assert_eq!(Scene::default().settings().unwrap(), Settings::default());
+    let mut seen = vec![Settings::default()];
+    for path in Field::ALL.iter().map(|field| field.path()) {
+        let mut buffer = [0; VALUE_MAX];
+        let (text, bytes) = match fields::field(path).expect(path).kind {
+            // Not the default, within both ranges, and exact in decimals and in binary.
+            fields::Kind::Number { .. } => {
+                let value = Decimal::lit("0.0625");
+                (value.to_string(), postcard::to_slice(&value, &mut buffer))
+            }
+            fields::Kind::Whole { .. } => {
+                ("2000".into(), postcard::to_slice(&2000_u32, &mut buffer))
+            }
+            fields::Kind::Choice(words) => {
+                let scene = Draft::from_scene(&Scene::default())
+                    .fields
+                    .get(path)
+                    .cloned();
+                let other = words
+                    .iter()
+                    .position(|word| scene.as_ref().and_then(|it| it.as_str()) != Some(word));
+                let number = other.expect("two words") as u32;
+                (
+                    words[number as usize].to_owned(),
+                    postcard::to_slice(&number, &mut buffer),
+                )
+            }
+            fields::Kind::Flag => ("true".into(), postcard::to_slice(&true, &mut buffer)),
+        };
+        let scene = Scene::default()
+            .with_overrides(&[format!("{path}={text}")])
+            .unwrap_or_else(|error| panic!("{error}"));
+        let mut device = DeviceSettings::default();
+        device.set(path, bytes.unwrap()).expect(path);
+        let settings = scene.settings().unwrap();
+        assert_eq!(settings, device.law(), "{path}");
+        assert!(
+            !seen.contains(&settings),
+            "{path} changes nothing, or what another changes"
+        );
+        seen.push(settings);
+        // And back: the scene that is printed has it too.
+        assert_eq!(
+            parse(&scene.to_toml()).unwrap().settings().unwrap(),
+            settings
+        );
+    }
 }

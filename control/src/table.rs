@@ -1,0 +1,293 @@
+//! The one table of the law's settings: path, kind, range, default, unit, and words for a person.
+//!
+//! Everything else follows from a row: the field of [`crate::Settings`] and its default, its variant in [`crate::Field`] and its
+//! check, the leaf of a device's settings, the field of a scene, `touchstone config schema`. A row reads
+//!
+//! ```text
+//! Variant field, name: kind(range) = default, "unit", "words";
+//! ```
+//!
+//! - `field` is its name in [`crate::Settings`], where one number serves an angle or a length; `name` ends in the unit for one
+//!   degree of freedom, and is its last word in scenes and on devices.
+//! - kinds: `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and `choice_of_law(Enum)`, which
+//!   a scene may leave out: the law then has its own.
+//! - `words` stand after "give", and before the unit.
+//!
+//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. What follows are groups:
+//! a struct each, a field of [`crate::Settings`], and the table `law.GROUP`.
+//!
+//! A program has none of the texts that it does not use: they stand in constants only.
+
+/// Hands the table to a macro.
+#[macro_export]
+macro_rules! law_settings {
+    ($with:ident $($more:tt)*) => {
+        $with! {
+            $($more)*
+            timing {
+                RateHz rate_hz, rate_hz: u32(1, 100_000) = 1000, "Hz", "the control rate";
+            }
+            wall {
+                KDesired k_desired, k_desired_n_m_per_rad: number("0", "500000") = "5", "N·m/rad",
+                    "the desired stiffness k_de";
+            }
+            law {
+                Law law, kind: choice(LawKind) = EnhancedSfa, "",
+                    "the control law";
+                // Captions of thesis Figs. 3.2 and 3.5; below k_c = 2 c_i/T = 1, so the spring is passive unaided.
+                KSoft k_soft, k_soft_n_m_per_rad: number("0.01", "500000") = "0.8", "N·m/rad",
+                    "the soft stiffness k_v (stable by itself up to k_c = 2 c_i/T)";
+                // Thesis §5.1, found by Algorithm 2.1, so that k_c = 1 N·m/rad.
+                DeviceDamping device_damping, device_damping_n_m_s_per_rad: number("0", "10000") = "0.0005", "N·m·s/rad",
+                    "the damping c_i that device and fingertip are trusted to have";
+                // Below the device's own damping: passivity asks b > K T/2 + B, so virtual damping eats the margin that it is to widen.
+                VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0.0002", "N·m·s/rad",
+                    "the virtual damping of the law spring-damper";
+                Observer observer, observer: choice(ObserverForm) = Exact, "",
+                    "the form of the energy observer (thesis counts the sampling leak with the wrong sign)";
+                CountDeviceDamping count_device_damping, count_device_damping: flag() = false, "",
+                    "whether tdpa counts c_i as dissipation (2.6)";
+                FirstContact first_contact, first_contact: choice_of_law(FirstContact) = ZeroOffset, "",
+                    "what happens to the force when the first contact ends";
+                // The only choice that shows k_de at the hand without a bound from k_f.
+                Regulate regulate, regulate: choice(Regulate) = Hip, "",
+                    "which stiffness the offset regulates";
+                // Inward-only is a ratchet: it goes on only as long as something jitters, and overshoots.
+                OffsetUpdate offset_update, offset_update: choice(OffsetUpdate) = EveryTick, "",
+                    "when the enhanced law changes the offset";
+                // One step_of_ideal then serves all stiffnesses.
+                IdealStep ideal_step, ideal_step: choice(IdealStep) = Force, "",
+                    "what the offset's ideal step supposes to stay";
+                // a, b, c and the filter: found by a search over grips, encoders, touch and press, and k_de of 1 to 20 k_c; the thesis asks
+                // for "a fraction" only.
+                StepOfIdeal step_of_ideal, step_of_ideal: number("0", "1") = "0.012", "",
+                    "the step of the offset as a share of the ideal one, c of (3.8)";
+                // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
+                LimitOfForce limit_of_force, limit_of_force: number("0", "1") = "0.03", "",
+                    "the largest step of the force as a share of the force, b of (3.9)";
+                LimitOfPenetration limit_of_penetration, limit_of_penetration: number("0", "1") = "0.03", "",
+                    "the largest step of the offset as a share of the penetration, a of (3.11)";
+                // What a coupling k_f stores under the thesis' press of 0.1 N·m, F²/(2 k_f) = 5 mJ, four times over.
+                EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
+                    "the energy that one contact may give beyond what it took (0 is strictly passive)";
+                // The thesis knob's torque limit: five times the thesis' typical push.
+                ForceLimit force_limit, force_limit_n_m: number("0.000001", "100") = "0.5", "N·m",
+                    "the largest force that is ever commanded";
+            }
+            /// The virtual mass of the enhanced law between HIP and wall, by its physical parts (§3.5, Fig. 3.11).
+            filter FilterSettings {
+                // A thirtieth of the thesis knob's inertia: not felt.
+                FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000003", "kg·m²",
+                    "the filter's virtual mass";
+                // The sampling bound 2 (c_i - c_f)/T at 1 kHz: as stiff as passivity at the physical port allows.
+                FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "1", "N·m/rad",
+                    "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f)/T)";
+                // What it takes is lost to k_f; the damping to ground is enough.
+                FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0", "N·m·s/rad",
+                    "the coupling damping c_f between HIP and virtual mass";
+                // Far above the bound k_v T/2 = 4e-4: it sets how fast the mass follows (12 ms at k_f), and so how calm it is.
+                FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.01", "N·m·s/rad",
+                    "the damping c_env from virtual mass to ground (at least k_v T/2)";
+            }
+        }
+    };
+}
+
+/// The Rust type of a kind of row.
+#[macro_export]
+macro_rules! setting_type {
+    (number $range:tt) => {
+        $crate::Si
+    };
+    (flag ()) => {
+        bool
+    };
+    (choice ($choice:ident)) => {
+        $choice
+    };
+    (choice_of_law ($choice:ident)) => {
+        $choice
+    };
+    ($whole:ident $range:tt) => {
+        $whole
+    };
+}
+
+/// The default of a row as a value of its type.
+#[macro_export]
+macro_rules! setting_value {
+    ($value:tt: number $range:tt) => {
+        const { $crate::Si::lit($value) }
+    };
+    ($value:tt: flag ()) => {
+        $value
+    };
+    ($value:tt: choice ($choice:ident)) => {
+        $choice::$value
+    };
+    ($value:tt: choice_of_law ($choice:ident)) => {
+        $choice::$value
+    };
+    ($value:tt: $whole:ident $range:tt) => {
+        $value
+    };
+}
+
+/// The path of a row: `setting_path!((law filter) mass_kg_m2)`.
+#[macro_export]
+macro_rules! setting_path {
+    (($($table:ident)+) $name:ident) => { concat!($(stringify!($table), ".",)+ stringify!($name)) };
+}
+
+/// A setting that is one of a few words.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All of them; the place in it is the number on the wire, so new ones go to the end.
+    const ALL: &'static [Self];
+    /// Their words, in the order of [`Choice::ALL`].
+    const WORDS: &'static [&'static str];
+
+    /// Its place in [`Choice::ALL`].
+    #[must_use]
+    fn number(self) -> u32 {
+        // At most as many as there are words.
+        (0..)
+            .zip(Self::ALL)
+            .find(|(_, it)| **it == self)
+            .map_or(0, |(number, _)| number)
+    }
+
+    /// Its word.
+    #[must_use]
+    fn word(self) -> &'static str {
+        Self::ALL
+            .iter()
+            .zip(Self::WORDS)
+            .find(|(it, _)| **it == self)
+            .map_or("", |(_, word)| word)
+    }
+
+    /// The one with this word.
+    #[must_use]
+    fn of_word(word: &str) -> Option<Self> {
+        Self::WORDS
+            .iter()
+            .zip(Self::ALL)
+            .find(|(it, _)| **it == word)
+            .map(|(_, it)| *it)
+    }
+}
+
+/// An enum whose variants have words: `Variant = "word"`, all documented.
+#[macro_export]
+macro_rules! choice {
+    ($(#[$meta:meta])* $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $word:literal,)+ }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+        pub enum $name { $($(#[$variant_meta])* $variant,)+ }
+
+        impl $crate::Choice for $name {
+            const ALL: &'static [Self] = &[$(Self::$variant,)+];
+            const WORDS: &'static [&'static str] = &[$($word,)+];
+        }
+    };
+}
+
+/// Units as a name ends in them, and as a person reads them.
+const UNITS: &[(&str, &str)] = &[
+    ("", ""),
+    ("hz", "Hz"),
+    ("s", "s"),
+    ("rad", "rad"),
+    ("rad_per_s", "rad/s"),
+    ("n_m", "N·m"),
+    ("n_m_per_rad", "N·m/rad"),
+    ("n_m_s_per_rad", "N·m·s/rad"),
+    ("n_m_per_a", "N·m/A"),
+    ("kg_m2", "kg·m²"),
+    ("j", "J"),
+    ("w", "W"),
+    ("a", "A"),
+    ("v", "V"),
+    ("h", "H"),
+    ("ohm", "Ω"),
+    ("celsius", "°C"),
+    ("turns_per_s", "turns/s"),
+    ("per_rev", "counts/rev"),
+];
+
+/// What a name ends in whose unit a person reads so: `N·m/rad` gives `n_m_per_rad`. For constants.
+///
+/// # Panics
+/// If no setting has such a unit.
+#[must_use]
+pub const fn suffix(unit: &str) -> &'static str {
+    let mut index = 0;
+    while index < UNITS.len() {
+        let (suffix, shown) = UNITS[index];
+        if equal(shown, unit) {
+            return suffix;
+        }
+        index += 1;
+    }
+    panic!("no setting has this unit")
+}
+
+/// `==` in constants.
+#[must_use]
+pub const fn equal(left: &str, right: &str) -> bool {
+    let (mut left, mut right) = (left.as_bytes(), right.as_bytes());
+    while let ([first, left_rest @ ..], [other, right_rest @ ..]) = (left, right) {
+        if *first != *other {
+            return false;
+        }
+        (left, right) = (left_rest, right_rest);
+    }
+    left.is_empty() && right.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::suffix;
+    use crate::choices::LawKind;
+    use crate::{Choice, Field, Settings};
+
+    macro_rules! rows {
+        ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:
+            $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+ })+) => {
+            /// Path, unit, words.
+            const ROWS: &[(Field, &str, &str, &str)] = &[$($((Field::$variant, stringify!($name), $unit, $about),)+)+];
+        };
+    }
+    crate::law_settings!(rows);
+
+    #[test]
+    fn a_name_ends_in_its_unit_and_a_path_in_its_name() {
+        assert_eq!(ROWS.len(), Field::ALL.len());
+        for (field, name, unit, about) in ROWS {
+            assert!(field.path().ends_with(&format!(".{name}")), "{name}");
+            assert!(name.ends_with(suffix(unit)), "{name}: {unit}");
+            assert!(
+                !about.is_empty() && !about.ends_with('.'),
+                "{name}: {about}"
+            );
+        }
+        let mut paths: Vec<_> = Field::ALL.iter().map(|field| field.path()).collect();
+        paths.sort_unstable();
+        paths.dedup();
+        assert_eq!(paths.len(), Field::ALL.len());
+    }
+
+    #[test]
+    fn the_defaults_are_within_their_ranges() {
+        assert_eq!(Settings::default().validate(), Ok(()));
+    }
+
+    #[test]
+    fn words_and_numbers_go_there_and_back() {
+        for (number, word) in (0..).zip(LawKind::WORDS) {
+            let kind = LawKind::of_word(word).expect("a word of its own");
+            assert_eq!((kind.word(), kind.number()), (*word, number));
+        }
+        assert_eq!(LawKind::of_word("TDPA"), None);
+    }
+}

@@ -1,0 +1,121 @@
+//! The one table of a device's own settings; the wall's law is [`touchstone_control::law_settings`].
+//!
+//! Everything else follows from a row: the leaf of [`DeviceSettings`](super::DeviceSettings), its default, its range, what is written
+//! on the wire and in flash, and what `touchstone config` tells a person. A row reads
+//!
+//! ```text
+//! name: kind(range) = default, "unit", "words";
+//! ```
+//!
+//! with the kinds of the law's table, and `u8` and `u16`. A name ends in its unit. What a board can do less is in `touchstone_drive`'s
+//! `Hardware`.
+
+use touchstone_control::choice;
+
+choice! {
+    /// Which encoder is connected.
+    EncoderKind {
+        /// A and B into the timer.
+        Incremental = "incremental",
+        /// AS5047P over SPI: 14 bits, parity checked.
+        #[default]
+        As5047p = "as5047p",
+        /// MT6701 over SPI (SSI frame): 14 bits, CRC checked.
+        Mt6701 = "mt6701",
+    }
+}
+choice! {
+    /// What moves the shaft.
+    DriveKind {
+        /// The board's bridge and its current loop.
+        #[default]
+        ThreePhase = "three-phase",
+        /// A voltage to an external servo amplifier, which controls the current.
+        Analogue = "analogue",
+    }
+}
+
+/// Hands both tables to a macro.
+macro_rules! device_settings {
+    ($with:ident) => {
+        touchstone_control::law_settings! { $with
+            // A sixth of a turn away, so that a knob that was just calibrated is outside.
+            own_wall {
+                surface_rad: number("-100", "100") = "1", "rad",
+                    "where the surface is, from the zero of the calibration (inside is beyond it)";
+            }
+            own {
+                /// When the control interrupt runs.
+                timing TimingSettings {
+                    rate_hz: u32(500, 10_000) = 1000, "Hz",
+                        "the control rate, a whole fraction of 20000 Hz";
+                }
+                /// The encoder.
+                encoder EncoderSettings {
+                    kind: choice(EncoderKind) = As5047p, "",
+                        "which encoder is connected";
+                    counts_per_rev: u32(4, 1_000_000) = 16_384, "counts/rev",
+                        "the counts of a revolution, all edges counted (16384 for as5047p and mt6701)";
+                    reversed: flag() = false, "",
+                        "whether turning the other way is positive";
+                    bad_readings: u8(1, 10) = 3, "",
+                        "how many bad readings in a row make a fault (the outputs are off from the first)";
+                }
+                /// What moves the shaft.
+                drive DriveSettings {
+                    kind: choice(DriveKind) = ThreePhase, "",
+                        "what moves the shaft";
+                    analogue_full_scale_n_m: number("0.01", "100") = "1", "N·m",
+                        "analogue: the torque at the upper end of the output (its negative at the lower, none in the middle)";
+                }
+                /// The motor. Resistance and inductance are those of one phase to the star point: half of what is measured between
+                /// two wires.
+                motor MotorSettings {
+                    pole_pairs: u8(1, 50) = 7, "",
+                        "the pole pairs (the calibration compares them with what it finds)";
+                    resistance_ohm: number("0.01", "100") = "6", "Ω",
+                        "the resistance of one phase to the star point, half of that between two wires";
+                    inductance_h: number("0.000005", "0.1") = "0.003", "H",
+                        "the inductance of one phase to the star point, half of that between two wires";
+                    torque_constant_n_m_per_a: number("0.001", "10") = "0.25", "N·m/A",
+                        "the torque for a q-axis current of 1 A (the amplitude of a phase current)";
+                    current_limit_a: number("0.05", "25") = "2", "A",
+                        "the largest current that is ever asked for, at most the trip current";
+                    // No overshoot even with a delay of 1.5 periods of 50 µs; it is one (`current::ACTS_AFTER_PERIODS`).
+                    current_bandwidth_hz: number("50", "1500") = "600", "Hz",
+                        "the bandwidth of the current loop";
+                }
+                /// Beyond these the outputs are switched off.
+                limits LimitSettings {
+                    trip_current_a: number("0.05", "25") = "4", "A",
+                        "the phase current that switches off (at most 15 on nucleo-g474re)";
+                    bus_min_v: number("8", "48") = "18", "V",
+                        "the bus voltage below which it switches off";
+                    bus_max_v: number("8", "48") = "30", "V",
+                        "the bus voltage above which it switches off (at most 30 on b-g431b-esc1)";
+                    derate_from_celsius: number("20", "109") = "70", "°C",
+                        "the temperature from which the current is reduced";
+                    fault_from_celsius: number("30", "110") = "90", "°C",
+                        "the temperature that switches off (the reduced current reaches zero here)";
+                    max_speed_rad_per_s: number("1", "1000") = "60", "rad/s",
+                        "the speed above which it switches off";
+                    fade_in_s: number("0", "10") = "0.2", "s",
+                        "the time over which the torque fades in after arming";
+                }
+                /// How the encoder is aligned with the motor.
+                calibration CalibrationSettings {
+                    current_a: number("0.05", "25") = "1", "A",
+                        "the current of the field that turns the shaft, at most the current limit";
+                    electrical_turns_per_s: number("0.2", "20") = "4", "turns/s",
+                        "the speed of that field, electrical turns";
+                }
+                /// What is sent by itself.
+                telemetry TelemetrySettings {
+                    decimation: u16(0, 1_000) = 1, "",
+                        "after how many control ticks a record is sent (0 sends none)";
+                }
+            }
+        }
+    };
+}
+pub(super) use device_settings;
