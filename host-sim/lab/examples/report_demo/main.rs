@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use touchstone_control::LawKind;
+use touchstone_control::LawKind;
 use touchstone_lab::report::{self, Block, Colour, ReportInput, Section};
 use touchstone_sim::run;
-use touchstone_sim::run::record::LawKind;
 
 mod synthetic;
 
