@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use touchstone_control::LawKind;
-use touchstone_control::LawKind;
 use touchstone_lab::report::{self, Block, Colour, ReportInput, Section};
 use touchstone_sim::run;
 

@@ -54,7 +54,6 @@ mod tests {
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
-    use touchstone_sim::run::record::LawKind;
 
     #[test]
     fn reads_back_to_the_bit() {

@@ -72,7 +72,6 @@ mod tests {
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
-    use touchstone_sim::run::record::LawKind;
 
     /// A run in which no field is `None`.
     fn complete() -> Run {

@@ -115,7 +115,6 @@ mod tests {
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
-    use touchstone_sim::run::record::LawKind;
 
     /// Writes and reads back: columns and metadata.
     fn round_trip(run: &Run, name: &str) -> (Trace, Vec<(String, String)>, usize) {

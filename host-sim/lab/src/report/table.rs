@@ -183,7 +183,6 @@ mod tests {
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
-    use touchstone_sim::run::record::LawKind;
 
     fn run(law: LawKind, k: f64, verdict: Verdict, shown: Option<f64>, cycle: Option<f64>) -> Run {
         let mut run = synthetic::run(law, k, 0.01);

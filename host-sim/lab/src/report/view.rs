@@ -221,7 +221,6 @@ mod tests {
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
-    use touchstone_sim::run::record::LawKind;
 
     #[test]
     fn the_area_under_the_strokes_is_the_true_energy() {
