@@ -10,7 +10,6 @@ use touchstone_control::LawKind;
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Tick;
-use touchstone_sim::run::settings::settings;
 use touchstone_sim::run::wall::{Controlled, Wall};
 use touchstone_sim::run::{self, Recorder};
 use touchstone_sim::scene::Scene;
