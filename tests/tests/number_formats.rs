@@ -5,13 +5,11 @@
 
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
-use touchstone_sim::run::judge::Tick;
 use touchstone_sim::run::record::LawKind;
 use touchstone_sim::run::settings::settings;
 use touchstone_sim::run::wall::{Controlled, Wall};
-use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
-use touchstone_world::plant::Motion;
 
 /// What the encoder read.
 struct Counts {
@@ -21,8 +19,7 @@ struct Counts {
 }
 
 impl Recorder for Counts {
-    const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, _: &impl Motion, _: f64, _: f64) {
+    fn record(&mut self, tick: &Tick) {
         let count = (tick.told_rad + self.surface_rad) / self.step_rad;
         let whole = count.round();
         assert!((count - whole).abs() < 1e-6, "{count} is no count");

@@ -56,7 +56,7 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
             run.energy_user_min
         );
         assert_close(run.k_displayed, 5.0, 0.05);
-        assert_close(run.k_first_contact, 5.0, 0.02);
+        assert_close(run.rate_hardness, 5.0, 0.02);
     }
 }
 
@@ -75,7 +75,7 @@ fn a_wall_below_the_soft_spring_is_passive() {
 fn a_tap_meets_the_desired_stiffness_and_gets_no_energy() {
     let run = summary("tap");
     assert_eq!(run.verdict, Verdict::Passive);
-    assert_close(run.k_first_contact, 5.0, 0.02);
+    assert_close(run.rate_hardness, 5.0, 0.02);
     assert!(run.contact_ticks > 5, "{}", run.contact_ticks);
     // The wall's own port: the spring of the same stiffness leaks energy at every sample, the law does not.
     let scene = Scene::load("tap")
@@ -127,7 +127,7 @@ fn a_recorded_hand_moves_the_knob_in_and_out_of_the_wall() {
     // 3046 samples at 200 Hz.
     assert_eq!(run.summary.ticks, 15_225);
     assert_eq!(run.summary.verdict, Verdict::Passive);
-    assert_close(run.summary.k_first_contact, 5.0, 0.02);
+    assert_close(run.summary.rate_hardness, 5.0, 0.02);
     let trace = run.trace.unwrap();
     let entries = trace
         .force_n_m

@@ -32,14 +32,14 @@ fn all(law: LawKind, k_desired: f64) -> Vec<Summary> {
 
 fn name(run: &Summary) -> String {
     format!(
-        "{:?} {} N·m/rad, {} grip, {:?} counts: {:?}, shows {:?}, first contact {:?}, moves {:?} rad",
+        "{:?} {} N·m/rad, {} grip, {:?} counts: {:?}, shows {:?}, rate-hardness {:?}, moves {:?} rad",
         run.law,
         run.k_desired,
         run.grip,
         run.encoder_counts_per_rev,
         run.verdict,
         run.k_displayed,
-        run.k_first_contact,
+        run.rate_hardness,
         run.limit_cycle_peak_to_peak
     )
 }
@@ -108,7 +108,7 @@ fn enhanced_sfa_shows_high_stiffness_at_rest_and_on_first_contact() {
     for k_desired in [2.5, 5.0] {
         for run in all(LawKind::EnhancedSfa, k_desired) {
             assert_shows(&run, k_desired, 0.05);
-            let first = run.k_first_contact.unwrap();
+            let first = run.rate_hardness.unwrap();
             assert!((first / k_desired - 1.0).abs() <= 0.02, "{}", name(&run));
         }
     }
