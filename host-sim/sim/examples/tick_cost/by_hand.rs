@@ -4,6 +4,7 @@
 //! absent effects cost.
 
 use crate::scenes::{Pressed, scene};
+use std::hint::black_box;
 use touchstone_control::{CountScale, Fixed32, Si};
 use touchstone_sim::run::chain::{Answer, Control, Staged};
 use touchstone_sim::run::plan;
@@ -11,6 +12,11 @@ use touchstone_sim::run::settings::settings;
 use touchstone_sim::run::wall::{Controlled, Wall};
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareLinear, HeldLinear, Motion as _, State, Stepper};
+
+/// The same, with its type hidden from the compiler, as a plan's is: a law is chosen when the program runs.
+fn unknown(control: Box<dyn Control>) -> Box<dyn Control> {
+    black_box(control)
+}
 
 /// The law of a scene, without what would tell it the angle.
 fn law(scene: &Scene) -> Option<Controlled<Fixed32>> {
@@ -65,7 +71,7 @@ pub fn bare(ticks: u64) -> Option<f64> {
         wall: law(&scene)?,
         surface_rad: scene.wall.surface_rad,
     };
-    let mut control = Staged::around(Box::new(exact), Pressed::default());
+    let mut control = unknown(Staged::around(Box::new(exact), Pressed::default()));
     let plant = BareLinear::new(&plan::device(&scene), scene.timing.period_s()).ok()?;
     let mut state = State::from_array([0.55, 0.0]);
     for _ in 0..ticks {
@@ -82,7 +88,7 @@ pub fn held_with_encoder(ticks: u64) -> Option<f64> {
         wall: law(&scene)?,
         per_rad: 1.0 / scene.encoder.as_ref()?.step_rad(),
     };
-    let mut control = Staged::around(Box::new(counted), Pressed::default());
+    let mut control = unknown(Staged::around(Box::new(counted), Pressed::default()));
     let device = plan::device(&scene);
     let plant = HeldLinear::new(&device, &plan::hand(&scene)?, scene.timing.period_s()).ok()?;
     let rest_rad = scene.device.initial_angle_rad?;

@@ -114,7 +114,7 @@ impl Felt {
             release.record(tick.index, e, tick.velocity_rad_per_s);
         }
         self.ripple.record(tick.index, force);
-        self.hardness.record(middle, force);
+        self.hardness.record(e, force);
         let kinetic_j = |velocity: f64| 0.5 * terms.inertia_kg_m2 * velocity * velocity;
         let start_j = *self
             .kinetic_start_j

@@ -38,7 +38,8 @@ impl RateHardness {
         }
     }
 
-    /// Takes a tick: the mean over it of the true penetration, rad, and of the force out of the wall, N·m.
+    /// Takes a tick: true penetration at its sample, rad, and the force that was held over it, N·m out of the wall. So what a hold
+    /// lags by itself is not taken for hardness: in a motion that slows down every lag makes the slope steeper.
     pub fn record(&mut self, penetration_rad: f64, force_n_m: f64) {
         let touched = self.n > 0.0;
         if self.over || (!touched && force_n_m <= 0.0) {
@@ -110,7 +111,9 @@ mod tests {
         (1..=9).for_each(|i| there.record(f64::from(10 - i) * 1e-3, 0.0));
         assert!((there.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
         let mut short = RateHardness::new(PERIOD_S);
-        [1e-3, 2e-3, 1e-3].map(|x| short.record(x, 5.0 * x));
+        [1e-3, 2e-3, 1e-3]
+            .iter()
+            .for_each(|x| short.record(*x, 5.0 * x));
         assert_eq!(short.n_m_per_rad(), None);
     }
 
