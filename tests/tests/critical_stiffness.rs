@@ -4,12 +4,10 @@
 //! one way only, so a constant torque presses the knob into it; that moves the equilibrium inside the wall and changes nothing
 //! else in a linear loop. Whether a stiffness is stable is read off the growth of the oscillation around that equilibrium.
 
-use touchstone_sim::run::chain::{Amplifier, Crossing, Sensor};
-use touchstone_sim::run::judge::Tick;
-use touchstone_sim::run::plan::{self, Prepared, Visitor};
-use touchstone_sim::run::wall::Wall;
-use touchstone_sim::run::{self, Recorder};
-use touchstone_sim::scene::{Motion, Scene};
+use touchstone_sim::run::chain::{Stage, Staged};
+use touchstone_sim::run::plan::Plan;
+use touchstone_sim::run::{Recorder, Tick};
+use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{self, Device};
 
 const INERTIA: f64 = 1e-4;
@@ -21,16 +19,15 @@ const DEFLECTION: f64 = 0.01;
 /// With a stiffness `K` the oscillation grows by `(K/K_max - 1) b/(2J)` = 2.5/s times the share that `K` is off.
 const DURATION_S: f64 = 12.0;
 
-/// The amplifier of the scene with the press added behind it.
+/// The press, added behind the amplifier.
 #[derive(Debug, Clone, Copy)]
-struct Pressed<A> {
-    inner: A,
+struct Pressed {
     press_n_m: f64,
 }
 
-impl<A: Amplifier> Amplifier for Pressed<A> {
-    fn torque(&self, command_n_m: f64) -> f64 {
-        self.inner.torque(command_n_m) + self.press_n_m
+impl Stage for Pressed {
+    fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
+        torque_n_m + self.press_n_m
     }
 }
 
@@ -42,8 +39,7 @@ struct Growth {
 }
 
 impl Recorder for Growth {
-    const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, _: &impl plant::Motion, _: f64, _: f64) {
+    fn record(&mut self, tick: &Tick) {
         let deflection = tick.told_rad - EQUILIBRIUM;
         self.left |= tick.told_rad <= 0.0;
         match tick.index / self.quarter {
@@ -51,46 +47,6 @@ impl Recorder for Growth {
             3 => self.squares[1] += deflection * deflection,
             _ => {}
         }
-    }
-}
-
-struct Press {
-    press_n_m: f64,
-    period_s: f64,
-    ticks: u64,
-}
-
-impl Visitor for Press {
-    type Output = Growth;
-    fn visit<C: Crossing, S: Sensor, A: Amplifier>(
-        self,
-        prepared: Prepared<C, S, A>,
-        wall: &mut dyn Wall,
-        motion: &Motion,
-    ) -> Growth {
-        let mut growth = Growth {
-            quarter: self.ticks / 4,
-            squares: [0.0; 2],
-            left: false,
-        };
-        let pressed = Prepared {
-            crossing: prepared.crossing,
-            state: prepared.state,
-            sensor: prepared.sensor,
-            amplifier: Pressed {
-                inner: prepared.amplifier,
-                press_n_m: self.press_n_m,
-            },
-        };
-        run::cycle(
-            pressed,
-            wall,
-            |time_s| motion.rest_rad(time_s),
-            self.ticks,
-            self.period_s,
-            &mut growth,
-        );
-        growth
     }
 }
 
@@ -111,13 +67,23 @@ fn scene(rate_hz: u32, delay_s: f64, stiffness: f64) -> Scene {
 
 fn growth(rate_hz: u32, delay_s: f64, stiffness: f64) -> Growth {
     let scene = scene(rate_hz, delay_s, stiffness);
-    let mut wall = run::wall(&scene).unwrap();
-    let press = Press {
-        press_n_m: stiffness * EQUILIBRIUM,
-        period_s: scene.timing.period_s(),
-        ticks: scene.timing.ticks(),
+    let ticks = scene.timing.ticks();
+    let mut growth = Growth {
+        quarter: ticks / 4,
+        squares: [0.0; 2],
+        left: false,
     };
-    plan::prepare(&scene, wall.as_mut(), press).unwrap()
+    let mut plan = Plan::of(&scene).unwrap();
+    let press_n_m = stiffness * EQUILIBRIUM;
+    let mut control = Staged::around(plan.control, Pressed { press_n_m });
+    plan.mechanics.advance(
+        control.as_mut(),
+        &plan.motion,
+        0..ticks,
+        scene.timing.period_s(),
+        Some(&mut growth),
+    );
+    growth
 }
 
 fn is_stable(rate_hz: u32, delay_s: f64, stiffness: f64) -> bool {

@@ -123,7 +123,17 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
             cost[effect]
         );
     }
+    // A limit computes two comparisons.
+    assert!(
+        cost["limit"] <= bare + STAGE,
+        "limit {}, bare {bare}",
+        cost["limit"]
+    );
 }
+
+/// Instructions by which a stage around the law's side may cost more than what it computes: two calls' worth, the one to it and the
+/// one from it to what is inside.
+const STAGE: f64 = 24.0;
 
 /// Every column of a run, in bits.
 fn bits(trace: &Trace) -> Vec<Vec<u64>> {

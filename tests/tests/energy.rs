@@ -2,11 +2,9 @@
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
-use touchstone_sim::run::chain::{Crossing, ExactAngle, Flow, Ideal, Limited};
-use touchstone_sim::run::judge::Tick;
-use touchstone_sim::run::plan::Prepared;
+use touchstone_sim::run::chain::{Crossing, ExactAngle, Flow, Limited, Sampled, Staged};
 use touchstone_sim::run::wall::Controlled;
-use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_world::plant::{Coulomb, Device, HeldCoulomb, MEDIUM, Motion as _, State, Stepper};
 
 const TICKS: u64 = 10_000_000;
@@ -54,13 +52,13 @@ struct Audited<'a, S> {
 }
 
 impl<S: Stepper> Crossing for Audited<'_, S> {
-    type Plant = S;
+    type State = S::State;
 
-    fn cross(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
-        self.cross_with_loss(state, torque_n_m, rest_rad)
+    fn cross(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) {
+        self.cross_with_flow(state, torque_n_m, rest_rad);
     }
 
-    fn cross_with_loss(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
+    fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
         let books = &mut *self.books;
         let last = books.last_rest.replace(rest_rad).unwrap_or(rest_rad);
         // The rest point jumps at the tick: that strains the hand's spring.
@@ -75,6 +73,7 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
         books.device_loss.add(loss.device_j);
         books.hand_loss.add(loss.hand_j);
         Flow {
+            torque_n_m,
             motor_j,
             device_loss_j: loss.device_j,
         }
@@ -91,8 +90,7 @@ struct Observers {
 }
 
 impl Recorder for Observers {
-    const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, _: &impl touchstone_world::plant::Motion, _: f64, _: f64) {
+    fn record(&mut self, tick: &Tick) {
         let (e, f) = (Position(tick.told_rad), Force(tick.force_n_m));
         self.exact.tick(e, f);
         self.thesis.tick(e, f);
@@ -127,7 +125,13 @@ fn press(settings: &Settings) -> Finished {
     let plant = HeldCoulomb::new(&device, &MEDIUM, PERIOD_S).unwrap();
     let start = State::at_rest(SURFACE_RAD - 0.05);
     let scale = CountScale::new(1, Si::ZERO).unwrap();
-    let mut wall = Controlled::<f64>::new(settings, scale).unwrap();
+    let law = Sampled {
+        sensor: ExactAngle {
+            surface_rad: SURFACE_RAD,
+        },
+        wall: Controlled::<f64>::new(settings, scale).unwrap(),
+    };
+    let mut control = Staged::around(Box::new(law), Limited { limit_n_m: 0.5 });
     let mut observers = Observers {
         exact: ExactObserver::new(Position(start.position() - SURFACE_RAD)),
         thesis: ThesisObserver::new(Position(start.position() - SURFACE_RAD)),
@@ -136,24 +140,16 @@ fn press(settings: &Settings) -> Finished {
     };
     let mut books = Books::default();
     let stored_before = plant.stored_energy_j(&start, rest_rad(0.0));
-    let end = run::cycle(
-        Prepared {
-            crossing: Audited {
-                plant: plant.clone(),
-                books: &mut books,
-            },
-            state: start,
-            sensor: ExactAngle {
-                surface_rad: SURFACE_RAD,
-            },
-            amplifier: Limited {
-                inner: Ideal,
-                limit_n_m: 0.5,
-            },
-        },
-        &mut wall,
+    let mut audited = Audited {
+        plant: plant.clone(),
+        books: &mut books,
+    };
+    let end = run::cycle_recorded(
+        &mut audited,
+        start,
+        control.as_mut(),
         rest_rad,
-        TICKS,
+        0..TICKS,
         PERIOD_S,
         &mut observers,
     );

@@ -3,14 +3,11 @@
 //! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
 //! alike: so a difference is the format's and not that of another trajectory.
 
-use touchstone_control::LawKind;
-use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
+use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
-use touchstone_sim::run::judge::Tick;
 use touchstone_sim::run::wall::{Controlled, Wall};
-use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
-use touchstone_world::plant::Motion;
 
 /// What the encoder read.
 struct Counts {
@@ -20,8 +17,7 @@ struct Counts {
 }
 
 impl Recorder for Counts {
-    const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, _: &impl Motion, _: f64, _: f64) {
+    fn record(&mut self, tick: &Tick) {
         let count = (tick.told_rad + self.surface_rad) / self.step_rad;
         let whole = count.round();
         assert!((count - whole).abs() < 1e-6, "{count} is no count");

@@ -125,7 +125,7 @@ const FIELDS: [&str; 11] = [
     "encoder_counts_per_rev",
     "verdict",
     "k_displayed",
-    "k_first_contact",
+    "rate_hardness",
     "limit_cycle_peak_to_peak",
     "energy_true_min",
     "energy_observed_min",

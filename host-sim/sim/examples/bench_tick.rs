@@ -6,14 +6,11 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use touchstone_control::LawKind;
-use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
+use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_sim::error::Result;
-use touchstone_sim::run::judge::Tick;
 use touchstone_sim::run::wall::{Controlled, Wall};
-use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
-use touchstone_world::plant::Motion;
 
 const REPEATS: usize = 100;
 
@@ -32,8 +29,7 @@ struct Contact {
 }
 
 impl Recorder for Contact {
-    const WATCHES: bool = true;
-    fn take(&mut self, tick: &Tick, _: &impl Motion, _: f64, _: f64) {
+    fn record(&mut self, tick: &Tick) {
         self.ticks += u64::from(tick.force_n_m != 0.0);
         self.told_rad.push(tick.told_rad);
     }
@@ -104,7 +100,7 @@ fn whole_ticks() -> Result<()> {
         for (row, (_, scene)) in rows.iter().enumerate() {
             let ticks = contact[row].told_rad.len();
             let mut failed = None;
-            times[row].push(timed(ticks, || failed = run::watch(scene, ()).err()));
+            times[row].push(timed(ticks, || failed = run::simulate(scene, None).err()));
             failed.map_or(Ok(()), Err)?;
         }
     }

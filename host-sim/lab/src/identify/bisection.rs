@@ -10,8 +10,7 @@
 use super::swing::Mechanics;
 use touchstone_control::LawKind;
 use touchstone_sim::error::Result;
-use touchstone_sim::run::judge::Tick;
-use touchstone_sim::run::{self, Recorder};
+use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 
 /// What is identified with.
@@ -79,12 +78,10 @@ impl Windows {
 }
 
 impl Recorder for Windows {
-    const WATCHES: bool = true;
-
-    fn take(&mut self, tick: &Tick, state: &impl touchstone_world::plant::Motion, _: f64, _: f64) {
+    fn record(&mut self, tick: &Tick) {
         for (bounds, range) in self.bounds.iter().zip(&mut self.ranges) {
             if (bounds.0..bounds.1).contains(&tick.index) {
-                let angle = state.position();
+                let angle = tick.angle_rad;
                 *range = (range.0.min(angle), range.1.max(angle));
             }
         }

@@ -44,6 +44,7 @@ pub fn verdict_class(verdict: Verdict) -> &'static str {
         Verdict::Active => "active",
         Verdict::LimitCycle => "limit-cycle",
         Verdict::Unstable => "unstable",
+        Verdict::NoContact => "no-contact",
     }
 }
 
@@ -54,6 +55,7 @@ pub fn verdict_words(verdict: Verdict) -> String {
         Verdict::Active => "△",
         Verdict::LimitCycle => "≈",
         Verdict::Unstable => "✕",
+        Verdict::NoContact => "–",
     };
     format!(
         "<i aria-hidden=\"true\">{sign}</i> {}",
@@ -260,8 +262,8 @@ pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
     if let Some(value) = s.k_displayed {
         facts.push(("displayed stiffness", k(value)));
     }
-    if let Some(value) = s.k_first_contact {
-        facts.push(("on first contact", k(value)));
+    if let Some(value) = s.rate_hardness {
+        facts.push(("rate-hardness", k(value)));
     }
     if let Some(value) = s.limit_cycle_peak_to_peak {
         let counts = s

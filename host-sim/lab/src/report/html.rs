@@ -215,6 +215,7 @@ fn words(page: &mut String, runs: &[Run]) {
         Verdict::Active,
         Verdict::LimitCycle,
         Verdict::Unstable,
+        Verdict::NoContact,
     ] {
         if runs.iter().any(|run| run.summary.verdict == verdict) {
             let _ = write!(

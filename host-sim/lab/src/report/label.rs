@@ -24,6 +24,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Active => "active",
         Verdict::LimitCycle => "limit cycle",
         Verdict::Unstable => "unstable",
+        Verdict::NoContact => "no contact",
     }
 }
 
@@ -36,6 +37,7 @@ pub fn verdict_meaning(verdict: Verdict) -> &'static str {
         }
         Verdict::LimitCycle => "keeps oscillating near the wall without growing",
         Verdict::Unstable => "leaves the wall again and again, hits the torque limit, or grows",
+        Verdict::NoContact => "never touched the wall: nothing was shown",
     }
 }
 

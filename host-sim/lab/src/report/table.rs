@@ -45,6 +45,7 @@ impl Colour {
             Verdict::Active => "33",
             Verdict::LimitCycle => "35",
             Verdict::Unstable => "31",
+            Verdict::NoContact => "2",
         };
         match self {
             Colour::Never => padded,

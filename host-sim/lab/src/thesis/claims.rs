@@ -219,7 +219,7 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
             "§5.1.3, Fig. 5.7",
             "Enhanced SFA shows k_de on the first contact.",
             at_high(LawKind::EnhancedSfa),
-            |run| within(run.k_first_contact, run.k_desired, 0.02),
+            |run| within(run.rate_hardness, run.k_desired, 0.02),
         ),
         counted(
             "enhanced-beyond",

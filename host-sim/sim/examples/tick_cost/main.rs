@@ -10,46 +10,18 @@ mod scenes;
 use scenes::{CONFIGURATIONS, Pressed, scene};
 use std::hint::black_box;
 use std::process::ExitCode;
-use touchstone_sim::run::chain::{Amplifier, Crossing, Sensor};
-use touchstone_sim::run::plan::{self, Prepared, Visitor};
-use touchstone_sim::run::wall::Wall;
-use touchstone_sim::run::{self};
-use touchstone_sim::scene::Motion;
-use touchstone_world::plant::Motion as _;
+use touchstone_sim::run::chain::Staged;
+use touchstone_sim::run::plan::Plan;
 
-/// So many ticks of whatever the plan has prepared.
-struct Ticks {
-    ticks: u64,
-    period_s: f64,
-}
-
-impl Visitor for Ticks {
-    type Output = f64;
-
-    fn visit<C: Crossing, S: Sensor, A: Amplifier>(
-        self,
-        prepared: Prepared<C, S, A>,
-        wall: &mut dyn Wall,
-        motion: &Motion,
-    ) -> f64 {
-        let pressed = Prepared {
-            crossing: prepared.crossing,
-            state: prepared.state,
-            sensor: prepared.sensor,
-            amplifier: Pressed::new(prepared.amplifier),
-        };
-        run::follow(pressed, wall, motion, self.ticks, self.period_s, &mut ()).position()
-    }
-}
-
+/// So many ticks of what the plan makes of a configuration.
 fn planned(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
-    let mut wall = run::wall(&scene).ok()?;
-    let visitor = Ticks {
-        ticks,
-        period_s: scene.timing.period_s(),
-    };
-    plan::prepare(&scene, wall.as_mut(), visitor).ok()
+    let mut plan = Plan::of(&scene).ok()?;
+    let mut control = Staged::around(plan.control, Pressed::default());
+    let period_s = scene.timing.period_s();
+    plan.mechanics
+        .advance(control.as_mut(), &plan.motion, 0..ticks, period_s, None);
+    Some(plan.mechanics.angle_rad())
 }
 
 fn main() -> ExitCode {

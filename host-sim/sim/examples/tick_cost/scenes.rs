@@ -1,8 +1,7 @@
 //! The configurations: one scene without effects, and each effect added to it.
 
-use std::cell::Cell;
 use std::path::Path;
-use touchstone_sim::run::chain::Amplifier;
+use touchstone_sim::run::chain::Stage;
 use touchstone_sim::scene::Scene;
 
 /// Names, and what each sets beside [`BARE`].
@@ -59,30 +58,19 @@ pub fn scene(name: &str) -> Option<Scene> {
 }
 
 /// A steady press with a jolt every 32 ticks, in place of a hand: the knob stays in the wall, and in motion.
-#[derive(Debug, Clone)]
-pub struct Pressed<A> {
-    inner: A,
-    ticks: Cell<u32>,
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Pressed {
+    ticks: u32,
 }
 
 /// Torque of the press and of the jolt around it, N·m.
 const PRESS: [f64; 2] = [0.022, 0.018];
 
-impl<A> Pressed<A> {
-    /// Around an amplifier.
-    pub fn new(inner: A) -> Self {
-        Self {
-            inner,
-            ticks: Cell::new(0),
-        }
-    }
-}
-
-impl<A: Amplifier> Amplifier for Pressed<A> {
+impl Stage for Pressed {
     #[inline(always)]
-    fn torque(&self, command_n_m: f64) -> f64 {
-        let tick = self.ticks.get();
-        self.ticks.set(tick.wrapping_add(1));
-        self.inner.torque(command_n_m) + PRESS[(tick as usize >> 5) & 1]
+    fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
+        let tick = self.ticks;
+        self.ticks = tick.wrapping_add(1);
+        torque_n_m + PRESS[(tick as usize >> 5) & 1]
     }
 }

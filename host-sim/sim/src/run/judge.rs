@@ -1,7 +1,12 @@
 //! What a run is judged by, gathered tick by tick, and the verdict.
 
+use super::measure::{
+    DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple, Settle, Settled,
+    WorstWindow,
+};
 use super::record::Verdict;
-use super::wall::Inside;
+use super::terms::Terms;
+use super::tick::{Recorder, Tick};
 
 /// Two numbers whose range is wanted.
 #[derive(Debug, Clone, Copy)]
@@ -16,7 +21,7 @@ impl Span {
         high: f64::NEG_INFINITY,
     };
 
-    fn take(&mut self, x: f64) {
+    fn add(&mut self, x: f64) {
         self.low = self.low.min(x);
         self.high = self.high.max(x);
     }
@@ -24,44 +29,6 @@ impl Span {
     fn width(self) -> Option<f64> {
         (self.high >= self.low).then_some(self.high - self.low)
     }
-}
-
-/// One tick as the loop saw it.
-#[derive(Debug, Clone, Copy)]
-pub struct Tick {
-    /// Index from 0.
-    pub index: u64,
-    /// True angle at the sample, rad.
-    pub angle_rad: f64,
-    /// Penetration that the law was told, rad.
-    pub told_rad: f64,
-    /// Force of the law, pushing out, N·m.
-    pub force_n_m: f64,
-    /// Work of the wall's port in this tick, J, positive = absorbed.
-    pub absorbed_j: f64,
-    /// Dissipated in the device in this tick, J.
-    pub device_loss_j: f64,
-    /// The law's inside after the tick.
-    pub inside: Inside,
-}
-
-/// What to judge by: fixed for a run.
-#[derive(Debug, Clone)]
-pub struct Terms {
-    /// `x_s`, rad.
-    pub surface_rad: f64,
-    /// `k_de`, N·m/rad.
-    pub k_desired: f64,
-    /// Smallest motion that counts as a limit cycle, rad: four encoder counts.
-    pub limit_cycle_rad: f64,
-    /// Largest motion inside a hold that still is one and not the loss of the wall, rad.
-    pub unstable_rad: f64,
-    /// Torque limit of device or law, N·m.
-    pub force_limit_n_m: f64,
-    /// Quiet holds in ticks, first and past the last; the last one is the press.
-    pub holds: Vec<(u64, u64)>,
-    /// Ticks of the run.
-    pub ticks: u64,
 }
 
 /// Displacements of one quiet hold, in its last quarter.
@@ -90,15 +57,73 @@ pub struct Judge {
     energy_observed_min: f64,
     /// Sums over the press' second half: force, penetration.
     shown: (f64, f64),
-    /// Sums over the first contact: force·e, e².
-    first: (f64, f64),
-    first_over: bool,
-    last_told: f64,
-    settled_since: Option<u64>,
+    felt: Felt,
     touching: bool,
     contact_ticks: u64,
     force_max: f64,
     finite: bool,
+}
+
+/// What a hand feels.
+#[derive(Debug, Clone)]
+struct Felt {
+    peak: PeakPenetration,
+    settle: Option<Settle>,
+    response: Option<Response>,
+    ripple: Ripple,
+    release: Option<Release>,
+    hardness: RateHardness,
+    /// Kinetic energy of the device at the start, J.
+    kinetic_start_j: Option<f64>,
+    wall_window: WorstWindow,
+    hand_window: WorstWindow,
+}
+
+impl Felt {
+    fn new(terms: &Terms) -> Self {
+        let press = terms.press;
+        Self {
+            peak: PeakPenetration::default(),
+            settle: press.map(|press| Settle::new(terms.k_desired, press.ramp_end, press.release)),
+            response: terms
+                .wiggle
+                .map(|wiggle| Response::new(wiggle, terms.period_s)),
+            ripple: Ripple::new(terms.ripple, 1.0 / terms.period_s),
+            release: press.map(|press| Release::new(press.release)),
+            hardness: RateHardness::new(terms.period_s),
+            kinetic_start_j: None,
+            wall_window: WorstWindow::default(),
+            hand_window: WorstWindow::default(),
+        }
+    }
+
+    /// Takes a tick, with the energies of the wall's port and of the device's losses at its end, J.
+    fn record(&mut self, tick: &Tick, terms: &Terms, wall_j: f64, loss_j: f64) {
+        let e = tick.angle_rad - terms.surface_rad;
+        let force = tick.motor_force_n_m;
+        // The force is held over the tick, so the motion that belongs to it is that of the tick's middle.
+        let middle = 0.5 * (tick.angle_rad + tick.angle_after_rad) - terms.surface_rad;
+        self.peak.record(e);
+        if let Some(settle) = &mut self.settle {
+            settle.record(tick.index, e, force);
+        }
+        if let Some(response) = &mut self.response {
+            response.record(tick.index, middle, force);
+        }
+        if let Some(release) = &mut self.release {
+            release.record(tick.index, e, tick.velocity_rad_per_s);
+        }
+        self.ripple.record(tick.index, force);
+        self.hardness.record(e, force);
+        let kinetic_j = |velocity: f64| 0.5 * terms.inertia_kg_m2 * velocity * velocity;
+        let start_j = *self
+            .kinetic_start_j
+            .get_or_insert(kinetic_j(tick.velocity_rad_per_s));
+        self.wall_window.record(wall_j);
+        // What the hand put in is in the wall, in the device's losses, or in its motion.
+        self.hand_window
+            .record(wall_j + loss_j + kinetic_j(tick.velocity_after_rad_per_s) - start_j);
+    }
 }
 
 /// The judgement of a whole run.
@@ -109,7 +134,19 @@ pub struct Judgement {
     /// N·m/rad.
     pub k_displayed: Option<f64>,
     /// N·m/rad.
-    pub k_first_contact: Option<f64>,
+    pub rate_hardness: Option<f64>,
+    /// Deepest penetration over `F/k_de`.
+    pub peak_penetration_ratio: Option<f64>,
+    /// `F/x` of a moving hand.
+    pub dynamic_stiffness: Option<DynamicStiffness>,
+    /// N·m.
+    pub ripple_rms_n_m: Option<f64>,
+    /// N·m.
+    pub ripple_above_50_hz_rms_n_m: Option<f64>,
+    /// rad/s.
+    pub release_speed_rad_per_s: Option<f64>,
+    /// rad.
+    pub release_excursion_rad: Option<f64>,
     /// rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
     /// J.
@@ -118,8 +155,12 @@ pub struct Judgement {
     pub energy_user_min: f64,
     /// J.
     pub energy_observed_min: Option<f64>,
-    /// Ticks from the start of the press' hold.
-    pub settle_ticks: Option<u64>,
+    /// Most that the hand's port gave in any window of time, J.
+    pub energy_out_worst_window_j: f64,
+    /// Most that the wall's port gave in any window of time, J.
+    pub energy_out_wall_worst_window_j: f64,
+    /// When the press had settled, in ticks.
+    pub settled: Option<Settled>,
     /// N·m.
     pub force_max: f64,
     /// Ticks with a force.
@@ -148,6 +189,7 @@ impl Judge {
             })
             .collect();
         Self {
+            felt: Felt::new(&terms),
             terms,
             holds,
             current_hold: 0,
@@ -158,10 +200,6 @@ impl Judge {
             energy_user_min: 0.0,
             energy_observed_min: f64::INFINITY,
             shown: (0.0, 0.0),
-            first: (0.0, 0.0),
-            first_over: false,
-            last_told: f64::NEG_INFINITY,
-            settled_since: None,
             touching: false,
             contact_ticks: 0,
             force_max: 0.0,
@@ -181,53 +219,11 @@ impl Judge {
         self.loss
     }
 
-    /// Takes a tick.
-    pub fn take(&mut self, tick: &Tick) {
-        let e = tick.angle_rad - self.terms.surface_rad;
-        let force = tick.force_n_m;
-        let touching = force != 0.0;
-        self.finite &= tick.angle_rad.is_finite();
-        self.contact_ticks += u64::from(touching);
-        self.force_max = self.force_max.max(force);
-        self.energy_true += tick.absorbed_j;
-        self.throughput += tick.absorbed_j.abs();
-        self.loss += tick.device_loss_j;
-        self.energy_true_min = self.energy_true_min.min(self.energy_true);
-        self.energy_user_min = self.energy_user_min.min(self.energy_true + self.loss);
-        // NaN (no observer) never is the smaller.
-        self.energy_observed_min = self.energy_observed_min.min(tick.inside.energy_j);
-        self.first_contact(tick);
-        self.press(tick, e);
-        self.hold(tick, touching);
-        self.touching = touching;
-    }
-
-    fn first_contact(&mut self, tick: &Tick) {
-        if !self.first_over && tick.told_rad > 0.0 {
-            if tick.told_rad < self.last_told {
-                self.first_over = true;
-            } else {
-                self.first.0 += tick.force_n_m * tick.told_rad;
-                self.first.1 += tick.told_rad * tick.told_rad;
-            }
-        }
-        self.last_told = tick.told_rad;
-    }
-
     fn press(&mut self, tick: &Tick, e: f64) {
         let Some(&(from, to)) = self.terms.holds.last() else {
             return;
         };
-        if tick.index < from || tick.index >= to {
-            return;
-        }
-        let wanted = self.terms.k_desired * e;
-        if (tick.force_n_m - wanted).abs() > 0.05 * wanted.abs() {
-            self.settled_since = None;
-        } else if self.settled_since.is_none() {
-            self.settled_since = Some(tick.index - from);
-        }
-        if tick.index >= from + (to - from) / 2 {
+        if tick.index >= from + (to - from) / 2 && tick.index < to {
             self.shown.0 += tick.force_n_m;
             self.shown.1 += e;
         }
@@ -240,7 +236,7 @@ impl Judge {
         if tick.index >= hold.to {
             self.current_hold += 1;
         } else if tick.index >= hold.from {
-            hold.motion.take(tick.angle_rad);
+            hold.motion.add(tick.angle_rad);
             hold.touched |= touching;
             hold.exits += u32::from(self.touching && !touching);
             hold.at_limit |= tick.force_n_m >= self.terms.force_limit_n_m;
@@ -259,12 +255,22 @@ impl Judge {
             .reduce(f64::max);
         let verdict = self.verdict(peak_to_peak);
         let shown = self.shown.0 / self.shown.1;
+        let felt = &self.felt;
         Judgement {
             verdict,
             // The mean over an oscillation that leaves the wall is no stiffness.
             k_displayed: (held && verdict < Verdict::Unstable && shown.is_finite())
                 .then_some(shown),
-            k_first_contact: (self.first.1 > 0.0).then(|| self.first.0 / self.first.1),
+            rate_hardness: felt.hardness.n_m_per_rad(),
+            peak_penetration_ratio: self
+                .terms
+                .press
+                .map(|press| felt.peak.ratio(press.push_n_m, self.terms.k_desired)),
+            dynamic_stiffness: felt.response.and_then(|response| response.stiffness()),
+            ripple_rms_n_m: felt.ripple.tick_to_tick_rms_n_m(),
+            ripple_above_50_hz_rms_n_m: felt.ripple.above_50_hz_rms_n_m(),
+            release_speed_rad_per_s: felt.release.map(|release| release.speed_rad_per_s()),
+            release_excursion_rad: felt.release.map(|release| release.excursion_rad()),
             limit_cycle_peak_to_peak: peak_to_peak,
             energy_true_min: self.energy_true_min,
             energy_user_min: self.energy_user_min,
@@ -272,8 +278,10 @@ impl Judge {
                 .energy_observed_min
                 .is_finite()
                 .then_some(self.energy_observed_min),
-            settle_ticks: if verdict < Verdict::LimitCycle {
-                self.settled_since
+            energy_out_worst_window_j: felt.hand_window.worst_j(),
+            energy_out_wall_worst_window_j: felt.wall_window.worst_j(),
+            settled: if verdict < Verdict::LimitCycle {
+                felt.settle.and_then(|settle| settle.settled())
             } else {
                 None
             },
@@ -293,6 +301,8 @@ impl Judge {
         let tolerance = 1e-12 + 1e-6 * self.throughput;
         if !self.finite || (oscillates && lost) || motion > self.terms.unstable_rad {
             Verdict::Unstable
+        } else if self.contact_ticks == 0 {
+            Verdict::NoContact
         } else if oscillates {
             Verdict::LimitCycle
         } else if self.energy_user_min < -tolerance {
@@ -300,5 +310,28 @@ impl Judge {
         } else {
             Verdict::Passive
         }
+    }
+}
+
+impl Recorder for Judge {
+    fn record(&mut self, tick: &Tick) {
+        let e = tick.angle_rad - self.terms.surface_rad;
+        let force = tick.force_n_m;
+        let touching = force != 0.0;
+        self.finite &= tick.angle_rad.is_finite();
+        self.contact_ticks += u64::from(touching);
+        self.force_max = self.force_max.max(force);
+        self.energy_true += tick.absorbed_j;
+        self.throughput += tick.absorbed_j.abs();
+        self.loss += tick.device_loss_j;
+        self.energy_true_min = self.energy_true_min.min(self.energy_true);
+        self.energy_user_min = self.energy_user_min.min(self.energy_true + self.loss);
+        // NaN (no observer) never is the smaller.
+        self.energy_observed_min = self.energy_observed_min.min(tick.inside.energy_j);
+        self.press(tick, e);
+        self.hold(tick, touching);
+        self.felt
+            .record(tick, &self.terms, self.energy_true, self.loss);
+        self.touching = touching;
     }
 }

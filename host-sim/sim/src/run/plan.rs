@@ -1,41 +1,110 @@
-//! Scene to plan: which plant and which once-per-tick effects the loop is compiled for.
+//! Scene to plan: the law's side with the effects that the scene names, and the mechanics with theirs.
 //!
-//! The plan picks types, one effect after the other; the loop at the end is a separate piece of code for each combination.
-//! An effect that the scene does not name is therefore not a branch that is never taken: it is not there.
+//! An effect that the scene does not name is not a branch that is never taken: it is not there.
 
 use super::chain::{
-    Amplifier, Counts, Crossing, Delayed, ExactAngle, Ideal, Limited, Prompt, Sensor, Stepped,
+    Control, Counts, Crossing, Delayed, ExactAngle, Limited, Prompt, Sampled, Staged, Stepped,
 };
-use super::wall::Wall;
+use super::mechanics::{Mechanics, Moving};
+use super::settings;
+use super::wall::Controlled;
 use crate::error::{Error, Result};
-use crate::scene::{Motion, Scene};
+use crate::scene::{Motion, Number, Scene};
+use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_world::plant::{
-    self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, Motion as _, State, Stepper,
+    self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, State, Stepper,
 };
 
-/// The mechanical part with its effects chosen; what a [`Visitor`] gets.
-pub struct Prepared<C: Crossing, S: Sensor, A: Amplifier> {
-    /// Plant and computational delay.
-    pub crossing: C,
-    /// State at the start.
-    pub state: <C::Plant as Stepper>::State,
-    /// Encoder.
-    pub sensor: S,
-    /// Torque limit and amplifier steps.
-    pub amplifier: A,
+/// A scene, ready to run.
+pub struct Plan {
+    /// From the true angle to the motor's torque.
+    pub control: Box<dyn Control>,
+    /// Device and hand, at their start.
+    pub mechanics: Box<dyn Mechanics>,
+    /// The hand's rest point over time.
+    pub motion: Motion,
 }
 
-/// Something to be done with a prepared scene, whatever types it has come to.
-pub trait Visitor {
-    /// What it leaves.
-    type Output;
-    /// Does it. Compiled once for each combination of effects.
-    fn visit<C: Crossing, S: Sensor, A: Amplifier>(
-        self,
-        prepared: Prepared<C, S, A>,
-        wall: &mut dyn Wall,
-        motion: &Motion,
-    ) -> Self::Output;
+impl Plan {
+    /// Plans a scene.
+    ///
+    /// # Errors
+    /// Settings that the law or its number format cannot take; a recording that cannot be read; a plant that cannot be built.
+    pub fn of(scene: &Scene) -> Result<Self> {
+        let control = control(scene)?;
+        let motion = Motion::from_scene(scene)?;
+        Ok(Self {
+            control,
+            mechanics: mechanics(scene, &motion)?,
+            motion,
+        })
+    }
+}
+
+/// The law's side of a scene: from the true angle to the motor's torque.
+///
+/// # Errors
+/// Settings that the law or its number format cannot take, at their place in the scene.
+pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
+    let mut control = match scene.law.number {
+        Number::Fixed32 => sampled::<Fixed32>(scene),
+        Number::Fixed16 => sampled::<Fixed16>(scene),
+        Number::F32 => sampled::<f32>(scene),
+        Number::F64 => sampled::<f64>(scene),
+    }?;
+    // From the law outwards, a line an effect.
+    if let Some(limit_n_m) = scene.device.torque_limit_n_m {
+        control = Staged::around(control, Limited { limit_n_m });
+    }
+    if let Some(step_n_m) = scene.device.amplifier_step_n_m {
+        control = Staged::around(control, Stepped { step_n_m });
+    }
+    Ok(control)
+}
+
+/// The law with what tells it the angle.
+fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
+    let settings = scene.settings()?;
+    let wall = Controlled::<N>::new(&settings, count_scale(scene)?)
+        .map_err(|error| settings::refused(scene, &error))?;
+    let surface_rad = scene.wall.surface_rad;
+    Ok(match &scene.encoder {
+        None => Box::new(Sampled {
+            sensor: ExactAngle { surface_rad },
+            wall,
+        }),
+        Some(encoder) => {
+            let step_rad = encoder.step_rad();
+            let sensor = Counts {
+                per_rad: 1.0 / step_rad,
+                step_rad,
+                surface_rad,
+            };
+            Box::new(Sampled { sensor, wall })
+        }
+    })
+}
+
+fn count_scale(scene: &Scene) -> Result<CountScale> {
+    let surface = Si::checked_from_num(scene.wall.surface_rad)
+        .ok_or_else(|| scene.error("wall.surface_rad", "too large", "give a value below 2e9"))?;
+    // Without an encoder the scale is never read.
+    let counts = scene
+        .encoder
+        .as_ref()
+        .map_or(1.0, |encoder| encoder.counts_per_rev);
+    let whole = counts as u32;
+    (f64::from(whole) == counts)
+        .then(|| CountScale::new(whole, surface))
+        .flatten()
+        .ok_or_else(|| {
+            let problem = format!("{counts} is not a whole number of counts");
+            scene.error(
+                "encoder.counts_per_rev",
+                problem,
+                "give a whole number from 1 to 4294967295",
+            )
+        })
 }
 
 /// Device of a scene, for the plant.
@@ -67,135 +136,45 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     })
 }
 
-/// Prepares the scene and hands it to the visitor.
-///
-/// # Errors
-/// A plant that cannot be built; a recording that cannot be read.
-pub fn prepare<V: Visitor>(scene: &Scene, wall: &mut dyn Wall, visitor: V) -> Result<V::Output> {
-    let motion = Motion::from_scene(scene)?;
+/// Device and hand of a scene, at rest where they start.
+fn mechanics(scene: &Scene, motion: &Motion) -> Result<Box<dyn Mechanics>> {
     let device = device(scene);
-    let hand = hand(scene);
-    let rest = (
-        scene.start_rad(&motion),
-        scene.device.initial_velocity_rad_per_s,
-    );
-    let next = Next {
-        scene,
-        wall,
-        visitor,
-        motion: &motion,
-    };
-    let bare = |s: [f64; 2]| State::from_array(s);
-    let held = |s: [f64; 4]| State::from_array(s);
-    match (hand, device.friction.is_some()) {
-        (None, false) => next.delay(|h| BareLinear::new(&device, h), bare([rest.0, rest.1])),
-        (None, true) => next.delay(|h| BareCoulomb::new(&device, h), bare([rest.0, rest.1])),
-        (Some(hand), false) => next.delay(
-            |h| HeldLinear::new(&device, &hand, h),
-            held([rest.0, rest.1, rest.0, rest.1]),
-        ),
-        (Some(hand), true) => next.delay(
-            |h| HeldCoulomb::new(&device, &hand, h),
-            held([rest.0, rest.1, rest.0, rest.1]),
-        ),
+    let angle_rad = scene.start_rad(motion);
+    let velocity = scene.device.initial_velocity_rad_per_s;
+    let bare = State::from_array([angle_rad, velocity]);
+    let held = State::from_array([angle_rad, velocity, angle_rad, velocity]);
+    match (hand(scene), device.friction.is_some()) {
+        (None, false) => crossed(scene, |h| BareLinear::new(&device, h), bare),
+        (None, true) => crossed(scene, |h| BareCoulomb::new(&device, h), bare),
+        (Some(hand), false) => crossed(scene, |h| HeldLinear::new(&device, &hand, h), held),
+        (Some(hand), true) => crossed(scene, |h| HeldCoulomb::new(&device, &hand, h), held),
     }
 }
 
-struct Next<'a, V> {
-    scene: &'a Scene,
-    wall: &'a mut dyn Wall,
-    visitor: V,
-    motion: &'a Motion,
-}
-
-impl<V: Visitor> Next<'_, V> {
-    fn delay<S: Stepper>(
-        self,
-        plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
-        state: S::State,
-    ) -> Result<V::Output> {
-        let scene = self.scene;
-        let period = scene.timing.period_s();
-        let delay = scene.timing.computational_delay_s;
-        let built = |interval| plant(interval).map_err(|invalid| refused(scene, &invalid));
-        debug_assert!(state.position().is_finite());
-        if delay == 0.0 {
-            return Ok(self.sensor(Prompt(built(period)?), state));
-        }
-        let whole = (delay / period).floor();
-        let fraction = delay - whole * period;
-        let crossing = Delayed::new(built(fraction)?, built(period - fraction)?, whole as usize);
-        Ok(self.sensor(crossing, state))
+/// A plant with what lies between it and the torque.
+fn crossed<S>(
+    scene: &Scene,
+    plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
+    state: S::State,
+) -> Result<Box<dyn Mechanics>>
+where
+    S: Stepper<State: 'static> + 'static,
+{
+    let period = scene.timing.period_s();
+    let delay = scene.timing.computational_delay_s;
+    let built = |interval| plant(interval).map_err(|invalid| refused(scene, &invalid));
+    if delay == 0.0 {
+        let crossing = Prompt(built(period)?);
+        return Ok(Box::new(Moving { crossing, state }));
     }
-
-    fn sensor<C: Crossing>(self, crossing: C, state: <C::Plant as Stepper>::State) -> V::Output {
-        let surface_rad = self.scene.wall.surface_rad;
-        match &self.scene.encoder {
-            None => self.limit(crossing, state, ExactAngle { surface_rad }),
-            Some(encoder) => {
-                let step_rad = encoder.step_rad();
-                self.limit(
-                    crossing,
-                    state,
-                    Counts {
-                        per_rad: 1.0 / step_rad,
-                        step_rad,
-                        surface_rad,
-                    },
-                )
-            }
-        }
-    }
-
-    fn limit<C: Crossing, S: Sensor>(
-        self,
-        crossing: C,
-        state: <C::Plant as Stepper>::State,
-        sensor: S,
-    ) -> V::Output {
-        match self.scene.device.torque_limit_n_m {
-            None => self.steps(crossing, state, sensor, Ideal),
-            Some(limit_n_m) => self.steps(
-                crossing,
-                state,
-                sensor,
-                Limited {
-                    inner: Ideal,
-                    limit_n_m,
-                },
-            ),
-        }
-    }
-
-    fn steps<C: Crossing, S: Sensor, A: Amplifier>(
-        self,
-        crossing: C,
-        state: <C::Plant as Stepper>::State,
-        sensor: S,
-        amplifier: A,
-    ) -> V::Output {
-        match self.scene.device.amplifier_step_n_m {
-            None => self.visit(Prepared {
-                crossing,
-                state,
-                sensor,
-                amplifier,
-            }),
-            Some(step_n_m) => self.visit(Prepared {
-                crossing,
-                state,
-                sensor,
-                amplifier: Stepped {
-                    inner: amplifier,
-                    step_n_m,
-                },
-            }),
-        }
-    }
-
-    fn visit<C: Crossing, S: Sensor, A: Amplifier>(self, prepared: Prepared<C, S, A>) -> V::Output {
-        self.visitor.visit(prepared, self.wall, self.motion)
-    }
+    let whole = (delay / period).floor();
+    let fraction = delay - whole * period;
+    let crossing: Box<dyn Crossing<State = S::State>> = Box::new(Delayed::new(
+        built(fraction)?,
+        built(period - fraction)?,
+        whole as usize,
+    ));
+    Ok(Box::new(Moving { crossing, state }))
 }
 
 /// A plant's refusal, at its place in the scene.

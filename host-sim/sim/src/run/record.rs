@@ -1,5 +1,8 @@
 //! What one run leaves behind: the summary that goes into `results.json` and the trace that the plots are drawn from.
 
+use super::judge::Judge;
+pub use super::measure::DynamicStiffness;
+use crate::scene::Scene;
 use serde::Serialize;
 use touchstone_control::LawKind;
 
@@ -15,6 +18,8 @@ pub enum Verdict {
     LimitCycle,
     /// Leaves the wall again and again, hits the torque limit, or grows without bound.
     Unstable,
+    /// The wall was never touched: nothing was shown, good or bad. Last, so that it does not pass for a wall that holds.
+    NoContact,
 }
 
 /// One run in numbers, all SI. `None` stands for "does not apply", e.g. no hold in the scene.
@@ -39,8 +44,20 @@ pub struct Summary {
     pub verdict: Verdict,
     /// Stiffness displayed at the end of the hold, mean force over mean penetration, N·m/rad.
     pub k_displayed: Option<f64>,
-    /// Stiffness on the first contact: slope of force over measured penetration up to the first reversal, N·m/rad.
-    pub k_first_contact: Option<f64>,
+    /// Rate-hardness of the first contact, thesis (1.5), from true force and true motion, N·m/rad.
+    pub rate_hardness: Option<f64>,
+    /// Deepest penetration over `F/k_de`, with `F` the largest static torque that the motion aims at; 1 is ideal.
+    pub peak_penetration_ratio: Option<f64>,
+    /// `F/x` for a hand that moves in a rhythm inside the wall; empty where it does not, or leaves the wall.
+    pub dynamic_stiffness: Vec<DynamicStiffness>,
+    /// Ripple of the motor's torque from tick to tick, rms, while the hand moves or presses steadily, N·m.
+    pub ripple_rms_n_m: Option<f64>,
+    /// The same torque's rms above 50 Hz, N·m.
+    pub ripple_above_50_hz_rms_n_m: Option<f64>,
+    /// Largest outward speed from the moment at which the hand begins to let go, rad/s.
+    pub release_speed_rad_per_s: Option<f64>,
+    /// Largest distance outside the surface from then on, rad.
+    pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the HIP at the end of the hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
     /// Lowest true energy of the wall's port, J (negative: the wall gave energy away).
@@ -49,14 +66,58 @@ pub struct Summary {
     pub energy_user_min: f64,
     /// Lowest energy that the law's own observer reported, J; `None` for laws without one.
     pub energy_observed_min: Option<f64>,
-    /// From the first contact until the displayed stiffness stays within 5 % of its final value, s.
+    /// Most energy that the hand got out of the device in any window of time, J: wall, device's losses and device's motion.
+    pub energy_out_worst_window_j: f64,
+    /// Most energy that the wall's port gave in any window of time, J.
+    pub energy_out_wall_worst_window_j: f64,
+    /// From the first touch until force over penetration stays within 5 % of the desired stiffness, s; `None` if it does not.
     pub settle_time: Option<f64>,
+    /// The same from the end of the press' ramp, s; 0 where it had settled before.
+    pub settle_from_ramp_end_s: Option<f64>,
     /// Largest force command, N·m.
     pub force_max: f64,
     /// Ticks simulated.
     pub ticks: u64,
     /// Ticks with a force from the wall.
     pub contact_ticks: u64,
+}
+
+impl Summary {
+    /// The numbers of a judged run.
+    #[must_use]
+    pub fn of(scene: &Scene, judge: &Judge) -> Self {
+        let judged = judge.finish();
+        let seconds = |ticks: u64| ticks as f64 * scene.timing.period_s();
+        Self {
+            scene: scene.name.clone(),
+            law: scene.law.kind,
+            number: touchstone_control::Choice::word(scene.law.number).to_owned(),
+            k_desired: scene.wall.k_desired_n_m_per_rad,
+            grip: scene.operator.grip.name().to_owned(),
+            encoder_counts_per_rev: scene.encoder.as_ref().map(|encoder| encoder.counts_per_rev),
+            rate_hz: scene.timing.rate_hz,
+            verdict: judged.verdict,
+            k_displayed: judged.k_displayed,
+            rate_hardness: judged.rate_hardness,
+            peak_penetration_ratio: judged.peak_penetration_ratio,
+            dynamic_stiffness: judged.dynamic_stiffness.into_iter().collect(),
+            ripple_rms_n_m: judged.ripple_rms_n_m,
+            ripple_above_50_hz_rms_n_m: judged.ripple_above_50_hz_rms_n_m,
+            release_speed_rad_per_s: judged.release_speed_rad_per_s,
+            release_excursion_rad: judged.release_excursion_rad,
+            limit_cycle_peak_to_peak: judged.limit_cycle_peak_to_peak,
+            energy_true_min: judged.energy_true_min,
+            energy_user_min: judged.energy_user_min,
+            energy_observed_min: judged.energy_observed_min,
+            energy_out_worst_window_j: judged.energy_out_worst_window_j,
+            energy_out_wall_worst_window_j: judged.energy_out_wall_worst_window_j,
+            settle_time: judged.settled.map(|s| seconds(s.from_first_touch)),
+            settle_from_ramp_end_s: judged.settled.map(|s| seconds(s.from_ramp_end)),
+            force_max: judged.force_max,
+            ticks: scene.timing.ticks(),
+            contact_ticks: judged.contact_ticks,
+        }
+    }
 }
 
 /// The columns of a run, one entry a tick. All vectors have the same length.

@@ -64,7 +64,7 @@ impl Stepper for BareLinear {
         self.interval_s
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut State<2>, force: f64, _rest: f64) {
         state.add(&self.increment(state.0[1], force));
     }

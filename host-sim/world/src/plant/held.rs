@@ -104,7 +104,7 @@ impl Stepper for HeldLinear {
         self.interval_s
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut State<4>, force: f64, rest: f64) {
         state.add(&self.increment(&drive(state, force, rest)));
     }

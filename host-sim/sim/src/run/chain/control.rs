@@ -1,0 +1,53 @@
+//! The law's side of the loop: from the true angle to the motor's torque, behind one call.
+
+use super::sensor::Sensor;
+use crate::run::wall::{Inside, Wall};
+
+/// Everything between the true angle and the torque of the motor. One call of either method a tick.
+pub trait Control {
+    /// Torque of the motor along `+x`, N·m, at a true angle, rad.
+    fn torque_n_m(&mut self, angle_rad: f64) -> f64;
+    /// The same to the bit, with what a record wants to know.
+    fn answer(&mut self, angle_rad: f64) -> Answer;
+}
+
+/// A torque, and how the law came to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Answer {
+    /// Torque of the motor along `+x`, N·m.
+    pub torque_n_m: f64,
+    /// Force of the law, out of the wall, N·m.
+    pub force_n_m: f64,
+    /// Penetration that the law was told, rad.
+    pub told_rad: f64,
+    /// The law's inside after the tick.
+    pub inside: Inside,
+}
+
+/// The innermost part: a law that is told the angle by a sensor. An ideal motor plays its force.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampled<S, W> {
+    /// What tells the law the angle.
+    pub sensor: S,
+    /// The law at its surface.
+    pub wall: W,
+}
+
+impl<S: Sensor, W: Wall> Control for Sampled<S, W> {
+    // Reached through a table of functions in any case, and the law's code then stands in the program once.
+    #[inline(never)]
+    fn torque_n_m(&mut self, angle_rad: f64) -> f64 {
+        // The wall pushes out, along -x.
+        -self.sensor.read(&mut self.wall, angle_rad)
+    }
+
+    fn answer(&mut self, angle_rad: f64) -> Answer {
+        let torque_n_m = self.torque_n_m(angle_rad);
+        Answer {
+            torque_n_m,
+            force_n_m: -torque_n_m,
+            told_rad: self.sensor.told_rad(angle_rad),
+            inside: self.wall.inside(),
+        }
+    }
+}

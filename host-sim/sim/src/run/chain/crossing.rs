@@ -1,0 +1,133 @@
+//! How a torque command meets the plant over one tick.
+
+use std::collections::VecDeque;
+use touchstone_world::plant::{Motion, Stepper};
+
+/// What one tick did at the wall's port and in the device.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Flow {
+    /// Torque of the motor along `+x`, its mean over the tick, N·m.
+    pub torque_n_m: f64,
+    /// Work of the motor on the device, J: `Σ u Δx` over the parts of the tick, exact under the zero-order hold.
+    pub motor_j: f64,
+    /// Dissipated in the device, J.
+    pub device_loss_j: f64,
+}
+
+/// Carries a command through whatever lies before the plant, and the plant over one tick.
+pub trait Crossing {
+    /// What a tick changes in the plant.
+    type State: Motion;
+
+    /// Crosses one tick.
+    fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
+
+    /// The same to the bit; says what it did.
+    fn cross_with_flow(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Flow;
+}
+
+#[inline(always)]
+fn step_with_flow<S: Stepper>(
+    plant: &S,
+    state: &mut S::State,
+    torque_n_m: f64,
+    rest_rad: f64,
+) -> Flow {
+    let before = state.position();
+    let loss = plant.step_with_loss(state, torque_n_m, rest_rad);
+    Flow {
+        torque_n_m,
+        motor_j: torque_n_m * (state.position() - before),
+        device_loss_j: loss.device_j,
+    }
+}
+
+/// No delay: the command of a tick acts during that tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Prompt<S>(
+    /// The plant over one period.
+    pub S,
+);
+
+impl<S: Stepper> Crossing for Prompt<S> {
+    type State = S::State;
+
+    #[inline(always)]
+    fn cross(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) {
+        self.0.step(state, torque_n_m, rest_rad);
+    }
+
+    #[inline(always)]
+    fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
+        step_with_flow(&self.0, state, torque_n_m, rest_rad)
+    }
+}
+
+/// Whatever else a scene names between torque and plant is reached by an indirect call, so that the loop is not compiled anew
+/// for it.
+impl<S: Motion> Crossing for Box<dyn Crossing<State = S>> {
+    type State = S;
+
+    #[inline(always)]
+    fn cross(&mut self, state: &mut S, torque_n_m: f64, rest_rad: f64) {
+        (**self).cross(state, torque_n_m, rest_rad);
+    }
+
+    #[inline(always)]
+    fn cross_with_flow(&mut self, state: &mut S, torque_n_m: f64, rest_rad: f64) -> Flow {
+        (**self).cross_with_flow(state, torque_n_m, rest_rad)
+    }
+}
+
+/// A computational delay of whole ticks and a fraction: two plants take turns on one state.
+#[derive(Debug, Clone)]
+pub struct Delayed<S> {
+    /// The plant over the fraction, while the older command still acts.
+    before: S,
+    /// The plant over the rest of the period.
+    after: S,
+    /// Commands on their way, the oldest first; the first of them acts now.
+    queue: VecDeque<f64>,
+}
+
+impl<S: Stepper> Delayed<S> {
+    /// A delay of `whole` periods and the length of `before`.
+    pub fn new(before: S, after: S, whole: usize) -> Self {
+        // Before the first command arrives the motor is off.
+        Self {
+            before,
+            after,
+            queue: VecDeque::from(vec![0.0; whole + 1]),
+        }
+    }
+
+    /// The commands of the two parts of this tick.
+    #[inline(always)]
+    fn commands(&mut self, torque_n_m: f64) -> (f64, f64) {
+        self.queue.push_back(torque_n_m);
+        let old = self.queue.pop_front().unwrap_or(0.0);
+        (old, self.queue.front().copied().unwrap_or(torque_n_m))
+    }
+}
+
+impl<S: Stepper> Crossing for Delayed<S> {
+    type State = S::State;
+
+    fn cross(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) {
+        let (old, new) = self.commands(torque_n_m);
+        self.before.step(state, old, rest_rad);
+        self.after.step(state, new, rest_rad);
+    }
+
+    fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
+        let (old, new) = self.commands(torque_n_m);
+        let first = step_with_flow(&self.before, state, old, rest_rad);
+        let second = step_with_flow(&self.after, state, new, rest_rad);
+        let (early_s, late_s) = (self.before.interval_s(), self.after.interval_s());
+        Flow {
+            torque_n_m: (old * early_s + new * late_s) / (early_s + late_s),
+            motor_j: first.motor_j + second.motor_j,
+            device_loss_j: first.device_loss_j + second.device_loss_j,
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! What a hand feels of a wall, in numbers; one measure a file, each fed tick by tick.
+//!
+//! All of them take the true motion and the motor's true force (after limits, steps and delay), never what the law was told: a
+//! measure that is regressed on the law's own input cannot say that the law is wrong.
+
+mod hardness;
+mod penetration;
+mod release;
+mod response;
+mod ripple;
+mod settle;
+mod windowed_energy;
+
+pub use hardness::RateHardness;
+pub use penetration::PeakPenetration;
+pub use release::Release;
+pub use response::{DynamicStiffness, Response, Wiggle};
+pub use ripple::{HIGH_PASS_HZ, Ripple};
+pub use settle::{Settle, Settled, TOLERANCE};
+pub use windowed_energy::WorstWindow;

@@ -1,0 +1,195 @@
+//! The stiffness that a moving hand meets: force over penetration at the frequency of its motion.
+
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// A motion in a steady rhythm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wiggle {
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+    /// First tick and the one past the last of whole periods at full amplitude.
+    pub window: (u64, u64),
+}
+
+/// `F/x` at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DynamicStiffness {
+    /// Hz.
+    pub frequency_hz: f64,
+    /// Amplitude of the force over that of the penetration, N·m/rad.
+    pub modulus_n_m_per_rad: f64,
+    /// Lead of the force over the penetration, degrees; a force that lags (below 0) is negative damping.
+    pub phase_deg: f64,
+}
+
+/// What a signal adds to a fit of mean, cosine and sine.
+#[derive(Debug, Clone, Copy, Default)]
+struct Signal {
+    sum: f64,
+    cos: f64,
+    sin: f64,
+}
+
+impl Signal {
+    fn add(&mut self, x: f64, (sin, cos): (f64, f64)) {
+        self.sum += x;
+        self.cos += x * cos;
+        self.sin += x * sin;
+    }
+}
+
+/// Lock-in on force and penetration: the least-squares sine of each, beside its mean. So the window's ends need not fall on
+/// ticks, and no mean leaks into the sine.
+#[derive(Debug, Clone, Copy)]
+pub struct Response {
+    wiggle: Wiggle,
+    radians_per_tick: f64,
+    ticks: f64,
+    cos: f64,
+    sin: f64,
+    cos_cos: f64,
+    cos_sin: f64,
+    force: Signal,
+    penetration: Signal,
+    touched: bool,
+}
+
+impl Response {
+    /// For a motion and a period of the ticks, s.
+    #[must_use]
+    pub fn new(wiggle: Wiggle, period_s: f64) -> Self {
+        Self {
+            wiggle,
+            radians_per_tick: TAU * wiggle.frequency_hz * period_s,
+            ticks: 0.0,
+            cos: 0.0,
+            sin: 0.0,
+            cos_cos: 0.0,
+            cos_sin: 0.0,
+            force: Signal::default(),
+            penetration: Signal::default(),
+            touched: true,
+        }
+    }
+
+    /// Takes a tick: the mean over it of the true penetration, rad, and of the force out of the wall, N·m.
+    pub fn record(&mut self, index: u64, penetration_rad: f64, force_n_m: f64) {
+        let (from, to) = self.wiggle.window;
+        if index < from || index >= to {
+            return;
+        }
+        // A wall that is left is no spring any more, whatever the sines say.
+        self.touched &= penetration_rad > 0.0 && force_n_m > 0.0;
+        let (sin, cos) = ((index - from) as f64 * self.radians_per_tick).sin_cos();
+        self.ticks += 1.0;
+        self.cos += cos;
+        self.sin += sin;
+        self.cos_cos += cos * cos;
+        self.cos_sin += cos * sin;
+        self.force.add(force_n_m, (sin, cos));
+        self.penetration.add(penetration_rad, (sin, cos));
+    }
+
+    /// Amplitudes of cosine and sine.
+    fn fitted(&self, signal: &Signal) -> (f64, f64) {
+        let n = self.ticks;
+        let cos_cos = self.cos_cos - self.cos * self.cos / n;
+        let cos_sin = self.cos_sin - self.cos * self.sin / n;
+        let sin_sin = (n - self.cos_cos) - self.sin * self.sin / n;
+        let with_cos = signal.cos - signal.sum * self.cos / n;
+        let with_sin = signal.sin - signal.sum * self.sin / n;
+        let determinant = cos_cos * sin_sin - cos_sin * cos_sin;
+        (
+            (with_cos * sin_sin - with_sin * cos_sin) / determinant,
+            (with_sin * cos_cos - with_cos * cos_sin) / determinant,
+        )
+    }
+
+    /// The stiffness; `None` where the hand left the wall in the window, did not move, or the window has no period.
+    #[must_use]
+    pub fn stiffness(&self) -> Option<DynamicStiffness> {
+        let (force, penetration) = (self.fitted(&self.force), self.fitted(&self.penetration));
+        let modulus = force.0.hypot(force.1) / penetration.0.hypot(penetration.1);
+        // a cos wt + b sin wt lags a cosine by atan2(b, a).
+        let lead = penetration.1.atan2(penetration.0) - force.1.atan2(force.0);
+        let turns = lead / TAU;
+        (self.touched && modulus.is_finite()).then(|| DynamicStiffness {
+            frequency_hz: self.wiggle.frequency_hz,
+            modulus_n_m_per_rad: modulus,
+            phase_deg: 360.0 * (turns - turns.round()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD_S: f64 = 1e-3;
+
+    /// 0.02 rad ± 0.006 rad in a wall `F = F_0 + k x + B v` that answers `lag_s` late.
+    fn wall(frequency_hz: f64, k: f64, damping: f64, lag_s: f64) -> Option<DynamicStiffness> {
+        let periods = (1.0 / frequency_hz / PERIOD_S).round() as u64;
+        let window = (300, 300 + 3 * periods);
+        let mut response = Response::new(
+            Wiggle {
+                frequency_hz,
+                window,
+            },
+            PERIOD_S,
+        );
+        let w = TAU * frequency_hz;
+        for index in 0..window.1 + 500 {
+            let t = index as f64 * PERIOD_S;
+            let x = |t: f64| 0.02 + 0.006 * (w * t).sin();
+            let v = |t: f64| 0.006 * w * (w * t).cos();
+            let force = k * x(t - lag_s) + damping * v(t - lag_s);
+            response.record(index, x(t), force);
+        }
+        response.stiffness()
+    }
+
+    #[test]
+    fn a_spring_shows_its_stiffness_without_lead_or_lag_at_every_frequency() {
+        // 3 and 7 Hz: a period is no whole number of ticks.
+        for frequency_hz in [0.25, 1.0, 3.0, 7.0, 16.0] {
+            let found = wall(frequency_hz, 5.0, 0.0, 0.0).unwrap();
+            assert!((found.modulus_n_m_per_rad - 5.0).abs() < 1e-9, "{found:?}");
+            assert!(found.phase_deg.abs() < 1e-8, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_delay_shows_as_its_angle_of_lag() {
+        let found = wall(4.0, 5.0, 0.0, 2e-3).unwrap();
+        assert!((found.modulus_n_m_per_rad - 5.0).abs() < 1e-9, "{found:?}");
+        assert!(
+            (found.phase_deg + 360.0 * 4.0 * 2e-3).abs() < 1e-8,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_spring_with_a_damper_leads_by_the_angle_of_its_impedance() {
+        let (k, damping, frequency_hz) = (5.0, 0.02, 8.0);
+        let found = wall(frequency_hz, k, damping, 0.0).unwrap();
+        let reactance = damping * TAU * frequency_hz;
+        assert!((found.modulus_n_m_per_rad - k.hypot(reactance)).abs() < 1e-9);
+        assert!((found.phase_deg - reactance.atan2(k).to_degrees()).abs() < 1e-8);
+    }
+
+    #[test]
+    fn a_wall_that_is_left_or_a_hand_that_is_still_has_no_value() {
+        // What pulls inward is no touched wall.
+        assert!(wall(1.0, -5.0, 0.0, 0.0).is_none());
+        let still = Wiggle {
+            frequency_hz: 1.0,
+            window: (0, 1_000),
+        };
+        let mut response = Response::new(still, PERIOD_S);
+        assert!(response.stiffness().is_none(), "nothing recorded");
+        (0..1_000).for_each(|index| response.record(index, 0.02, 0.0));
+        assert!(response.stiffness().is_none());
+    }
+}

@@ -1,0 +1,59 @@
+//! The most energy that a port gives in any window of time.
+
+/// The largest fall of an energy below what it was at any time before.
+///
+/// Counted from the start only, what was put in early hides what is given away late; a window may begin and end anywhere.
+/// A spring gives back what was stored in it, so even a passive wall has a value here: that of its deepest press.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct WorstWindow {
+    highest_j: f64,
+    worst_j: f64,
+}
+
+impl WorstWindow {
+    /// Takes the energy that the port has absorbed since the start, J; it was 0 then.
+    pub fn record(&mut self, absorbed_j: f64) {
+        self.highest_j = self.highest_j.max(absorbed_j);
+        self.worst_j = self.worst_j.max(self.highest_j - absorbed_j);
+    }
+
+    /// The most that was given in any window, J, 0 or more.
+    #[must_use]
+    pub fn worst_j(&self) -> f64 {
+        self.worst_j
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worst(energies: impl IntoIterator<Item = f64>) -> f64 {
+        let mut window = WorstWindow::default();
+        energies.into_iter().for_each(|j| window.record(j));
+        window.worst_j()
+    }
+
+    #[test]
+    fn a_spring_gives_back_what_its_deepest_press_stored() {
+        let (k, a) = (5.0, 0.02);
+        let stored = (0..1_000).map(|step| {
+            let depth = a * (f64::from(step) * 0.01).sin();
+            0.5 * k * depth * depth
+        });
+        assert!((worst(stored) / (0.5 * k * a * a) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_was_put_in_first_does_not_hide_what_is_given_later() {
+        assert_eq!(worst([10.0, 7.0, 9.0, 3.0, 4.0]), 7.0);
+        // Never below the start, so that a count from the start sees nothing.
+        assert_eq!(worst([-2.0, -1.0, -4.0]), 4.0, "the start is 0");
+    }
+
+    #[test]
+    fn a_damper_gives_nothing() {
+        assert_eq!(worst((0..100).map(f64::from)), 0.0);
+        assert_eq!(worst([]), 0.0);
+    }
+}

@@ -1,0 +1,58 @@
+//! Device and hand at one instant, and the loop that carries them on.
+
+use super::chain::{Control, Crossing};
+use super::tick::Recorder;
+use super::{cycle, cycle_recorded};
+use crate::scene::Motion;
+use std::ops::Range;
+use touchstone_world::plant::Motion as _;
+
+/// The mechanical half of a run, whatever plant it is.
+pub trait Mechanics {
+    /// Runs the loop over these ticks; the recorder, if there is one, is told each of them.
+    fn advance(
+        &mut self,
+        control: &mut dyn Control,
+        motion: &Motion,
+        ticks: Range<u64>,
+        period_s: f64,
+        recorder: Option<&mut dyn Recorder>,
+    );
+
+    /// True angle of the device, rad.
+    fn angle_rad(&self) -> f64;
+}
+
+/// A plant behind its crossing, with its state. The loop is compiled once for each.
+pub struct Moving<C: Crossing> {
+    /// What lies between torque and plant, and the plant.
+    pub crossing: C,
+    /// Where it stands.
+    pub state: C::State,
+}
+
+impl<C: Crossing> Mechanics for Moving<C> {
+    fn advance(
+        &mut self,
+        control: &mut dyn Control,
+        motion: &Motion,
+        ticks: Range<u64>,
+        period_s: f64,
+        recorder: Option<&mut dyn Recorder>,
+    ) {
+        let Self { crossing, state } = self;
+        let rest_rad = |time_s| motion.rest_rad(time_s);
+        *state = match (recorder, motion.still_rad()) {
+            (Some(recorder), _) => cycle_recorded(
+                crossing, *state, control, rest_rad, ticks, period_s, recorder,
+            ),
+            // A hand that does not move is not asked where it is.
+            (None, Some(still)) => cycle(crossing, *state, control, |_| still, ticks, period_s),
+            (None, None) => cycle(crossing, *state, control, rest_rad, ticks, period_s),
+        };
+    }
+
+    fn angle_rad(&self) -> f64 {
+        self.state.position()
+    }
+}

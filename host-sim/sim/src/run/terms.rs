@@ -1,0 +1,136 @@
+//! What a run is judged by: read off its scene once, before the first tick.
+
+use super::measure::Wiggle;
+use crate::scene::{MotionSpec, Scene};
+
+/// Largest hold motion that is still called a limit cycle, rad: beyond a quarter radian the wall is lost.
+const UNSTABLE_RAD: f64 = 0.25;
+/// Counts a revolution that the limit cycle's threshold assumes without an encoder.
+const ASSUMED_COUNTS: f64 = 40_000.0;
+/// Least time from the start of a rhythm to where it is measured, s: the press before it has died away.
+const SETTLING_S: f64 = 0.5;
+
+/// What to judge by: fixed for a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terms {
+    /// `x_s`, rad.
+    pub surface_rad: f64,
+    /// `k_de`, N·m/rad.
+    pub k_desired: f64,
+    /// Inertia of the device, kg·m².
+    pub inertia_kg_m2: f64,
+    /// Period of the ticks, s.
+    pub period_s: f64,
+    /// Smallest motion that counts as a limit cycle, rad: four encoder counts.
+    pub limit_cycle_rad: f64,
+    /// Largest motion inside a hold that still is one and not the loss of the wall, rad.
+    pub unstable_rad: f64,
+    /// Torque limit of device or law, N·m.
+    pub force_limit_n_m: f64,
+    /// Quiet holds in ticks, first and past the last; the last one is the press.
+    pub holds: Vec<(u64, u64)>,
+    /// The press, where the motion is one.
+    pub press: Option<Press>,
+    /// The rhythm in which the hand moves inside the wall, where it does so long enough to be measured.
+    pub wiggle: Option<Wiggle>,
+    /// Ticks over which the torque's ripple is taken, first and past the last: the rhythm, else the press' second half, else all.
+    pub ripple: (u64, u64),
+    /// Ticks of the run.
+    pub ticks: u64,
+}
+
+/// A press, in the terms of its rest point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Press {
+    /// Largest static torque that the hand aims at, N·m, a rhythm's amplitude included.
+    pub push_n_m: f64,
+    /// Tick with which the ramp ends.
+    pub ramp_end: u64,
+    /// Tick with which the hand begins to let go.
+    pub release: u64,
+}
+
+impl Terms {
+    /// What a scene is judged by.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let rate = f64::from(scene.timing.rate_hz);
+        let ticks = scene.timing.ticks();
+        let tick = |seconds: f64| ((seconds * rate).round() as u64).min(ticks);
+        let step = scene
+            .encoder
+            .as_ref()
+            .map_or(std::f64::consts::TAU / ASSUMED_COUNTS, |encoder| {
+                encoder.step_rad()
+            });
+        let device_limit = scene.device.torque_limit_n_m.unwrap_or(f64::INFINITY);
+        let holds: Vec<_> = scene
+            .operator
+            .motion
+            .holds_s()
+            .into_iter()
+            .map(|(from, to)| (tick(from), tick(to)))
+            .collect();
+        let rhythm = rhythm_s(&scene.operator.motion);
+        let window = |(from, to): (f64, f64)| (tick(from), tick(to));
+        Self {
+            surface_rad: scene.wall.surface_rad,
+            k_desired: scene.wall.k_desired_n_m_per_rad,
+            inertia_kg_m2: scene.device.inertia_kg_m2,
+            period_s: scene.timing.period_s(),
+            limit_cycle_rad: 4.0 * step,
+            unstable_rad: UNSTABLE_RAD,
+            // The law's own limit is met a quantum early: it is rounded towards zero.
+            force_limit_n_m: device_limit.min(scene.law.force_limit_n_m) * (1.0 - 1e-3),
+            press: push(&scene.operator.motion).and_then(|(push_n_m, ramp_end_s)| {
+                holds.last().map(|&(_, release)| Press {
+                    push_n_m,
+                    ramp_end: tick(ramp_end_s),
+                    release,
+                })
+            }),
+            wiggle: rhythm.map(|(frequency_hz, span)| Wiggle {
+                frequency_hz,
+                window: window(span),
+            }),
+            ripple: rhythm
+                .map(|(_, span)| span)
+                .or_else(|| scene.operator.motion.hold_window_s())
+                .map_or((0, ticks), window),
+            holds,
+            ticks,
+        }
+    }
+}
+
+/// Largest static torque of a press, N·m, and the end of its ramp, s.
+fn push(motion: &MotionSpec) -> Option<(f64, f64)> {
+    match motion {
+        MotionSpec::RampAndHold(m) => Some((m.push_torque_n_m, m.start_s + m.ramp_s)),
+        MotionSpec::PressWiggleRelease(m) => Some((
+            m.push_torque_n_m + m.wiggle_amplitude_n_m,
+            m.start_s + m.ramp_s,
+        )),
+        MotionSpec::TouchAndPress(m) => Some((
+            m.push_torque_n_m,
+            m.start_s + m.touch_ramp_s + m.touch_s + m.ramp_s,
+        )),
+        MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
+    }
+}
+
+/// Frequency of a rhythm, Hz, and the whole periods at its full amplitude that end last, s: after a period and half a second, and
+/// before the half period over which it fades. `None` where no period is left.
+fn rhythm_s(motion: &MotionSpec) -> Option<(f64, (f64, f64))> {
+    let MotionSpec::PressWiggleRelease(m) = motion else {
+        return None;
+    };
+    let period_s = 1.0 / m.wiggle_frequency_hz;
+    let start_s = m.start_s + m.ramp_s;
+    let end_s = start_s + m.wiggle_s - 0.5 * period_s;
+    let from_s = start_s + period_s.max(SETTLING_S);
+    // A hair below a whole number is that number.
+    let periods = ((end_s - from_s) / period_s + 1e-9).floor();
+    (m.wiggle_amplitude_n_m > 0.0 && periods >= 1.0)
+        .then_some((m.wiggle_frequency_hz, (end_s - periods * period_s, end_s)))
+}

@@ -1,0 +1,135 @@
+//! Every shipped scene, with every combination of effects, leaves the bits that it left before.
+//!
+//! How the loop is put together may change; what it computes may not. A hash covers every column of every tick and what the
+//! run was judged by. Where a change of behaviour is meant, `cargo test --test runs_keep_their_bits -- --nocapture` prints the
+//! new hashes; they are then entered together with that change and with nothing else.
+//!
+//! Only on the platform of the hashes: a sine or exponential of another C library may differ in its last bit.
+#![cfg(all(target_arch = "x86_64", target_os = "linux"))]
+
+use touchstone_sim::run::{self, record::Run};
+use touchstone_sim::scene::{self, Scene};
+
+/// FNV-1a, 64 bits.
+struct Hash(u64);
+
+impl Hash {
+    fn bytes(&mut self, bytes: impl IntoIterator<Item = u8>) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+
+    fn float(&mut self, x: f64) {
+        self.bytes(x.to_bits().to_le_bytes());
+    }
+
+    fn run(&mut self, run: &Run) {
+        let trace = run.trace.as_ref().expect("a run with a trace");
+        for column in [
+            &trace.time_s,
+            &trace.angle_rad,
+            &trace.velocity_rad_per_s,
+            &trace.angle_measured_rad,
+            &trace.hand_rad,
+            &trace.rest_rad,
+            &trace.force_n_m,
+            &trace.surface_rad,
+            &trace.surface_shifted_rad,
+            &trace.mass_rad,
+            &trace.energy_observed_j,
+            &trace.energy_true_j,
+            &trace.energy_device_loss_j,
+        ] {
+            column.iter().for_each(|&x| self.float(x));
+        }
+        let summary = &run.summary;
+        for number in [
+            summary.k_displayed,
+            summary.limit_cycle_peak_to_peak,
+            Some(summary.energy_true_min),
+            Some(summary.energy_user_min),
+            summary.energy_observed_min,
+            Some(summary.force_max),
+            Some(summary.contact_ticks as f64),
+        ] {
+            self.float(number.unwrap_or(-1.0));
+        }
+    }
+}
+
+/// The scene with each effect absent or present: encoder, torque limit, amplifier steps, delay, dry friction.
+fn combinations(scene: &Scene) -> Vec<Scene> {
+    let mut all = Vec::new();
+    for choice in 0..32_u32 {
+        let on = |bit: u32| choice >> bit & 1 == 1;
+        let mut sets = Vec::new();
+        if on(0) {
+            sets.push("encoder.counts_per_rev=16384");
+        }
+        if on(1) {
+            sets.push("device.torque_limit_n_m=0.08");
+        }
+        if on(2) {
+            sets.push("device.amplifier_step_n_m=1e-3");
+        }
+        if on(3) {
+            // A whole period and some; below a period every other time.
+            sets.push(if on(0) {
+                "timing.computational_delay_s=3e-4"
+            } else {
+                "timing.computational_delay_s=1.3e-3"
+            });
+        }
+        if on(4) {
+            sets.push("device.friction.kinetic_n_m=1e-3");
+        }
+        let mut bare = scene.clone();
+        bare.encoder = None;
+        bare.device.torque_limit_n_m = None;
+        bare.device.amplifier_step_n_m = None;
+        bare.device.friction = None;
+        bare.timing.computational_delay_s = 0.0;
+        all.push(bare.with_overrides(&sets).unwrap());
+    }
+    all
+}
+
+fn hash(scene: &Scene) -> u64 {
+    let mut hash = Hash(0xcbf2_9ce4_8422_2325);
+    hash.run(&run::run(scene, true).unwrap());
+    for scene in combinations(scene) {
+        let traced = run::run(&scene, true).unwrap();
+        hash.run(&traced);
+        let bare = run::run(&scene, false).unwrap().summary;
+        assert_eq!(
+            bare.energy_user_min.to_bits(),
+            traced.summary.energy_user_min.to_bits()
+        );
+    }
+    hash.0
+}
+
+#[test]
+fn every_scene_with_every_effect_keeps_its_bits() {
+    let mut wrong = Vec::new();
+    for name in scene::names() {
+        let found = hash(&Scene::load(name).unwrap());
+        println!("    (\"{name}\", 0x{found:016x}),");
+        let known = KNOWN.iter().find(|(known, _)| *known == name);
+        if known.map(|(_, hash)| *hash) != Some(found) {
+            wrong.push(name);
+        }
+    }
+    assert!(wrong.is_empty(), "other bits than before: {wrong:?}");
+}
+
+const KNOWN: &[(&str, u64)] = &[
+    ("thesis-knob", 0xa13d_32a4_efc9_92da),
+    ("press-hold", 0x5751_b8a6_1f86_8830),
+    ("press-wiggle-release", 0x69ab_0ba6_d290_95ed),
+    ("tap", 0x9d74_75a5_6973_b2c1),
+    ("free-release", 0xdf5e_f5c3_5465_3e3e),
+    ("low-stiffness", 0x8947_fbdf_6c30_f360),
+    ("identify", 0xf9bc_2a2a_faa2_a8f5),
+];
