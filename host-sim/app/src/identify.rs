@@ -1,7 +1,8 @@
 //! `touchstone identify`: Algorithm 2.1.
 
 use super::SceneOptions;
-use super::out::{print, say};
+use super::number;
+use super::out::{json, print, quiet, say, tell};
 use touchstone_lab::identify::{Search, identify};
 use touchstone_sim::error::{Error, Result};
 
@@ -14,32 +15,33 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// Lower end of the interval, N·m·s/rad.
-    #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD")]
+    #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD", value_parser = number::not_negative("in N·m·s/rad"))]
     low: f64,
     /// Upper end of the interval, N·m·s/rad.
-    #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD")]
+    #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD", value_parser = number::not_negative("in N·m·s/rad"))]
     high: f64,
     /// Bisections, 1 to 40.
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=40))]
+    #[arg(long, default_value_t = 12, value_parser = number::within(1_u32, 40, "of steps"))]
     steps: u32,
-    /// Prints the result as JSON.
-    #[arg(long)]
-    json: bool,
 }
+
+/// What of the scene is replaced by the search.
+const REPLACED: [(&str, &str); 3] = [
+    ("law.kind", "a law"),
+    ("law.c_i_n_m_s_per_rad", "a damping"),
+    ("wall.k_desired_n_m_per_rad", "a stiffness"),
+];
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let usable = options.low.is_finite()
-        && options.high.is_finite()
-        && options.low >= 0.0
-        && options.high > options.low;
-    if !usable {
+    if options.high <= options.low {
         return Err(Error::Option {
             option: "--low/--high".to_owned(),
             problem: format!("{} to {} is no interval", options.low, options.high),
             fix: "give 0 <= low < high, in N·m·s/rad".to_owned(),
         });
     }
+    options.changes.refuse_replaced("identify", &REPLACED)?;
     let (scene, _) = options.changes.load(&options.scene)?;
     if scene.hold_window_s().is_none() {
         return Err(scene.error(
@@ -53,14 +55,12 @@ pub fn main(options: &Options) -> Result<()> {
         high: options.high,
         steps: options.steps,
     };
-    let quiet = options.json;
-    if !quiet {
-        say!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
-    }
+    let silent = json() || quiet();
+    tell!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
     let mut step = 0;
     let found = identify(&scene, search, |trial| {
         step += 1;
-        if !quiet {
+        if !silent {
             let word = if trial.settles() { "settles" } else { "grows" };
             // A line of progress that cannot be printed is not worth stopping for.
             let _ = print(format_args!(
@@ -72,7 +72,7 @@ pub fn main(options: &Options) -> Result<()> {
         }
     })?;
     let error = found.damping / found.plant - 1.0;
-    if options.json {
+    if json() {
         let value = serde_json::json!({
             "units": { "damping": "N·m·s/rad", "uncertainty": "N·m·s/rad", "plant": "N·m·s/rad", "k_critical": "N·m/rad" },
             "damping": found.damping,
@@ -82,7 +82,7 @@ pub fn main(options: &Options) -> Result<()> {
         });
         say!("{value:#}");
     } else {
-        say!("");
+        tell!("");
         say!(
             "c_i  {:.4e} ± {:.1e} N·m·s/rad,  k_c = 2 c_i/T  {:.3} N·m/rad",
             found.damping,

@@ -5,9 +5,11 @@
 
 pub mod chain;
 pub mod judge;
+pub mod passivity;
 pub mod plan;
 pub mod record;
 pub mod settings;
+pub mod verdict;
 pub mod wall;
 
 use crate::error::{Error, Result};
@@ -159,10 +161,12 @@ fn summary(scene: &Scene, judge: &Judge) -> Summary {
         limit_cycle_peak_to_peak: judged.limit_cycle_peak_to_peak,
         energy_true_min: judged.energy_true_min,
         energy_user_min: judged.energy_user_min,
+        energy_out: judged.energy_out,
         energy_observed_min: judged.energy_observed_min,
         settle_time: judged
             .settle_ticks
             .map(|ticks| ticks as f64 * scene.timing.period_s()),
+        penetration_max: judged.penetration_max,
         force_max: judged.force_max,
         ticks: scene.timing.ticks(),
         contact_ticks: judged.contact_ticks,

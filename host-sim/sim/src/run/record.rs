@@ -65,10 +65,15 @@ pub struct Summary {
     pub energy_true_min: f64,
     /// Lowest true energy of the user's port: the wall's plus what the device dissipated, J.
     pub energy_user_min: f64,
+    /// Most that the user's port ever gave beyond what it had taken, J, 0 or more: what [`energy_user_min`](Self::energy_user_min)
+    /// lies below zero by, where that is more than the rounding of its sums.
+    pub energy_out: f64,
     /// Lowest energy that the law's own observer reported, J; `None` for laws without one.
     pub energy_observed_min: Option<f64>,
     /// From the first contact until the displayed stiffness stays within 5 % of its final value, s.
     pub settle_time: Option<f64>,
+    /// Deepest true penetration of the wall, rad, 0 if it was never reached; infinite for a run that left all numbers.
+    pub penetration_max: f64,
     /// Largest force command, N·m.
     pub force_max: f64,
     /// Ticks simulated.
