@@ -36,7 +36,9 @@ fn a_run_moves_the_hand_of_another() {
         .collect();
     let mean = rest.iter().sum::<f64>() / rest.len() as f64 - 0.5;
     let again = replayed(&["--set", &format!("motion.offset_rad={mean}")]).json();
-    let before = run_in(&here, &["run", "thesis-knob", "--json"]).ended(0).json();
+    let before = run_in(&here, &["run", "thesis-knob", "--json"])
+        .ended(0)
+        .json();
     let force = |results: &serde_json::Value| results["runs"][0]["force_max"].as_f64().unwrap();
     let ratio = force(&again) / force(&before);
     assert!((0.9..1.1).contains(&ratio), "{ratio}");
@@ -59,11 +61,21 @@ fn records_of_a_device_move_a_hand_by_their_new_and_old_names() {
         std::fs::write(here.join("device.csv"), text).unwrap();
         let said = run_in(
             &here,
-            &["run", "tap", "--operator-motion", "device.csv", "--expect", "active", "--expect", "passive"],
+            &[
+                "run",
+                "tap",
+                "--operator-motion",
+                "device.csv",
+                "--expect",
+                "active",
+                "--expect",
+                "passive",
+            ],
         )
         .ended(0);
         assert!(
-            said.err.contains("device.csv, penetration_rad: 1000 samples"),
+            said.err
+                .contains("device.csv, penetration_rad: 1000 samples"),
             "{}",
             said.err
         );

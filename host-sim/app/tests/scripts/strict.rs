@@ -41,7 +41,8 @@ fn energy_that_is_measured_is_refused_too() {
     let said = run(&["run", "thesis-knob", "--law", "sfa", "--strict-passive"]).ended(3);
     assert_eq!(said.err.lines().count(), 1, "{}", said.err);
     assert!(
-        said.err.starts_with("not met: --strict-passive: wanted no energy out"),
+        said.err
+            .starts_with("not met: --strict-passive: wanted no energy out"),
         "{}",
         said.err
     );
