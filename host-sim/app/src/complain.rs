@@ -39,8 +39,8 @@ fn push_cut(out: &mut String, text: &str, most: usize) {
     out.extend(text.chars().skip(letters - most / 8));
 }
 
-/// A mistake on the command line, as one line; `None` where no mistake was made: help and version.
-pub fn usage(error: &UsageError) -> Option<String> {
+/// A mistake on the command line, as one line, for a program with these commands; `None` where no mistake was made: help and version.
+pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
     let text = |kind| error.get(kind).map(ToString::to_string);
     let many = |kind| match error.get(kind) {
         Some(ContextValue::Strings(words)) => words.join(", "),
@@ -91,11 +91,14 @@ pub fn usage(error: &UsageError) -> Option<String> {
             "unknown option or word".to_owned(),
             meant(ContextKind::SuggestedArg),
         ),
-        ErrorKind::InvalidSubcommand => (
-            text(ContextKind::InvalidSubcommand).unwrap_or_default(),
-            "unknown command".to_owned(),
-            meant(ContextKind::SuggestedSubcommand),
-        ),
+        ErrorKind::InvalidSubcommand => {
+            let given = text(ContextKind::InvalidSubcommand).unwrap_or_default();
+            let fix = match touchstone_sim::scene::nearest(&given, commands) {
+                Some(near) => format!("did you mean {near}?"),
+                None => meant(ContextKind::SuggestedSubcommand),
+            };
+            (given, "unknown command".to_owned(), fix)
+        }
         ErrorKind::MissingRequiredArgument => (
             "command line".to_owned(),
             format!("{} is missing", many(ContextKind::InvalidArg)),

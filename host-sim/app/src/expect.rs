@@ -22,13 +22,13 @@ pub struct Expectations {
     #[arg(long, value_name = "VERDICT", value_parser = verdicts())]
     expect: Vec<String>,
     /// The device comes no deeper into the wall than this, true penetration in rad.
-    #[arg(long, value_name = "RAD", value_parser = number::not_negative("in rad"))]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true, value_parser = number::not_negative("in rad"))]
     max_penetration: Option<f64>,
     /// The stiffness shown at the end of the hold is at least this, N·m/rad.
-    #[arg(long, value_name = "N_M_PER_RAD", value_parser = number::not_negative("in N·m/rad"))]
+    #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/rad"))]
     min_stiffness: Option<f64>,
     /// The user's port never gives more than this beyond what it took, J.
-    #[arg(long, value_name = "J", value_parser = number::not_negative("in J"))]
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = number::not_negative("in J"))]
     max_energy_out: Option<f64>,
     /// Writes what was asked and what came as JUnit, a test for each demand.
     #[arg(long, value_name = "FILE")]

@@ -15,13 +15,13 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// Lower end of the interval, N·m·s/rad.
-    #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD", value_parser = number::not_negative("in N·m·s/rad"))]
+    #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m·s/rad"))]
     low: f64,
     /// Upper end of the interval, N·m·s/rad.
-    #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD", value_parser = number::not_negative("in N·m·s/rad"))]
+    #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m·s/rad"))]
     high: f64,
     /// Bisections, 1 to 40.
-    #[arg(long, default_value_t = 12, value_parser = number::within(1_u32, 40, "of steps"))]
+    #[arg(long, default_value_t = 12, allow_negative_numbers = true, value_parser = number::within(1_u32, 40, "of steps"))]
     steps: u32,
 }
 

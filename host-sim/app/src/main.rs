@@ -17,7 +17,7 @@ mod scene_options;
 mod shell;
 mod thesis;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use out::say;
 use scene_options::SceneOptions;
 use std::process::ExitCode;
@@ -103,7 +103,12 @@ fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            return match complain::usage(&error) {
+            let program = Cli::command();
+            let commands: Vec<&str> = program
+                .get_subcommands()
+                .map(clap::Command::get_name)
+                .collect();
+            return match complain::usage(&error, &commands) {
                 Some(line) => complain(&line, 2),
                 None => error.exit(),
             };

@@ -30,10 +30,10 @@ pub struct Options {
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Ends after so many seconds; without it, with Ctrl-C.
-    #[arg(long, value_name = "N", value_parser = number::up_to(1e9, "of seconds"))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
     /// One record every so many control ticks.
-    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = number::within(1_u16, 1000, "of ticks"))]
+    #[arg(long, value_name = "TICKS", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u16, 1000, "of ticks"))]
     decimation: u16,
 }
 

@@ -35,7 +35,7 @@ pub struct SceneOptions {
     #[arg(long, value_parser = Laws)]
     law: Option<String>,
     /// Desired stiffness k_de, N·m/rad.
-    #[arg(long, value_name = "N_M_PER_RAD")]
+    #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -154,7 +154,8 @@ fn junit_has_a_test_for_each_demand() {
     let (tests, failures, text) = junit(&["--expect", "unstable", "--min-stiffness", "0.4"], 3);
     assert_eq!((tests, failures), (2, 1));
     assert!(
-        text.contains("tests=\"2\" failures=\"1\"")
+        text.contains("tests=\"2\"")
+            && text.contains("failures=\"1\"")
             && text.contains("wanted unstable, came passive"),
         "{text}"
     );
