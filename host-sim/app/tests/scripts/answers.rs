@@ -146,7 +146,6 @@ fn a_slip_gets_a_suggestion() {
         ),
         (&["rnu", "tap"], &["rnu", "did you mean run?"]),
         (&["run"], &["<SCENE> is missing"]),
-        (&["config"], &["command"]),
     ] {
         run(arguments).refused(parts);
     }
@@ -206,11 +205,7 @@ fn a_range_is_said_in_one_way_and_a_long_value_is_cut() {
             arguments[1],
             said.err.len()
         );
-        assert!(
-            said.err.contains('…') || arguments.len() == 6,
-            "{}",
-            said.err
-        );
+        assert!(!said.err.contains(&long[..300]), "{}", said.err);
         said.refused(&[]);
     }
 }
