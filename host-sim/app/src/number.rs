@@ -40,14 +40,11 @@ pub fn up_to(
     )
 }
 
-fn parser<T: FromStr>(
+fn parser<T: FromStr + Copy>(
     unit: &'static str,
     range: String,
     holds: impl Fn(T) -> bool + Clone + Send + Sync + 'static,
-) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
-where
-    T: Copy,
-{
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
     move |text| match text.parse::<T>() {
         Ok(value) if holds(value) => Ok(value),
         _ => Err(format!("must be {range}, is {text}; give a number {unit}")),
