@@ -62,7 +62,10 @@ fn scenes() -> Vec<(String, Scene)> {
         for grip in GRIPS {
             for k_desired in STIFFNESSES {
                 let scene = cell(&base, k_desired, LawKind::EnhancedSfa, grip, counts).unwrap();
-                scenes.push((format!("{k_desired} N·m/rad, {grip}, {counts}"), scene));
+                scenes.push((
+                    format!("{k_desired} N·m/rad, {}, {counts}", grip.name()),
+                    scene,
+                ));
             }
         }
     }

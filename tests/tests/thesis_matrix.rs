@@ -8,13 +8,13 @@ use touchstone_control::LawKind;
 use touchstone_lab::thesis::{BEYOND, COUNTS, GRIPS, cell};
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Grip, Scene};
 
 fn base() -> Scene {
     Scene::load("thesis-knob").unwrap()
 }
 
-fn at(law: LawKind, k_desired: f64, grip: &str, counts: u32) -> Summary {
+fn at(law: LawKind, k_desired: f64, grip: Grip, counts: u32) -> Summary {
     let scene = cell(&base(), k_desired, law, grip, counts).unwrap();
     run::run(&scene, false).unwrap().summary
 }
@@ -65,7 +65,7 @@ fn assert_shows(run: &Summary, stiffness: f64, share: f64) {
 fn the_matrix_has_the_grips_and_encoders_that_must_be_shown() {
     assert_eq!(COUNTS.len(), 2);
     assert!(COUNTS.contains(&16_384) && COUNTS.contains(&40_000));
-    let mut grips = GRIPS;
+    let mut grips = GRIPS.map(Grip::name);
     grips.sort_unstable();
     assert_eq!(grips, ["firm", "light", "medium"]);
 }
@@ -167,7 +167,7 @@ fn enhanced_sfa_below_the_soft_spring_is_the_spring_to_the_bit() {
 #[test]
 fn enhanced_sfa_shows_twenty_times_the_critical_stiffness() {
     for counts in COUNTS {
-        let run = at(LawKind::EnhancedSfa, BEYOND, "medium", counts);
+        let run = at(LawKind::EnhancedSfa, BEYOND, Grip::Medium, counts);
         assert_eq!(run.k_desired, 20.0);
         assert_shows(&run, 20.0, 0.05);
         let step = std::f64::consts::TAU / f64::from(counts);

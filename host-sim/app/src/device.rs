@@ -1,7 +1,7 @@
 //! `touchstone device`: commands, state, fault, and the second before the fault.
 
 use super::config::settings;
-use super::out::say;
+use super::out::{self, say, tell};
 use super::port::PortOption;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
@@ -73,14 +73,23 @@ pub fn main(options: &Options) -> Result<()> {
         Action::Zero => command(DeviceCommand::Zero)?,
         Action::Reboot => {
             command(DeviceCommand::Reboot)?;
-            say!("restarting");
-            return Ok(());
+            return state("restarting");
         }
         Action::Fault => return fault(&mut client),
         Action::Ring { out } => return ring(&mut client, out),
     }
-    say!("{}", status_of(&mut client)?.phase.name());
-    Ok(())
+    state(status_of(&mut client)?.phase.name())
+}
+
+/// Where the device stands after a command.
+fn state(name: &str) -> Result<()> {
+    out::result(
+        || serde_json::json!({ "state": name }),
+        || {
+            tell!("{name}");
+            Ok(())
+        },
+    )
 }
 
 /// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
@@ -98,10 +107,7 @@ fn calibrated(client: &mut Client) -> Result<()> {
     loop {
         let status = status_of(client)?;
         let (problem, fix) = match status.phase {
-            Phase::Ready | Phase::Armed => {
-                say!("{}", status.phase.name());
-                return Ok(());
-            }
+            Phase::Ready | Phase::Armed => return state(status.phase.name()),
             Phase::Calibrating if Instant::now() < until => {
                 std::thread::sleep(Duration::from_millis(50));
                 continue;
@@ -143,20 +149,7 @@ fn status_of(client: &mut Client) -> Result<Status> {
 }
 
 fn status(client: &mut Client) -> Result<()> {
-    say!("device    {}", described(client.identity()));
-    let last = client.identity().reset_reason;
-    say!("started   {}", started(last));
     let status = status_of(client)?;
-    say!("state     {}", status.phase.name());
-    if let Some(fault) = status.fault {
-        say!("fault     {}", name_of(&fault));
-    }
-    let kept = if status.unsaved {
-        "changed and not saved: touchstone config save"
-    } else {
-        "as after a restart"
-    };
-    say!("settings  {kept}");
     let Counters {
         decode_errors,
         telemetry_dropped,
@@ -168,21 +161,72 @@ fn status(client: &mut Client) -> Result<()> {
         Reply::Counters(counters) => counters,
         other => return Err(client.odd(&other)),
     };
-    say!("ticks     {ticks}");
-    say!("longest   {tick_cycles_max} cycles a tick, {current_loop_cycles_max} a current loop");
-    say!("latest    {lateness_cycles_max} cycles after a tick was due");
-    say!("lost      {telemetry_dropped} telemetry records, {decode_errors} damaged requests");
-    Ok(())
+    let identity = client.identity();
+    let programs = || {
+        serde_json::json!({
+            "board": identity.board.name(),
+            "firmware_version": identity.firmware_version.to_string(),
+            "build_hash": format!("{:016x}", identity.build_hash),
+            "protocol_version": identity.protocol_version,
+            "settings_version": identity.settings_version,
+            "unique_id": number_of(identity),
+            "started": started(identity.reset_reason),
+            "state": status.phase.name(),
+            "fault": status.fault.as_ref().map(fault_json),
+            "settings_unsaved": status.unsaved,
+            "ticks": ticks,
+            "tick_cycles_max": tick_cycles_max,
+            "current_loop_cycles_max": current_loop_cycles_max,
+            "lateness_cycles_max": lateness_cycles_max,
+            "telemetry_dropped_records": telemetry_dropped,
+            "damaged_requests": decode_errors,
+        })
+    };
+    out::result(programs, || {
+        say!("device    {}", described(identity));
+        say!("started   {}", started(identity.reset_reason));
+        say!("state     {}", status.phase.name());
+        if let Some(fault) = &status.fault {
+            say!("fault     {}", name_of(fault));
+        }
+        let kept = if status.unsaved {
+            "changed and not saved: touchstone config save"
+        } else {
+            "as after a restart"
+        };
+        say!("settings  {kept}");
+        say!("ticks     {ticks}");
+        say!("longest   {tick_cycles_max} cycles a tick, {current_loop_cycles_max} a current loop");
+        say!("latest    {lateness_cycles_max} cycles after a tick was due");
+        say!("lost      {telemetry_dropped} telemetry records, {decode_errors} damaged requests");
+        Ok(())
+    })
 }
 
-/// Who it is, on one line.
-pub fn described(identity: &Identity) -> String {
+/// A fault for programs.
+fn fault_json(fault: &Fault) -> serde_json::Value {
+    serde_json::json!({
+        "code": fault.code,
+        "name": fault.known().map(page),
+        "tick": fault.tick,
+        "value": fault.value,
+    })
+}
+
+/// The microcontroller's own number.
+fn number_of(identity: &Identity) -> String {
     use std::fmt::Write;
     let mut number = String::new();
     for byte in identity.unique_id {
         // Writing into a string cannot fail.
         let _ = write!(number, "{byte:02x}");
     }
+    number
+}
+
+/// Who it is, on one line.
+pub fn described(identity: &Identity) -> String {
+    let number = number_of(identity);
     format!(
         "{}, firmware {} ({:016x}), protocol {}, settings {}, number {number}",
         identity.board.name(),
@@ -231,18 +275,23 @@ fn fault(client: &mut Client) -> Result<()> {
         Reply::Fault(fault) => fault,
         other => return Err(client.odd(&other)),
     };
-    let Some(fault) = fault else {
-        say!("no fault");
-        return Ok(());
-    };
-    say!("fault  {}", name_of(&fault));
-    say!("tick   {}", fault.tick);
-    say!("value  {}", fault.value);
-    if let Some(code) = fault.known() {
-        say!("page   docs/faults/{:02}-{}.md", fault.code, page(code));
-    }
-    say!("clear  touchstone device stop");
-    Ok(())
+    out::result(
+        || serde_json::json!({ "fault": fault.as_ref().map(fault_json) }),
+        || {
+            let Some(fault) = &fault else {
+                say!("no fault");
+                return Ok(());
+            };
+            say!("fault  {}", name_of(fault));
+            say!("tick   {}", fault.tick);
+            say!("value  {}", fault.value);
+            if let Some(code) = fault.known() {
+                say!("page   docs/faults/{:02}-{}.md", fault.code, page(code));
+            }
+            say!("clear  touchstone device stop");
+            Ok(())
+        },
+    )
 }
 
 /// Columns of the ring's CSV.
@@ -278,8 +327,13 @@ fn ring(client: &mut Client, out: &Path) -> Result<()> {
         problem: error.to_string(),
         fix: "choose another file with --out".into(),
     })?;
-    say!("{}: {} ticks", out.display(), records.len());
-    Ok(())
+    out::result(
+        || serde_json::json!({ "file": out.display().to_string(), "ticks": records.len() }),
+        || {
+            tell!("{}: {} ticks", out.display(), records.len());
+            Ok(())
+        },
+    )
 }
 
 fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {

@@ -1,6 +1,6 @@
 //! `touchstone flash`: the firmware into a board. The work is done by probe-rs; its progress is shown as it is.
 
-use super::out::say;
+use super::out::tell;
 use clap::ValueEnum;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ pub fn main(options: &Options) -> Result<()> {
         board.name()
     );
     check(&program, &built)?;
-    say!("{} into {}", program.display(), board.chip());
+    tell!("{} into {}", program.display(), board.chip());
     let probe: Vec<&str> = options
         .probe
         .iter()
@@ -91,7 +91,7 @@ pub fn main(options: &Options) -> Result<()> {
             .args(chip)
             .args(&probe),
     )?;
-    say!("flashed, verified and started");
+    tell!("flashed, verified and started");
     Ok(())
 }
 

@@ -1,7 +1,8 @@
 //! `touchstone identify`: what a device has, from swings, and Algorithm 2.1.
 
 use super::SceneOptions;
-use super::out::{print, say};
+use super::number;
+use super::out::{json, print, quiet, say, tell};
 use touchstone_lab::identify::swing::{self, NotFound};
 use touchstone_lab::identify::{Bracket, Estimate, Mechanics, Search, Swings, identify};
 use touchstone_sim::error::{Error, Result};
@@ -16,35 +17,36 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// Lower end of the interval, N·m·s/rad.
-    #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD")]
+    #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m·s/rad"))]
     low: f64,
     /// Upper end of the interval, N·m·s/rad.
-    #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD")]
+    #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m·s/rad"))]
     high: f64,
     /// Bisections, 1 to 40.
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=40))]
+    #[arg(long, default_value_t = 12, allow_negative_numbers = true, value_parser = number::within(1_u32, 40, "of steps"))]
     steps: u32,
     /// Torque by which the free device is swung, N·m.
-    #[arg(long, default_value_t = 0.05, value_name = "N_M")]
+    #[arg(long, default_value_t = 0.05, value_name = "N_M", allow_negative_numbers = true, value_parser = number::not_negative("in N·m"))]
     push: f64,
-    /// Prints the result as JSON.
-    #[arg(long)]
-    json: bool,
 }
+
+/// What of the scene is replaced by the search.
+const REPLACED: [(&str, &str); 3] = [
+    ("law.kind", "a law"),
+    ("law.device_damping_n_m_s_per_rad", "a damping"),
+    ("wall.k_desired_n_m_per_rad", "a stiffness"),
+];
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let usable = options.low.is_finite()
-        && options.high.is_finite()
-        && options.low >= 0.0
-        && options.high > options.low;
-    if !usable {
+    if options.high <= options.low {
         return Err(Error::Option {
             option: "--low/--high".to_owned(),
             problem: format!("{} to {} is no interval", options.low, options.high),
             fix: "give 0 <= low < high, in N·m·s/rad".to_owned(),
         });
     }
+    options.changes.refuse_replaced("identify", &REPLACED)?;
     let (scene, _) = options.changes.load(&options.scene)?;
     if scene.hold_window_s().is_none() {
         return Err(scene.error(
@@ -59,13 +61,12 @@ pub fn main(options: &Options) -> Result<()> {
         steps: options.steps,
     };
     let mechanics = swings(&scene, options)?;
-    if !options.json {
-        say!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
-    }
+    let silent = json() || quiet();
+    tell!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
     let mut step = 0;
     let found = identify(&scene, search, Some(&mechanics), |trial| {
         step += 1;
-        if !options.json {
+        if !silent {
             let word = if trial.settles() { "settles" } else { "grows" };
             // A line of progress that cannot be printed is not worth stopping for.
             let _ = print(format_args!(
@@ -78,7 +79,7 @@ pub fn main(options: &Options) -> Result<()> {
     })?
     .map_err(|bracket| unchanged(bracket, options))?;
     let k_critical = 2.0 * found.damping * f64::from(scene.timing.rate_hz);
-    if options.json {
+    if json() {
         let estimate = |estimate: Estimate| serde_json::json!({ "value": estimate.value, "uncertainty": estimate.uncertainty });
         let value = serde_json::json!({
             "inertia_kg_m2": estimate(mechanics.inertia_kg_m2),

@@ -1,30 +1,50 @@
-//! The command line: `touchstone [thesis | run | identify | scenes | flash | monitor | config | device | doctor]`.
+//! The command line: `touchstone [thesis | run | identify | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
+mod complain;
 mod config;
 mod device;
 mod doctor;
+mod expect;
 mod flash;
 mod identify;
+mod interrupt;
 mod monitor;
+mod number;
 mod out;
 mod port;
 mod run;
 mod scene_options;
+mod shell;
 mod thesis;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use out::say;
 use scene_options::SceneOptions;
 use std::process::ExitCode;
-use touchstone_sim::error::Result;
+use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, Scene};
+
+/// For the help of the program and of every command that can end with 3.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    a device, or what is needed to reach it, failed
+  2    a mistake in what was asked: option, scene, file
+  3    done, but something that was asked of the run does not hold (--expect and the like)
+  130  interrupted: nothing half-written is left";
 
 /// Hard virtual walls: simulate them, compare control laws, and see what holds.
 ///
 /// Without a command it runs the thesis' comparison.
 #[derive(Debug, Parser)]
-#[command(version, about, propagate_version = true)]
+#[command(version, about, propagate_version = true, after_help = EXIT_CODES)]
 struct Cli {
+    /// Prints the result as JSON, for programs.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Prints no progress, notes, warnings and summaries: only errors, and what was asked for by name.
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -49,39 +69,101 @@ enum Command {
     Device(device::Options),
     /// Looks for everything that a board needs, and says what is missing and how to get it.
     Doctor(doctor::Options),
+    /// Prints completions for a shell.
+    Completions(shell::Completions),
+    /// Prints the manual's page, or writes those of all commands to a folder.
+    Man(shell::Man),
 }
 
-/// Runs the program. Exit codes: 0 done, 1 a device or what it needs failed, 2 something to be mended by the user.
-fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let done = match cli
-        .command
-        .unwrap_or_else(|| Command::Thesis(thesis::Options::default()))
-    {
-        Command::Thesis(options) => thesis::main(&options),
-        Command::Run(options) => run::main(&options),
-        Command::Identify(options) => identify::main(&options),
-        Command::Scenes => scenes(),
-        Command::Flash(options) => flash::main(&options),
-        Command::Monitor(options) => monitor::main(&options),
-        Command::Config(options) => config::main(&options),
-        Command::Device(options) => device::main(&options),
-        Command::Doctor(options) => return doctor::main(&options),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
+impl Command {
+    /// Refuses `--json` where there is nothing to print as JSON, instead of ignoring it.
+    fn as_json(&self) -> Result<()> {
+        let (command, fix) = match self {
+            Command::Flash(_) => ("flash", "leave it out: its exit code says all"),
+            Command::Completions(_) => (
+                "completions",
+                "leave it out: they are a program for a shell",
+            ),
+            Command::Man(_) => ("man", "leave it out: it is a page for people"),
+            Command::Config(options) if options.exports() => {
+                ("config export", "use `touchstone config get --json`")
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Option {
+            option: "--json".to_owned(),
+            problem: format!("{command} has nothing to print as JSON"),
+            fix: fix.to_owned(),
+        })
     }
+}
+
+/// Runs the program; [`EXIT_CODES`] says how it ends.
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let program = Cli::command();
+            let commands: Vec<&str> = program
+                .get_subcommands()
+                .map(clap::Command::get_name)
+                .collect();
+            return match complain::usage(&error, &commands) {
+                Some(line) => complain(&line, 2),
+                None => error.exit(),
+            };
+        }
+    };
+    out::choose(cli.json, cli.quiet);
+    let command = cli
+        .command
+        .unwrap_or_else(|| Command::Thesis(thesis::Options::default()));
+    match act(&command, cli.json) {
+        Ok(code) => code,
+        Err(error) => complain(&complain::line(&error.to_string()), error.exit_code()),
+    }
+}
+
+fn complain(line: &str, code: u8) -> ExitCode {
+    eprintln!("error: {line}");
+    ExitCode::from(code)
+}
+
+fn act(command: &Command, json: bool) -> Result<ExitCode> {
+    if json {
+        command.as_json()?;
+    }
+    let done = match command {
+        Command::Thesis(options) => return thesis::main(options),
+        Command::Run(options) => return run::main(options),
+        Command::Doctor(options) => return Ok(doctor::main(options)),
+        Command::Identify(options) => identify::main(options),
+        Command::Scenes => scenes(),
+        Command::Flash(options) => flash::main(options),
+        Command::Monitor(options) => monitor::main(options),
+        Command::Config(options) => config::main(options),
+        Command::Device(options) => device::main(options),
+        Command::Completions(options) => shell::completions(options),
+        Command::Man(options) => shell::man(options),
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 fn scenes() -> Result<()> {
-    for name in scene::names() {
-        say!("{name:24}{}", Scene::load(name)?.description);
-    }
-    Ok(())
+    let scenes = scene::names()
+        .into_iter()
+        .map(|name| Ok((name, Scene::load(name)?.description)))
+        .collect::<Result<Vec<_>>>()?;
+    let entry = |(name, description): &(&str, String)| serde_json::json!({ "name": name, "description": description });
+    out::result(
+        || serde_json::json!({ "scenes": scenes.iter().map(entry).collect::<Vec<_>>() }),
+        || {
+            for (name, description) in &scenes {
+                say!("{name:24}{description}");
+            }
+            Ok(())
+        },
+    )
 }
 
 /// The command line as it was given, to be printed in reports.

@@ -2,7 +2,8 @@
 
 use super::config;
 use super::device::{name_of, page};
-use super::out::{is_read, print, say};
+use super::number;
+use super::out::{self, is_read, print, say, tell};
 use super::port::PortOption;
 use std::fs::File;
 use std::io::IsTerminal;
@@ -29,25 +30,15 @@ pub struct Options {
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Ends after so many seconds; without it, with Ctrl-C.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
     /// One record every so many control ticks.
-    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "TICKS", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u16, 1000, "of ticks"))]
     decimation: u16,
 }
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    if options
-        .seconds
-        .is_some_and(|seconds| !(seconds > 0.0 && seconds <= 1e9))
-    {
-        return Err(Error::Option {
-            option: "--seconds".into(),
-            problem: "is no time".into(),
-            fix: "give more than 0".into(),
-        });
-    }
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
@@ -78,17 +69,31 @@ pub fn main(options: &Options) -> Result<()> {
         decimation: settings.telemetry.decimation,
     })?;
     let dropped = dropped(&mut client)?.wrapping_sub(dropped_before);
-    say!("");
-    say!(
-        "{} records, {} lost on the way ({dropped} dropped by the device, {} frames damaged)",
-        counted.records,
-        counted.lost,
-        client.decode_errors()
-    );
-    if let Some(path) = &options.csv {
-        say!("{}", path.display());
-    }
-    Ok(())
+    let file = options.csv.as_ref().map(|path| path.display().to_string());
+    out::result(
+        || {
+            serde_json::json!({
+                "records": counted.records,
+                "lost_records": counted.lost,
+                "dropped_by_device_records": dropped,
+                "damaged_frames": client.decode_errors(),
+                "file": file,
+            })
+        },
+        || {
+            tell!("");
+            tell!(
+                "{} records, {} lost on the way ({dropped} dropped by the device, {} frames damaged)",
+                counted.records,
+                counted.lost,
+                client.decode_errors()
+            );
+            if let Some(file) = &file {
+                tell!("{file}");
+            }
+            Ok(())
+        },
+    )
 }
 
 /// Records that the device's port could not carry so far.
@@ -133,7 +138,8 @@ fn watch(
     let begun = Instant::now();
     let (mut counted, mut shown, mut heard) = (Counted::default(), None::<Instant>, begun);
     let mut state = None;
-    say!("{HEADING}");
+    tell!("{HEADING}");
+    let silent = out::json() || out::quiet();
     // With a file the run goes on when the reader of the screen has had enough.
     while !stop.load(Ordering::Relaxed)
         && (is_read() || table.is_some())
@@ -157,6 +163,9 @@ fn watch(
             table.take(&record)?;
         }
         let now = (record.phase, record.fault);
+        if silent {
+            continue;
+        }
         let changed = state.replace(now).is_some_and(|before| before != now);
         if changed || shown.is_none_or(|shown| shown.elapsed() >= every) {
             shown = Some(Instant::now());
@@ -209,7 +218,7 @@ fn limits(bits: u8) -> String {
     names.join("+")
 }
 
-/// Columns of the CSV.
+/// Columns of the CSV. What a run's trace has too bears the trace's name.
 const COLUMNS: [&str; 13] = [
     "tick",
     "time_s",
@@ -217,7 +226,7 @@ const COLUMNS: [&str; 13] = [
     "penetration_rad",
     "force_n_m",
     "offset_rad",
-    "energy_j",
+    "energy_observed_j",
     "state",
     "fault",
     "limits",
@@ -290,7 +299,38 @@ fn io(path: &Path, error: &csv::Error) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::Counted;
+    use super::{COLUMNS, Counted};
+
+    #[test]
+    fn what_a_trace_has_too_bears_its_name() {
+        let trace: Vec<&str> = touchstone_lab::report::columns::COLUMNS
+            .iter()
+            .map(|column| column.name)
+            .collect();
+        for shared in ["time_s", "force_n_m", "energy_observed_j"] {
+            assert!(
+                COLUMNS.contains(&shared) && trace.contains(&shared),
+                "{shared}"
+            );
+        }
+        // And nothing that a trace has under another name: what is left is the device's own.
+        let own = COLUMNS.into_iter().filter(|name| !trace.contains(name));
+        assert_eq!(
+            own.collect::<Vec<_>>(),
+            [
+                "tick",
+                "count",
+                "penetration_rad",
+                "offset_rad",
+                "state",
+                "fault",
+                "limits",
+                "cycles",
+                "lateness_cycles",
+                "current_q_a"
+            ]
+        );
+    }
 
     #[test]
     fn gaps_count_across_the_wrap_and_a_restart_does_not() {

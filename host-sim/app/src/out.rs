@@ -1,17 +1,37 @@
-//! Standard output.
+//! What the program prints, and what it keeps to itself.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_sim::error::{Error, Result};
 
+/// A reader has gone away.
+static CLOSED: AtomicBool = AtomicBool::new(false);
+/// `--json`.
+static JSON: AtomicBool = AtomicBool::new(false);
+/// `--quiet`.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Takes `--json` and `--quiet`, once, before anything is printed.
+pub fn choose(json: bool, quiet: bool) {
+    JSON.store(json, Ordering::Relaxed);
+    QUIET.store(quiet, Ordering::Relaxed);
+}
+
+/// Whether the result is wanted as JSON.
+pub fn json() -> bool {
+    JSON.load(Ordering::Relaxed)
+}
+
+/// Whether progress, notes and summaries are unwanted.
+pub fn quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
 /// Whether somebody still reads standard output; prints nothing.
 pub fn is_read() -> bool {
     !CLOSED.load(Ordering::Relaxed)
 }
-
-/// A reader has gone away.
-static CLOSED: AtomicBool = AtomicBool::new(false);
 
 /// Prints. A reader that has had enough (`| head`) is no error, and must not keep a report from being written.
 pub fn print(text: Arguments<'_>) -> Result<()> {
@@ -30,8 +50,27 @@ pub fn print(text: Arguments<'_>) -> Result<()> {
     }
 }
 
-/// `println!` without the panic.
+/// Prints a result for programs, if that is wanted; otherwise what `people` prints.
+pub fn result(
+    value: impl FnOnce() -> serde_json::Value,
+    people: impl FnOnce() -> Result<()>,
+) -> Result<()> {
+    match json() {
+        true => print(format_args!("{:#}\n", value())),
+        false => people(),
+    }
+}
+
+/// `println!` without the panic: what was asked for.
 macro_rules! say {
     ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", format_args!($($text)*)))? };
 }
-pub(crate) use say;
+/// The same for progress and summaries, which neither programs nor quiet people want.
+macro_rules! tell {
+    ($($text:tt)*) => { if !$crate::out::json() && !$crate::out::quiet() { $crate::out::say!($($text)*) } };
+}
+/// A note or a warning, on standard error.
+macro_rules! note {
+    ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!($($text)*) } };
+}
+pub(crate) use {note, say, tell};

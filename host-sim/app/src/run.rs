@@ -1,41 +1,57 @@
 //! `touchstone run`: one scene.
 
-use super::SceneOptions;
-use super::out::say;
+use super::expect::{self, Expectations};
+use super::out::{json, note, print, say, tell};
+use super::{EXIT_CODES, SceneOptions, interrupt};
 use std::path::PathBuf;
-use touchstone_lab::report::{self, Colour, ReportInput, json, table};
-use touchstone_sim::error::Result;
+use std::process::ExitCode;
+use touchstone_lab::report::{self, Colour, ReportInput, table};
+use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::scene::Motion;
 
 /// Options of `run`.
 #[derive(Debug, Clone, clap::Args)]
+#[command(after_help = EXIT_CODES)]
 pub struct Options {
     /// Name of a shipped scene (see `touchstone scenes`) or path of a scene's TOML file.
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Prints the results as JSON instead of a table.
-    #[arg(long)]
-    json: bool,
     /// Writes report, results and traces to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Prints the scene with all its values and defaults, and runs nothing.
     #[arg(long)]
     print: bool,
+    #[command(flatten)]
+    expectations: Expectations,
 }
 
 /// Runs it.
-pub fn main(options: &Options) -> Result<()> {
+pub fn main(options: &Options) -> Result<ExitCode> {
+    let strict = options.changes.strict_passive();
+    options.expectations.validate(strict)?;
     let (scene, warnings) = options.changes.load(&options.scene)?;
     if options.print {
-        say!("{}", scene.to_toml().trim_end());
-        return Ok(());
+        match json() {
+            true => say!(
+                "{:#}",
+                serde_json::to_value(&scene).map_err(|error| {
+                    Error::device("JSON", error.to_string(), "report this as a bug")
+                })?
+            ),
+            false => say!("{}", scene.to_toml().trim_end()),
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    interrupt::clean_up()?;
+    if let Some(folder) = &options.out {
+        interrupt::sweep(folder);
     }
     let motion = Motion::from_scene(&scene)?;
     if let Some(note) = motion.note() {
-        eprintln!("note: {note}");
+        note!("note: {note}");
     }
     let runs = [run::run(&scene, options.out.is_some())?];
     let written = match &options.out {
@@ -55,13 +71,17 @@ pub fn main(options: &Options) -> Result<()> {
         }
         None => None,
     };
-    if options.json {
-        say!("{}", json::render(&runs, &[]));
+    let checked = options
+        .expectations
+        .check(strict, runs.iter().map(|run| &run.summary));
+    if json() {
+        let results = expect::results(&report::json::render(&runs, &[]), &checked);
+        print(format_args!("{results:#}\n"))?;
     } else {
-        say!("{}", table::render(&runs, Colour::detect()).trim_end());
+        tell!("{}", table::render(&runs, Colour::detect()).trim_end());
     }
     if let Some(written) = written {
-        eprintln!("report  {}", written.page.display());
+        note!("report  {}", written.page.display());
     }
-    Ok(())
+    checked.conclude()
 }

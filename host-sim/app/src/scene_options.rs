@@ -1,31 +1,76 @@
 //! Options that change a scene.
 
+use super::out::note;
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use touchstone_control::Warning;
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::run as runner;
-use touchstone_sim::scene::Scene;
+use touchstone_sim::run::{self as runner, passivity};
+use touchstone_sim::scene::{Scene, choices, path_of};
+
+/// The laws' names for help and completions; what is none of them is refused by the scene, as it is in a file.
+#[derive(Debug, Clone, Copy)]
+struct Laws;
+
+impl TypedValueParser for Laws {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> std::result::Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(choices("law.kind").iter().map(PossibleValue::new)))
+    }
+}
 
 /// Options that change a scene, the same for every command that takes one.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct SceneOptions {
-    /// Control law: spring, spring-damper, tdpa, fba, sfa, sfa-continuous, enhanced-sfa.
-    #[arg(long)]
+    /// Control law.
+    #[arg(long, value_parser = Laws)]
     law: Option<String>,
     /// Desired stiffness k_de, N·m/rad.
-    #[arg(long, value_name = "N_M_PER_RAD")]
+    #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Moves the hand by a recording: CSV with a time and an angle column, their units in the header.
+    /// Moves the hand by a recording: CSV with a time and an angle column, their units in the header. A trace of a run and a file
+    /// of `monitor` are such recordings.
     #[arg(long, value_name = "FILE.csv")]
     operator_motion: Option<std::path::PathBuf>,
-    /// Refuses settings beyond a passivity bound instead of warning of them.
+    /// Refuses a law beyond its own passivity bounds instead of warning of it (a spring: k_de <= 2 c_i/T; with virtual damping B:
+    /// k_de < 2 (c_i - B)/T; the enhanced law: no energy credit), and ends with 3 where the user's port gives energy.
     #[arg(long)]
     strict_passive: bool,
 }
 
 impl SceneOptions {
+    /// Whether `--strict-passive` was given.
+    pub fn strict_passive(&self) -> bool {
+        self.strict_passive
+    }
+
+    /// Refuses a change of what the command itself replaces, see [`refuse_replaced`].
+    pub fn refuse_replaced(&self, command: &str, replaced: &[(&str, &str)]) -> Result<()> {
+        refuse_replaced(command, &self.sets, replaced)?;
+        let options = [
+            ("law.kind", "--law", &self.law),
+            ("wall.k_desired_n_m_per_rad", "--k-desired", &self.k_desired),
+        ];
+        for (path, option, given) in options {
+            if let (Some(_), Some((_, what))) = (given, found(path, replaced)) {
+                return Err(lost(command, option, what));
+            }
+        }
+        Ok(())
+    }
+
     /// The scene with the options applied and its law checked. Warnings go to standard error.
     pub fn load(&self, name: &str) -> Result<(Scene, Vec<String>)> {
         let mut scene = Scene::load(name)?;
@@ -44,17 +89,44 @@ impl SceneOptions {
     }
 }
 
+/// Refuses a `--set` of what a command itself replaces, by paths of fields or tables and by what it puts there: it would be lost
+/// without a word.
+pub fn refuse_replaced(command: &str, sets: &[String], replaced: &[(&str, &str)]) -> Result<()> {
+    for set in sets {
+        let key = set.split('=').next().unwrap_or_default().trim();
+        if let Some((_, what)) = path_of(key).and_then(|path| found(&path, replaced)) {
+            return Err(lost(command, &format!("--set {set}"), what));
+        }
+    }
+    Ok(())
+}
+
+fn found<'a>(path: &str, replaced: &[(&'a str, &'a str)]) -> Option<(&'a str, &'a str)> {
+    replaced.iter().copied().find(|(own, _)| {
+        path.strip_prefix(own)
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    })
+}
+
+fn lost(command: &str, option: &str, what: &str) -> Error {
+    Error::Option {
+        option: option.to_owned(),
+        problem: format!("{command} cannot change it, for it runs {what} of its own"),
+        fix: format!("leave it out, or use it with: touchstone run SCENE {option}"),
+    }
+}
+
 /// Checks the scene's law; prints what leaves a passivity bound, or refuses it.
 pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
     runner::plan::control(scene)?;
+    if let (true, Some(refusal)) = (strict, passivity::refusal(scene)?) {
+        return Err(strictly(refusal));
+    }
     let mut said = Vec::new();
     for (warning, message) in runner::warnings(scene)? {
-        if strict {
-            return Err(strictly(message));
-        }
         // The credit is a documented default; it is named in the results, and refused above.
         if !matches!(warning, Warning::EnergyCredit { .. }) {
-            eprintln!("warning: {message}");
+            note!("warning: {message}");
             said.push(message.to_string());
         }
     }

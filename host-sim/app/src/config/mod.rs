@@ -3,7 +3,7 @@
 mod toml_file;
 mod value;
 
-use super::out::{print, say};
+use super::out::{self, print, say, tell};
 use super::port::PortOption;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
@@ -58,11 +58,14 @@ enum Action {
     /// Keeps the settings in the device's flash.
     Save,
     /// Lists all settings with units, ranges and meanings; needs no device.
-    Schema {
-        /// As JSON.
-        #[arg(long)]
-        json: bool,
-    },
+    Schema,
+}
+
+impl Options {
+    /// Whether settings go out as TOML, which has no other form.
+    pub fn exports(&self) -> bool {
+        matches!(self.action, Action::Export { .. })
+    }
 }
 
 /// Runs it.
@@ -95,10 +98,15 @@ pub fn main(options: &Options) -> Result<()> {
         }
         Action::Save => {
             connect()?.tell(&Request::Save)?;
-            say!("saved");
-            Ok(())
+            out::result(
+                || serde_json::json!({ "saved": true }),
+                || {
+                    tell!("saved");
+                    Ok(())
+                },
+            )
         }
-        Action::Schema { json } => schema(*json),
+        Action::Schema => schema(),
     }
 }
 
@@ -156,11 +164,23 @@ fn select(paths: &[String]) -> Result<Vec<&'static Field>> {
 
 fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
     let settings = settings(client)?;
-    for field in shown {
-        let value = value::shown(&settings, field);
-        say!("{} = {value}{}", field.path, value::unit(field));
-    }
-    Ok(())
+    let entry = |field: &&Field| {
+        serde_json::json!({
+            "path": field.path,
+            "value": value::as_json(&settings, field),
+            "unit": field.unit,
+        })
+    };
+    out::result(
+        || serde_json::json!({ "settings": shown.iter().map(entry).collect::<Vec<_>>() }),
+        || {
+            for field in shown {
+                let value = value::shown(&settings, field);
+                say!("{} = {value}{}", field.path, value::unit(field));
+            }
+            Ok(())
+        },
+    )
 }
 
 fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
@@ -189,7 +209,7 @@ fn export(client: &mut Client, file: Option<&Path>) -> Result<()> {
         return print(format_args!("{text}"));
     };
     std::fs::write(file, text).map_err(|error| io(file, &error))?;
-    say!("{}: {} settings", file.display(), FIELDS.len());
+    tell!("{}: {} settings", file.display(), FIELDS.len());
     Ok(())
 }
 
@@ -223,11 +243,16 @@ fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result
             fix: "choose another value; nothing was changed".into(),
         });
     }
-    say!("{} of {} settings in the file", lines.len(), FIELDS.len());
+    tell!("{} of {} settings in the file", lines.len(), FIELDS.len());
     if dry_run {
-        differences(&before, &after)?;
-        say!("nothing was written (--dry-run)");
-        return Ok(());
+        return out::result(
+            || differences_json(&before, &after, false),
+            || {
+                differences(&before, &after)?;
+                tell!("nothing was written (--dry-run)");
+                Ok(())
+            },
+        );
     }
     if before != after {
         client.tell(&Request::SetAll(after.clone()))?;
@@ -235,38 +260,69 @@ fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result
     changed(&before, &after)
 }
 
+/// Settings that differ.
+fn different<'a>(
+    before: &'a DeviceSettings,
+    after: &'a DeviceSettings,
+) -> impl Iterator<Item = &'static Field> + 'a {
+    FIELDS
+        .iter()
+        .filter(|field| value::shown(before, field) != value::shown(after, field))
+}
+
 /// Shows what differs, one line a setting.
 fn differences(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
-    for field in FIELDS {
+    for field in different(before, after) {
         let (old, new) = (value::shown(before, field), value::shown(after, field));
-        if old != new {
-            say!("{}: {old} -> {new}{}", field.path, value::unit(field));
-        }
+        tell!("{}: {old} -> {new}{}", field.path, value::unit(field));
     }
     Ok(())
+}
+
+/// The same for programs.
+fn differences_json(
+    before: &DeviceSettings,
+    after: &DeviceSettings,
+    written: bool,
+) -> serde_json::Value {
+    let entry = |field: &'static Field| {
+        serde_json::json!({
+            "path": field.path,
+            "before": value::as_json(before, field),
+            "after": value::as_json(after, field),
+            "unit": field.unit,
+        })
+    };
+    serde_json::json!({
+        "changed": different(before, after).map(entry).collect::<Vec<_>>(),
+        "written": written,
+    })
 }
 
 /// Shows what was changed, and what that leaves to do.
 fn changed(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
-    differences(before, after)?;
-    if before == after {
-        say!("nothing to change");
-    } else {
-        say!("from the next calibration on; keep it with: touchstone config save");
-    }
-    Ok(())
+    out::result(
+        || differences_json(before, after, before != after),
+        || {
+            differences(before, after)?;
+            if before == after {
+                tell!("nothing to change");
+            } else {
+                tell!("from the next calibration on; keep it with: touchstone config save");
+            }
+            Ok(())
+        },
+    )
 }
 
-fn schema(json: bool) -> Result<()> {
-    if json {
-        let list: Vec<serde_json::Value> = FIELDS.iter().map(value::json).collect();
-        say!("{:#}", serde_json::Value::from(list));
-        return Ok(());
-    }
-    for field in FIELDS {
-        say!("{}", field.path);
-        say!("    {}{}", value::range(field), value::unit(field));
-        say!("    {}", field.about);
-    }
-    Ok(())
+fn schema() -> Result<()> {
+    let list = || FIELDS.iter().map(value::json).collect::<Vec<_>>().into();
+    out::result(list, || {
+        for field in FIELDS {
+            say!("{}", field.path);
+            say!("    {}{}", value::range(field), value::unit(field));
+            say!("    {}", field.about);
+        }
+        Ok(())
+    })
 }

@@ -87,6 +87,22 @@ pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     .expect("the leaf has the type that the table says")
 }
 
+/// The value of a setting for programs: a number where it is one.
+pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
+    let text = shown(settings, field);
+    match field.kind {
+        // The nearest 64-bit float, which is all that JSON's readers have.
+        Kind::Number { .. } => text
+            .parse::<f64>()
+            .map_or(serde_json::Value::Null, serde_json::Value::from),
+        Kind::Whole { .. } => text
+            .parse::<u32>()
+            .map_or(serde_json::Value::Null, serde_json::Value::from),
+        Kind::Flag => (text == "true").into(),
+        Kind::Choice(_) => text.into(),
+    }
+}
+
 /// A setting for programs.
 pub fn json(field: &Field) -> serde_json::Value {
     use serde_json::json;

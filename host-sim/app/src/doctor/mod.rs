@@ -4,7 +4,7 @@ mod usb;
 
 use super::device::described;
 use super::flash::{BoardName, INSTALL};
-use super::out::print;
+use super::out::{self, print};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -30,7 +30,7 @@ pub struct Options {
     dev: PathBuf,
 }
 
-/// What was found of one thing.
+/// What was found of one thing; for people a line, for programs an entry of `things`.
 enum Found {
     /// It is there.
     There(String),
@@ -54,18 +54,30 @@ fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
 #[must_use]
 pub fn main(options: &Options) -> ExitCode {
     let mut lacks = 0;
+    let mut things = Vec::new();
     let mut tell = |what: &str, found: Found| {
+        let (state, text, fix) = match &found {
+            There(text) => ("there", text, None),
+            Skipped(text) => ("skipped", text, None),
+            Missing { problem, fix } => ("missing", problem, Some(fix)),
+        };
+        lacks += usize::from(fix.is_some());
+        if out::json() {
+            things.push(
+                serde_json::json!({ "what": what, "state": state, "text": text, "fix": fix }),
+            );
+            return;
+        }
         // A reader that has gone away still gets the exit code.
-        let _ = match found {
-            There(text) => print(format_args!("ok       {what:<14} {text}\n")),
-            Skipped(text) => print(format_args!("-        {what:<14} {text}\n")),
-            Missing { problem, fix } => {
-                lacks += 1;
+        let _ = match (fix, out::quiet()) {
+            (Some(fix), _) => {
                 let fix = fix.replace('\n', &format!("\n{:24}", ""));
-                print(format_args!(
-                    "MISSING  {what:<14} {problem}\n{:24}{fix}\n",
-                    ""
-                ))
+                print(format_args!("MISSING  {what:<14} {text}\n{:24}{fix}\n", ""))
+            }
+            (None, true) => Ok(()),
+            (None, false) => {
+                let mark = if state == "there" { "ok" } else { "-" };
+                print(format_args!("{mark:<8} {what:<14} {text}\n"))
             }
         };
     };
@@ -95,6 +107,11 @@ pub fn main(options: &Options) -> ExitCode {
     let address = port(options.port.as_ref(), &mut tell);
     tell("device", device(address.as_ref()));
     let _ = match lacks {
+        _ if out::json() => print(format_args!(
+            "{:#}\n",
+            serde_json::json!({ "all_there": lacks == 0, "things": things })
+        )),
+        _ if out::quiet() => Ok(()),
         0 => print(format_args!("all there\n")),
         1 => print(format_args!("1 thing is missing\n")),
         _ => print(format_args!("{lacks} things are missing\n")),

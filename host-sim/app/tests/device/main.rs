@@ -5,6 +5,7 @@ mod doctor;
 mod failures;
 mod fake;
 mod flash;
+mod json;
 mod lifecycle;
 mod monitor;
 

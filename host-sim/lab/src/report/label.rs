@@ -30,15 +30,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 
 /// What a verdict means.
 pub fn verdict_meaning(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Passive => "came to rest; the user never got out more energy than was put in",
-        Verdict::Active => {
-            "came to rest, but the device had at some time given the user more energy than it had got"
-        }
-        Verdict::LimitCycle => "keeps oscillating near the wall without growing",
-        Verdict::Unstable => "leaves the wall again and again, hits the torque limit, or grows",
-        Verdict::NoContact => "never touched the wall: nothing was shown",
-    }
+    verdict.meaning()
 }
 
 /// What a run was made under, apart from the law and the desired stiffness. Runs of one table share it.

@@ -16,6 +16,7 @@ mod label;
 mod matrix;
 pub mod parquet;
 mod quantity;
+pub mod staging;
 mod svg;
 pub mod table;
 mod view;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::staging::Staging;
 use super::{ReportInput, TraceFiles, csv, html, json, label, parquet};
 use touchstone_sim::error::{Error, Result};
 
@@ -108,101 +109,6 @@ fn write_traces(
         .iter()
         .flat_map(|(_, _, names)| [PathBuf::from(&names.csv), PathBuf::from(&names.parquet)])
         .collect())
-}
-
-/// A folder aside in which the report is prepared; gone when dropped, whatever happened.
-struct Staging {
-    path: PathBuf,
-    target: PathBuf,
-    /// The target did not exist: the prepared folder becomes it as a whole.
-    whole: bool,
-    /// Parent folders that were made for this report, innermost first; removed again if it fails.
-    made: Vec<PathBuf>,
-    done: bool,
-}
-
-impl Staging {
-    fn new(target: &Path) -> io::Result<Self> {
-        let whole = match fs::metadata(target) {
-            Ok(meta) if meta.is_dir() => false,
-            Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => true,
-            Err(error) => return Err(error),
-        };
-        // Inside an existing target: only there is it certain that the user may write and that a move is not a copy (the target
-        // may be a mount). Beside a target that does not exist yet.
-        let beside = match target.parent() {
-            Some(parent) if whole && parent.as_os_str().is_empty() => Path::new("."),
-            Some(parent) if whole => parent,
-            _ => target,
-        };
-        let mut staging = Staging {
-            path: beside.join(format!(".touchstone-report-{}", std::process::id())),
-            target: target.to_owned(),
-            whole,
-            made: beside
-                .ancestors()
-                .take_while(|dir| !dir.as_os_str().is_empty() && !dir.exists())
-                .map(Path::to_owned)
-                .collect(),
-            done: false,
-        };
-        fs::create_dir_all(beside)?;
-        // Two reports of one process into one folder (tests do it) must not share what they prepare.
-        for attempt in 0.. {
-            match fs::create_dir(&staging.path) {
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 1000 => {
-                    staging.path = beside.join(format!(
-                        ".touchstone-report-{}-{attempt}",
-                        std::process::id()
-                    ));
-                }
-                result => {
-                    result?;
-                    break;
-                }
-            }
-        }
-        Ok(staging)
-    }
-
-    /// Moves `files` to the target.
-    fn publish(mut self, files: &[PathBuf]) -> io::Result<()> {
-        if self.whole {
-            fs::rename(&self.path, &self.target)?;
-        } else {
-            // What could stop a move half-way is looked at before the first.
-            for file in files {
-                let goal = self.target.join(file);
-                if goal.is_dir() {
-                    return Err(io::Error::new(
-                        io::ErrorKind::IsADirectory,
-                        format!("{} is a folder", file.display()),
-                    ));
-                }
-            }
-            for file in files {
-                fs::create_dir_all(self.target.join(file).parent().unwrap_or(&self.target))?;
-            }
-            for file in files {
-                fs::rename(self.path.join(file), self.target.join(file))?;
-            }
-        }
-        self.done = true;
-        Ok(())
-    }
-}
-
-impl Drop for Staging {
-    fn drop(&mut self) {
-        // Nothing more can be done about a failure here, and the error that led here is the one to report.
-        let _ = fs::remove_dir_all(&self.path);
-        if !self.done {
-            for dir in &self.made {
-                let _ = fs::remove_dir(dir);
-            }
-        }
-    }
 }
 
 fn io_error(folder: &Path, error: &io::Error) -> Error {

@@ -3,7 +3,7 @@
 //! A claim that does not reproduce is reported as such, with what was measured; nothing here is tuned until it fits.
 
 use super::{COUNTS, GRIPS, STIFFNESSES};
-use touchstone_control::LawKind;
+use touchstone_control::{FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 use touchstone_sim::run::{self};
@@ -117,9 +117,15 @@ fn largest_step_on_the_way_out(trace: &Trace, from_s: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The same scene with other settings.
-fn variant(base: &Scene, sets: &[&str]) -> Result<Run> {
-    run::run(&base.with_overrides(sets)?, true)
+/// A cell of the comparison with other settings of its law.
+fn variant(
+    base: &Scene,
+    k_desired: f64,
+    law: LawKind,
+    change: impl FnOnce(&mut Scene),
+) -> Result<Run> {
+    let scene = super::cell(base, k_desired, law, GRIPS[0], COUNTS[0])?;
+    run::run(&scene.with(change)?, true)
 }
 
 /// All claims. `runs` are those of [`super::cells`]; a few more are made here.
@@ -233,16 +239,13 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
 
 /// Claims about low stiffness that need a trace.
 fn low_stiffness(base: &Scene) -> Result<Vec<Claim>> {
-    let grip = format!("operator.grip={}", GRIPS[0]);
-    let counts = format!("encoder.counts_per_rev={}", COUNTS[0]);
-    let low = ["wall.k_desired_n_m_per_rad=0.5", &grip, &counts];
-    let law = |kind: &'static str, observer: &'static str| {
-        let mut sets = low.to_vec();
-        sets.extend([kind, observer]);
-        variant(base, &sets)
+    let law = |kind: LawKind, observer: ObserverForm| {
+        variant(base, STIFFNESSES[0], kind, |scene| {
+            scene.law.observer = observer;
+        })
     };
     let withdraws = base.hold_window_s().map_or(0.0, |(_, end)| end);
-    let spring = law("law.kind=spring", "law.observer=exact")?;
+    let spring = law(LawKind::Spring, ObserverForm::Exact)?;
     let step = |run: &Run| {
         run.trace
             .as_ref()
@@ -250,8 +253,8 @@ fn low_stiffness(base: &Scene) -> Result<Vec<Claim>> {
     };
     let smooth = step(&spring);
     let (thesis, exact) = (
-        law("law.kind=tdpa", "law.observer=thesis")?,
-        law("law.kind=tdpa", "law.observer=exact")?,
+        law(LawKind::Tdpa, ObserverForm::Thesis)?,
+        law(LawKind::Tdpa, ObserverForm::Exact)?,
     );
     let jumps = |run: &Run| step(run) > 3.0 * smooth;
     let outcome = match (jumps(&thesis), jumps(&exact)) {
@@ -276,32 +279,25 @@ fn low_stiffness(base: &Scene) -> Result<Vec<Claim>> {
 
 /// Claims about why the laws do what they do.
 fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
-    let grip = format!("operator.grip={}", GRIPS[0]);
-    let with = |sets: &[&str]| {
-        let mut all = vec![
-            "law.kind=enhanced-sfa",
-            "wall.k_desired_n_m_per_rad=5",
-            &grip,
-        ];
-        all.extend(sets);
-        variant(base, &all)
+    let enhanced = |k_desired: f64, change: fn(&mut Scene)| {
+        let run = variant(base, k_desired, LawKind::EnhancedSfa, change)?;
+        Ok::<_, touchstone_sim::error::Error>(run.summary)
     };
-    let published = [
-        "law.observer=thesis",
-        "law.offset_update=inward",
-        "law.ideal_step=position",
+    let as_published = enhanced(5.0, |scene| {
+        scene.law.observer = ObserverForm::Thesis;
+        scene.law.offset_update = OffsetUpdate::Inward;
+        scene.law.ideal_step = IdealStep::Position;
         // With a light filter: the thesis gives no values, and a heavier one is slower still.
-        "law.filter.ground_damping_n_m_s_per_rad=8e-4",
-    ];
-    let as_published = with(&published)?.summary;
-    let kept = with(&["law.first_contact=keep-force"])?.summary;
-    let very_stiff = with(&[
-        "law.first_contact=zero-offset",
-        "wall.k_desired_n_m_per_rad=50",
-    ])?
-    .summary;
-    let strict = with(&["law.energy_credit_j=0"])?.summary;
-    let lent = with(&[])?.summary;
+        scene.law.filter.ground_damping_n_m_s_per_rad = 8e-4;
+    })?;
+    let kept = enhanced(5.0, |scene| {
+        scene.law.first_contact = Some(FirstContact::KeepForce);
+    })?;
+    let very_stiff = enhanced(50.0, |scene| {
+        scene.law.first_contact = Some(FirstContact::ZeroOffset);
+    })?;
+    let strict = enhanced(5.0, |scene| scene.law.energy_credit_j = 0.0)?;
+    let lent = enhanced(5.0, |_| ())?;
     let tdpa: Vec<&Summary> = of(runs, LawKind::Tdpa, 5.0).collect();
     let observed = tdpa
         .iter()

@@ -7,10 +7,10 @@
 pub mod claims;
 
 use rayon::prelude::*;
-use touchstone_control::{Choice, LawKind};
+use touchstone_control::{LawKind, ObserverForm};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, record::Run};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Grip, Scene};
 
 /// Desired stiffnesses of §5.1, N·m/rad.
 pub const STIFFNESSES: [f64; 4] = [0.5, 1.0, 2.5, 5.0];
@@ -25,9 +25,18 @@ pub const LAWS: [LawKind; 5] = [
     LawKind::EnhancedSfa,
 ];
 /// Grips, the thesis' first.
-pub const GRIPS: [&str; 3] = ["medium", "light", "firm"];
+pub const GRIPS: [Grip; 3] = [Grip::Medium, Grip::Light, Grip::Firm];
 /// Encoders, the finer one first.
 pub const COUNTS: [u32; 2] = [40_000, 16_384];
+
+/// Fields and tables of the base scene that every [`cell`] replaces, so that a change of them would be lost; and what it puts there.
+pub const REPLACED: [(&str, &str); 5] = [
+    ("wall.k_desired_n_m_per_rad", "stiffnesses"),
+    ("law.kind", "laws"),
+    ("operator.grip", "grips"),
+    ("operator.hand", "grips"),
+    ("encoder", "encoders"),
+];
 
 /// One cell of the comparison.
 #[derive(Debug, Clone)]
@@ -44,17 +53,17 @@ pub struct Cell {
 ///
 /// # Errors
 /// A base scene that does not go with one of them.
-pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: &str, counts: u32) -> Result<Scene> {
-    let mut sets = vec![
-        format!("wall.k_desired_n_m_per_rad={k_desired}"),
-        format!("law.kind={}", law.word()),
-        format!("operator.grip={grip}"),
-        format!("encoder.counts_per_rev={counts}"),
-    ];
-    if law == LawKind::Tdpa {
-        sets.push("law.observer=thesis".to_owned());
-    }
-    base.with_overrides(&sets)
+pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32) -> Result<Scene> {
+    base.with(|scene| {
+        scene.wall.k_desired_n_m_per_rad = k_desired;
+        scene.law.kind = law;
+        scene.operator.grip = grip;
+        scene.operator.hand = None;
+        scene.encoder.get_or_insert_default().counts_per_rev = f64::from(counts);
+        if law == LawKind::Tdpa {
+            scene.law.observer = ObserverForm::Thesis;
+        }
+    })
 }
 
 /// All cells: the plotted comparison first, then the other grips and encoder, then the row beyond the thesis.

@@ -61,6 +61,7 @@ pub struct Judge {
     touching: bool,
     contact_ticks: u64,
     force_max: f64,
+    penetration_max: f64,
     finite: bool,
 }
 
@@ -153,6 +154,8 @@ pub struct Judgement {
     pub energy_true_min: f64,
     /// J.
     pub energy_user_min: f64,
+    /// J, beyond the rounding of the sums; 0 or more.
+    pub energy_out: f64,
     /// J.
     pub energy_observed_min: Option<f64>,
     /// Most that the hand's port gave in any window of time, J.
@@ -161,6 +164,8 @@ pub struct Judgement {
     pub energy_out_wall_worst_window_j: f64,
     /// When the press had settled, in ticks.
     pub settled: Option<Settled>,
+    /// rad.
+    pub penetration_max: f64,
     /// N·m.
     pub force_max: f64,
     /// Ticks with a force.
@@ -203,6 +208,7 @@ impl Judge {
             touching: false,
             contact_ticks: 0,
             force_max: 0.0,
+            penetration_max: 0.0,
             finite: true,
         }
     }
@@ -274,6 +280,7 @@ impl Judge {
             limit_cycle_peak_to_peak: peak_to_peak,
             energy_true_min: self.energy_true_min,
             energy_user_min: self.energy_user_min,
+            energy_out: self.energy_out(),
             energy_observed_min: self
                 .energy_observed_min
                 .is_finite()
@@ -285,8 +292,24 @@ impl Judge {
             } else {
                 None
             },
+            penetration_max: if self.finite {
+                self.penetration_max
+            } else {
+                f64::INFINITY
+            },
             force_max: self.force_max,
             contact_ticks: self.contact_ticks,
+        }
+    }
+
+    /// What the user's port gave beyond what it had taken, J.
+    fn energy_out(&self) -> f64 {
+        // Rounding of the two sums, and a millionth of what went through the port.
+        let tolerance = 1e-12 + 1e-6 * self.throughput;
+        if self.energy_user_min < -tolerance {
+            -self.energy_user_min
+        } else {
+            0.0
         }
     }
 
@@ -297,15 +320,13 @@ impl Judge {
             .iter()
             .any(|hold| hold.exits >= 2 || hold.at_limit);
         let oscillates = motion > self.terms.limit_cycle_rad;
-        // Rounding of the two sums, and a millionth of what went through the port.
-        let tolerance = 1e-12 + 1e-6 * self.throughput;
         if !self.finite || (oscillates && lost) || motion > self.terms.unstable_rad {
             Verdict::Unstable
         } else if self.contact_ticks == 0 {
             Verdict::NoContact
         } else if oscillates {
             Verdict::LimitCycle
-        } else if self.energy_user_min < -tolerance {
+        } else if self.energy_out() > 0.0 {
             Verdict::Active
         } else {
             Verdict::Passive
@@ -321,6 +342,7 @@ impl Recorder for Judge {
         self.finite &= tick.angle_rad.is_finite();
         self.contact_ticks += u64::from(touching);
         self.force_max = self.force_max.max(force);
+        self.penetration_max = self.penetration_max.max(e);
         self.energy_true += tick.absorbed_j;
         self.throughput += tick.absorbed_j.abs();
         self.loss += tick.device_loss_j;

@@ -7,12 +7,14 @@ pub mod chain;
 pub mod judge;
 pub mod measure;
 pub mod mechanics;
+pub mod passivity;
 pub mod plan;
 pub mod record;
 pub mod settings;
 pub mod terms;
 pub mod tick;
 mod traced;
+pub mod verdict;
 pub mod wall;
 
 use crate::error::{Error, Result};

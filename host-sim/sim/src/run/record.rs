@@ -64,6 +64,9 @@ pub struct Summary {
     pub energy_true_min: f64,
     /// Lowest true energy of the user's port: the wall's plus what the device dissipated, J.
     pub energy_user_min: f64,
+    /// Most that the user's port ever gave beyond what it had taken, J, 0 or more: what [`energy_user_min`](Self::energy_user_min)
+    /// lies below zero by, where that is more than the rounding of its sums.
+    pub energy_out: f64,
     /// Lowest energy that the law's own observer reported, J; `None` for laws without one.
     pub energy_observed_min: Option<f64>,
     /// Most energy that the hand got out of the device in any window of time, J: wall, device's losses and device's motion.
@@ -74,6 +77,8 @@ pub struct Summary {
     pub settle_time: Option<f64>,
     /// The same from the end of the press' ramp, s; 0 where it had settled before.
     pub settle_from_ramp_end_s: Option<f64>,
+    /// Deepest true penetration of the wall, rad, 0 if it was never reached; infinite for a run that left all numbers.
+    pub penetration_max: f64,
     /// Largest force command, N·m.
     pub force_max: f64,
     /// Ticks simulated.
@@ -108,11 +113,13 @@ impl Summary {
             limit_cycle_peak_to_peak: judged.limit_cycle_peak_to_peak,
             energy_true_min: judged.energy_true_min,
             energy_user_min: judged.energy_user_min,
+            energy_out: judged.energy_out,
             energy_observed_min: judged.energy_observed_min,
             energy_out_worst_window_j: judged.energy_out_worst_window_j,
             energy_out_wall_worst_window_j: judged.energy_out_wall_worst_window_j,
             settle_time: judged.settled.map(|s| seconds(s.from_first_touch)),
             settle_from_ramp_end_s: judged.settled.map(|s| seconds(s.from_ramp_end)),
+            penetration_max: judged.penetration_max,
             force_max: judged.force_max,
             ticks: scene.timing.ticks(),
             contact_ticks: judged.contact_ticks,

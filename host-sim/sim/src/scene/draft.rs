@@ -93,6 +93,17 @@ impl Draft {
         draft
     }
 
+    /// Gives every field that is another than in `before` its own value as its place: it was written in no file.
+    pub fn changed_since(mut self, before: &Draft) -> Self {
+        for (path, value) in &self.fields {
+            if before.fields.get(path) != Some(value) {
+                let place = Place::Option(format!("{path} = {}", shown(value)));
+                self.origin.put(path, place);
+            }
+        }
+        self
+    }
+
     fn take(&mut self, table: &str, values: &DeTable<'_>, line: &dyn Fn(usize) -> usize) {
         for (key, value) in values {
             let path = join(table, key.get_ref());

@@ -37,9 +37,11 @@ pub use operator::{
     PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
 };
 pub use origin::Origin;
+pub use overrides::path_of;
 pub use renamed::renamed;
 pub use shipped::names;
 pub use unknown::{list, nearest};
+pub use value::choices;
 
 /// One experiment: a device, a wall, a law and a person.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -124,6 +126,20 @@ impl Scene {
     /// As [`Scene::parse`]; a field that was never written is reported as [`Error::Option`] under its dotted path.
     pub fn check(&self) -> Result<()> {
         draft::Draft::from_scene(self).build().map(drop)
+    }
+
+    /// The scene with fields changed in code, checked as one that is read from a file.
+    ///
+    /// What is wrong with a changed field is reported with its new value; every other field keeps the place where it was written.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for what the change breaks.
+    pub fn with(&self, change: impl FnOnce(&mut Scene)) -> Result<Scene> {
+        let mut changed = self.clone();
+        change(&mut changed);
+        draft::Draft::from_scene(&changed)
+            .changed_since(&draft::Draft::from_scene(self))
+            .build()
     }
 
     /// The error for a field of this scene, by its dotted path (`law.k_soft_n_m_per_rad`), with the place where it was

@@ -54,6 +54,11 @@ impl Scene {
     }
 }
 
+/// Full path of the field or table that the key of a `--set` names, if it names one.
+pub fn path_of(key: &str) -> Option<String> {
+    candidates(key).ok()
+}
+
 fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()> {
     let error = |problem: String, fix: String| Error::Option {
         option: option.clone(),
@@ -101,8 +106,19 @@ fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()
     Ok(())
 }
 
-/// The full path of a key: itself, or the only path that ends so.
+/// The full path of a key, or problem and fix.
 fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String, (String, String)> {
+    candidates(key).map_err(|several| match several[..] {
+        [] => unknown(draft, key, value),
+        ref several => (
+            "several fields end so".into(),
+            format!("write {}", list(several)),
+        ),
+    })
+}
+
+/// The full path of a key: itself, or the only path that ends so; otherwise all that do.
+fn candidates(key: &str) -> std::result::Result<String, Vec<&'static str>> {
     if schema::at(key).is_some() || schema::is_table(key) {
         return Ok(key.to_owned());
     }
@@ -110,23 +126,19 @@ fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String,
         path.strip_suffix(key)
             .is_some_and(|rest| rest.ends_with('.'))
     };
-    let fields: Vec<&str> = schema::FIELDS
+    let fields: Vec<&'static str> = schema::FIELDS
         .iter()
         .map(|field| field.path)
         .filter(|path| ends(path))
         .collect();
-    let tables: Vec<&str> = schema::OPTIONAL_TABLES
+    let tables: Vec<&'static str> = schema::OPTIONAL_TABLES
         .iter()
         .map(|(table, _)| *table)
         .filter(|path| ends(path))
         .collect();
-    match [fields, tables].concat()[..] {
-        [path] => Ok(path.to_owned()),
-        [] => Err(unknown(draft, key, value)),
-        ref several => Err((
-            "several fields end so".into(),
-            format!("write {}", list(several)),
-        )),
+    match [fields, tables].concat() {
+        one if one.len() == 1 => Ok(one[0].to_owned()),
+        several => Err(several),
     }
 }
 

@@ -128,9 +128,16 @@ fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
     }
 }
 
-/// The name that a slip of the keys turned into `name`, if one is near enough: a quarter of its letters, at least one.
+/// The name that a slip of the keys turned into `name`, if one is near enough: a quarter of its letters, at least one. Capital
+/// letters and underscores in place of hyphens count for nothing.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
-    let near = |candidate: &str| strsim::damerau_levenshtein(name, candidate);
+    // No name is so long, and comparing takes the product of the lengths.
+    if name.len() > 200 {
+        return None;
+    }
+    let plain = |name: &str| name.to_lowercase().replace('_', "-");
+    let wanted = plain(name);
+    let near = |candidate: &str| strsim::damerau_levenshtein(&wanted, &plain(candidate));
     let best = names
         .iter()
         .copied()

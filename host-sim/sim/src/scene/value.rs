@@ -7,8 +7,8 @@ use super::draft::Problem;
 use super::schema::{self, Field, Kind};
 use super::unknown::{list, nearest};
 
-/// The words that a field allows.
-pub(crate) fn choices(path: &str) -> &'static [&'static str] {
+/// The words that a field allows, by its dotted path (`law.kind`); none for what is no field of words.
+pub fn choices(path: &str) -> &'static [&'static str] {
     match schema::at(path) {
         Some(Field {
             kind: Kind::Choice(words),

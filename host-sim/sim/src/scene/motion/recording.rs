@@ -7,10 +7,24 @@ use crate::error::{Error, Result};
 use crate::scene::Recorded;
 use crate::scene::units::{self, Dimension, UNITS};
 
+/// Columns of the program's own files that tell how a hand moved, the best first: a run's trace knows where the hand wanted to be,
+/// a device only where it was.
+const OWN_ANGLES: [&str; 5] = [
+    "rest_rad",
+    "hand_rad",
+    "angle_rad",
+    "angle_measured_rad",
+    "penetration_rad",
+];
+/// What every file of the program has beside them: traces of runs and the records of `monitor`.
+const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
+
 /// A recorded motion in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     file: PathBuf,
+    /// Column of the angle, as it is named in the file.
+    angle: String,
     times_s: Vec<f64>,
     angles_rad: Vec<f64>,
 }
@@ -29,6 +43,9 @@ impl Recording {
     /// unit of time (`time_s`, `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`,
     /// `theta_mrad`, `turn_rev`); other columns are ignored. Times must rise; their steps need not be equal and the
     /// first need not be 0: time counts from it.
+    ///
+    /// A trace of a run and a file of `touchstone monitor` have several columns of angles. The one that is used is then the
+    /// first of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` that is there.
     ///
     /// # Errors [`Error::Io`] where the file cannot be read, [`Error::File`] with line and column for everything in
     /// it: no or an ambiguous column, fewer than two rows, a missing or non-finite number, times that do not rise,
@@ -109,10 +126,11 @@ impl Recording {
             find(&header, dimension, what)
                 .map_err(|(problem, fix)| error(header_line, what, problem, &fix))
         };
-        let (time, angle) = (
-            column(Dimension::Time, "time")?,
-            column(Dimension::Angle, "angle")?,
-        );
+        let time = column(Dimension::Time, "time")?;
+        let angle = match own_angle(&header) {
+            Some(angle) => angle,
+            None => column(Dimension::Angle, "angle")?,
+        };
         let (mut times_s, mut angles_rad) = (Vec::new(), Vec::new());
         let (mut first, mut previous) = (None, f64::NEG_INFINITY);
         for row in rows {
@@ -149,6 +167,7 @@ impl Recording {
         }
         let recording = Recording {
             file: file.to_owned(),
+            angle: angle.name,
             times_s,
             angles_rad,
         };
@@ -213,9 +232,10 @@ impl Recording {
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         format!(
-            "{}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
+            "{}, {}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
              from {:.3} to {:.3} rad, inside the wall {:.0} % of the time",
             self.file.display(),
+            self.angle,
             self.times_s.len(),
             self.length_s(),
             1.0 / self.interval_s(),
@@ -238,6 +258,21 @@ fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let skipped = |line: &&str| line.trim_end().is_empty() || line.starts_with('#');
     let rest = text.get(position.byte() as usize..).unwrap_or("");
     position.line() as usize + rest.lines().take_while(skipped).count()
+}
+
+/// The column of the angle in a file that this program wrote.
+fn own_angle(header: &csv::StringRecord) -> Option<Column> {
+    let place = |wanted: &str| header.iter().position(|name| name == wanted);
+    OWN_MARKS
+        .into_iter()
+        .try_for_each(|mark| place(mark).map(drop))?;
+    OWN_ANGLES.into_iter().find_map(|name| {
+        Some(Column {
+            index: place(name)?,
+            name: name.to_owned(),
+            si: 1.0,
+        })
+    })
 }
 
 /// The one column whose name ends in a unit of this dimension.

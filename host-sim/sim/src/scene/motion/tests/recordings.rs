@@ -51,6 +51,41 @@ fn other_columns_comments_and_order_do_not_matter() {
 }
 
 #[test]
+fn the_programs_own_files_have_several_angles_and_one_of_them_is_meant() {
+    // A trace; a device's records, as they are written now and as they once were.
+    for (text, expected) in [
+        (
+            "time_s,angle_rad,velocity_rad_per_s,angle_measured_rad,hand_rad,rest_rad,force_n_m,surface_rad\n\
+             0,1,2,3,4,5,6,7\n1,11,12,13,14,15,16,17\n",
+            [5.0, 15.0],
+        ),
+        (
+            "time_s,angle_rad,angle_measured_rad,force_n_m,surface_rad\n0,1,2,3,4\n1,11,12,13,14\n",
+            [1.0, 11.0],
+        ),
+        (
+            "tick,time_s,count,penetration_rad,force_n_m,offset_rad,energy_observed_j,state\n\
+             9,0,4,0.5,0,0.25,0,armed\n10,1,4,-0.5,0,0.25,0,armed\n",
+            [0.5, -0.5],
+        ),
+        (
+            "tick,time_s,count,penetration_rad,force_n_m,offset_rad,energy_j,state\n\
+             9,0,4,0.5,0,0.25,0,armed\n10,1,4,-0.5,0,0.25,0,armed\n",
+            [0.5, -0.5],
+        ),
+    ] {
+        let recording = parse(text);
+        assert_eq!(recording.angles_rad(), expected, "{text}");
+        assert_eq!(recording.times_s(), [0.0, 1.0], "{text}");
+    }
+    // Elsewhere two angles are as unclear as ever.
+    refused(
+        "time_s,angle_rad,rest_rad\n0,1,1\n1,2,2\n",
+        "m.csv:1: angle: both angle_rad and rest_rad look like it; keep one of the two columns",
+    );
+}
+
+#[test]
 fn the_mean_is_over_time_not_over_samples() {
     // A second at 0, a straight second to 1, with many samples in the first.
     let recording = parse("time_s,angle_rad\n0,0\n0.25,0\n0.5,0\n0.75,0\n1,0\n2,1\n");

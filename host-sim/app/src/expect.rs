@@ -1,0 +1,245 @@
+//! What can be asked of a run, so that a script can go by it: verdict, depth, stiffness, energy; as exit code, lines and JUnit.
+
+use super::number;
+use super::out::json;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use touchstone_control::Choice as _;
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::run::record::Summary;
+use touchstone_sim::run::verdict::WORDS;
+use touchstone_sim::scene::list;
+
+/// Exit code of a run that was made and of which something asked does not hold.
+pub const NOT_MET: u8 = 3;
+
+/// What is asked.
+#[derive(Debug, Clone, Default, clap::Args)]
+#[command(next_help_heading = "What is asked of the run (exit code 3 where it does not hold)")]
+pub struct Expectations {
+    /// The verdict is this one; given several times, one of these.
+    #[arg(long, value_name = "VERDICT", value_parser = verdicts())]
+    expect: Vec<String>,
+    /// The device comes no deeper into the wall than this, true penetration in rad.
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true, value_parser = number::not_negative("in rad"))]
+    max_penetration: Option<f64>,
+    /// The stiffness shown at the end of the hold is at least this, N·m/rad.
+    #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/rad"))]
+    min_stiffness: Option<f64>,
+    /// The user's port never gives more than this beyond what it took, J.
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = number::not_negative("in J"))]
+    max_energy_out: Option<f64>,
+    /// Writes what was asked and what came as JUnit, a test for each demand.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+/// The verdicts with their meanings, for the help and for completions.
+fn verdicts() -> PossibleValuesParser {
+    PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
+}
+
+/// One demand on one run.
+#[derive(Debug, Clone, PartialEq)]
+struct Check {
+    run: String,
+    option: &'static str,
+    wanted: String,
+    came: String,
+    met: bool,
+}
+
+/// All demands on all runs.
+#[derive(Debug, Clone, Default)]
+pub struct Checked {
+    checks: Vec<Check>,
+    junit: Option<PathBuf>,
+}
+
+impl Expectations {
+    /// Refuses a file of tests without a test, before anything is run.
+    pub fn validate(&self, strict: bool) -> Result<()> {
+        let asked = strict
+            || !self.expect.is_empty()
+            || self.max_penetration.is_some()
+            || self.min_stiffness.is_some()
+            || self.max_energy_out.is_some();
+        if self.junit.is_some() && !asked {
+            return Err(Error::Option {
+                option: "--junit".to_owned(),
+                problem: "nothing is asked of the run, so there is no test to write".to_owned(),
+                fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out or --strict-passive".to_owned(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Holds runs against what is asked. `strict`: a user's port that gave energy is refused too.
+    pub fn check<'a>(&self, strict: bool, runs: impl Iterator<Item = &'a Summary>) -> Checked {
+        Checked {
+            checks: runs.flat_map(|run| self.on(run, strict)).collect(),
+            junit: self.junit.clone(),
+        }
+    }
+
+    fn on(&self, run: &Summary, strict: bool) -> Vec<Check> {
+        let mut checks = Vec::new();
+        let mut add = |option, met: bool, wanted: String, came: String| {
+            checks.push(Check {
+                run: name(run),
+                option,
+                wanted,
+                came,
+                met,
+            });
+        };
+        if !self.expect.is_empty() {
+            let words: Vec<&str> = self.expect.iter().map(String::as_str).collect();
+            let came = run.verdict_name();
+            add(
+                "--expect",
+                words.contains(&came),
+                list(&words),
+                came.to_owned(),
+            );
+        }
+        let out = run.energy_out;
+        // Written so that what is no number meets nothing.
+        if let Some(most) = self.max_penetration {
+            let came = run.penetration_max;
+            add(
+                "--max-penetration",
+                came <= most,
+                format!("at most {most} rad"),
+                format!("{came:.6} rad"),
+            );
+        }
+        if let Some(least) = self.min_stiffness {
+            add(
+                "--min-stiffness",
+                run.k_displayed.is_some_and(|came| came >= least),
+                format!("at least {least} N·m/rad"),
+                run.k_displayed.map_or_else(
+                    || "none: no hold in which the wall stayed".to_owned(),
+                    |came| format!("{came:.6} N·m/rad"),
+                ),
+            );
+        }
+        if let Some(most) = self.max_energy_out {
+            add(
+                "--max-energy-out",
+                out <= most,
+                format!("at most {most} J"),
+                format!("{out:.6e} J"),
+            );
+        }
+        if strict {
+            add(
+                "--strict-passive",
+                out <= 0.0,
+                "no energy out of the user's port beyond what it took".to_owned(),
+                format!("{out:.6e} J"),
+            );
+        }
+        checks
+    }
+}
+
+/// What tells a run from others of the same command.
+fn name(run: &Summary) -> String {
+    let counts = run.encoder_counts_per_rev.map_or_else(
+        || "exact position".to_owned(),
+        |counts| format!("{counts} counts"),
+    );
+    format!(
+        "{}: {}, {} N·m/rad, grip {}, {counts}",
+        run.scene,
+        run.law.word(),
+        run.k_desired,
+        run.grip
+    )
+}
+
+impl Checked {
+    /// For `--json`, beside the runs; nothing where nothing was asked.
+    pub fn to_json(&self) -> Option<serde_json::Value> {
+        let entry = |check: &Check| {
+            serde_json::json!({
+                "run": check.run,
+                "option": check.option,
+                "wanted": check.wanted,
+                "came": check.came,
+                "met": check.met,
+            })
+        };
+        (!self.checks.is_empty()).then(|| self.checks.iter().map(entry).collect())
+    }
+
+    /// Writes the JUnit file, names what does not hold, and gives the exit code.
+    pub fn conclude(&self) -> Result<ExitCode> {
+        if let Some(file) = &self.junit {
+            self.write(file)?;
+        }
+        let mut code = ExitCode::SUCCESS;
+        for check in self.checks.iter().filter(|check| !check.met) {
+            eprintln!(
+                "not met: {}: wanted {}, came {} ({})",
+                check.option, check.wanted, check.came, check.run
+            );
+            code = ExitCode::from(NOT_MET);
+        }
+        Ok(code)
+    }
+
+    fn write(&self, file: &Path) -> Result<()> {
+        let mut report = Report::new("touchstone");
+        let mut rest = &self.checks[..];
+        while let Some(first) = rest.first() {
+            let (suite, others) = rest.split_at(
+                rest.iter()
+                    .take_while(|check| check.run == first.run)
+                    .count(),
+            );
+            rest = others;
+            report.add_test_suite(suite_of(suite, &first.run));
+        }
+        let wrong = |problem: String| Error::Io {
+            path: file.to_owned(),
+            problem,
+            fix: "give --junit a file that can be written".to_owned(),
+        };
+        let text = report
+            .to_string()
+            .map_err(|error| wrong(error.to_string()))?;
+        std::fs::write(file, text).map_err(|error| wrong(error.to_string()))
+    }
+}
+
+fn suite_of(checks: &[Check], run: &str) -> TestSuite {
+    let mut suite = TestSuite::new(run);
+    for check in checks {
+        let status = if check.met {
+            TestCaseStatus::success()
+        } else {
+            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+            status.set_message(format!("wanted {}, came {}", check.wanted, check.came));
+            status
+        };
+        let mut test = TestCase::new(format!("{} {}", check.option, check.wanted), status);
+        test.set_classname(run);
+        suite.add_test_case(test);
+    }
+    suite
+}
+
+/// The results of runs with what was asked of them, as one JSON value.
+pub fn results(text: &str, checked: &Checked) -> serde_json::Value {
+    debug_assert!(json());
+    let mut value: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
+    if let Some(checks) = checked.to_json() {
+        value["expectations"] = checks;
+    }
+    value
+}

@@ -1,0 +1,52 @@
+//! Ctrl-C, and being told to end: nothing half-made stays, and the exit code says so.
+
+use std::io::IsTerminal;
+use touchstone_lab::report::staging;
+use touchstone_sim::error::{Error, Result};
+
+/// Exit code after an interrupt: 128 and the number of SIGINT, as shells have it.
+pub const INTERRUPTED: i32 = 130;
+
+/// From here on an interrupt takes away what is being prepared, and ends the program.
+pub fn clean_up() -> Result<()> {
+    ctrlc::set_handler(|| {
+        staging::abandon(|removed| {
+            // Below the progress bar.
+            if std::io::stderr().is_terminal() {
+                eprintln!();
+            }
+            match removed {
+                [] => eprintln!("interrupted: nothing half-written is left"),
+                folders => {
+                    for folder in folders {
+                        eprintln!("interrupted: {} was removed again", folder.display());
+                    }
+                }
+            }
+            std::process::exit(INTERRUPTED);
+        });
+    })
+    .map_err(|error| {
+        Error::device(
+            "Ctrl-C",
+            error.to_string(),
+            "end the other handler of the signal",
+        )
+    })
+}
+
+/// Removes what runs that were killed left where this report goes, and says so.
+pub fn sweep(folder: &std::path::Path) {
+    for stale in staging::sweep(folder) {
+        let place = stale.path.display();
+        if stale.removed {
+            super::out::note!(
+                "note: {place} was removed: its run was ended before its report was done"
+            );
+        } else {
+            super::out::note!(
+                "note: {place} may be left of a run that was ended; remove it if none is at work"
+            );
+        }
+    }
+}

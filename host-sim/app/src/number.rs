@@ -1,0 +1,52 @@
+//! Numbers of options, each with one range that its help and its errors name alike.
+
+use std::fmt::Display;
+use std::str::FromStr;
+
+/// A number in a range, for `value_parser`.
+pub fn within<T>(
+    least: T,
+    most: T,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Copy + Send + Sync + 'static,
+{
+    parser(
+        unit,
+        format!("between {least} and {most}"),
+        move |value: T| value >= least && value <= most,
+    )
+}
+
+/// A finite number of 0 or more, for `value_parser`.
+pub fn not_negative(
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    parser(unit, "0 or more".to_owned(), |value: f64| {
+        value >= 0.0 && value.is_finite()
+    })
+}
+
+/// A number above 0 and at most this, for `value_parser`.
+pub fn up_to(
+    most: f64,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    parser(
+        unit,
+        format!("above 0 and at most {most}"),
+        move |value: f64| value > 0.0 && value <= most,
+    )
+}
+
+fn parser<T: FromStr + Copy>(
+    unit: &'static str,
+    range: String,
+    holds: impl Fn(T) -> bool + Clone + Send + Sync + 'static,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| match text.parse::<T>() {
+        Ok(value) if holds(value) => Ok(value),
+        _ => Err(format!("must be {range}, is {text}; give a number {unit}")),
+    }
+}

@@ -1,0 +1,243 @@
+//! What is printed: JSON, silence, completions, the manual, and one line for a mistake.
+
+use crate::{folder, names, run, run_in};
+
+#[test]
+fn json_and_silence_go_with_every_command() {
+    let here = folder("answers");
+    let scenes = run(&["scenes", "--json"]).ended(0).json();
+    assert_eq!(scenes["scenes"][0]["name"], "thesis-knob");
+    assert!(scenes["scenes"][0]["description"].is_string());
+    let printed = run(&["run", "tap", "--print", "--json"]).ended(0).json();
+    assert_eq!(printed["timing"]["rate_hz"], 1000);
+    let schema = run(&["config", "schema", "--json"]).ended(0).json();
+    assert!(schema[0]["path"].is_string() && schema[0].get("unit").is_some());
+    let found = run_in(&here, &["identify", "--steps", "2", "--json"]).ended(0);
+    assert!(found.json()["damping"].is_f64() && found.err.is_empty());
+    // What is missing depends on the machine; that it is counted does not.
+    let doctor = run_in(&here, &["doctor", "--json", "--port", "tcp:127.0.0.1:9"]).ended(1);
+    let doctor = doctor.json();
+    assert_eq!(doctor["all_there"], false);
+    let states: Vec<&str> = doctor["things"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|thing| thing["state"].as_str().unwrap())
+        .collect();
+    assert!(states.contains(&"there") && states.contains(&"missing"));
+
+    let results = run_in(&here, &["thesis", "--json"]).ended(0).json();
+    assert_eq!(results["runs"].as_array().unwrap().len(), 126);
+    assert!(results["claims"][0]["outcome"].is_string());
+    assert!(here.join(results["report"].as_str().unwrap()).is_file());
+
+    for arguments in [
+        &["run", "tap", "--quiet"][..],
+        &[
+            "run",
+            "tap",
+            "-q",
+            "--set",
+            "law.k_soft_n_m_per_rad=1.01",
+            "--out",
+            "out",
+        ],
+        &["--quiet", "thesis", "--out", "out"],
+    ] {
+        let said = run_in(&here, arguments).ended(0);
+        assert_eq!(
+            (said.out.as_str(), said.err.as_str()),
+            ("", ""),
+            "{arguments:?}"
+        );
+    }
+    let quiet = run(&["identify", "--steps", "2", "--quiet"]).ended(0).out;
+    assert_eq!(quiet.lines().count(), 2, "{quiet}");
+    // What was asked for by name is printed still, and an error always.
+    assert!(!run(&["scenes", "--quiet"]).ended(0).out.is_empty());
+    run(&["run", "tapp", "--quiet"]).refused(&["tapp", "did you mean the shipped scene tap?"]);
+    for command in [
+        &["completions", "bash"][..],
+        &["man"],
+        &["config", "export"],
+    ] {
+        let mut arguments = command.to_vec();
+        arguments.push("--json");
+        run(&arguments).refused(&["--json", command[0]]);
+    }
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let text = run(&["completions", shell]).ended(0).out;
+        for word in ["thesis", "operator-motion", "max-energy-out"] {
+            assert!(text.contains(word), "{shell}: {word}");
+        }
+    }
+    // Not every shell's completions have values.
+    let text = run(&["completions", "bash"]).ended(0).out;
+    assert!(text.contains("enhanced-sfa") && text.contains("no-contact"));
+    run(&["completions", "bahs"]).refused(&["bahs", "did you mean bash?"]);
+    let page = run(&["man"]).ended(0).out;
+    assert!(
+        page.contains(".TH touchstone 1") && page.contains("Exit codes"),
+        "{page}"
+    );
+    let here = folder("man");
+    run_in(&here, &["man", "pages/man1"]).ended(0);
+    let pages = names(&here.join("pages/man1"));
+    for name in ["touchstone.1", "touchstone-run.1", "touchstone-man.1"] {
+        assert!(pages.iter().any(|page| page == name), "{pages:?}");
+    }
+    std::fs::write(here.join("file"), "").unwrap();
+    run_in(&here, &["man", "file"]).refused(&["file", "another folder"]);
+}
+
+#[test]
+fn the_help_defines_codes_and_verdicts() {
+    let help = run(&["run", "--help"]).ended(0).out;
+    for part in [
+        "3    done, but something",
+        "130  interrupted",
+        "passive:",
+        "came to rest; the user never got out more energy than was put in",
+        "no-contact:",
+        "--max-penetration <RAD>",
+        "--min-stiffness <N_M_PER_RAD>",
+        "--max-energy-out <J>",
+    ] {
+        assert!(help.contains(part), "{part:?} is not in {help}");
+    }
+    assert!(
+        run(&["--help"])
+            .ended(0)
+            .out
+            .contains("3    done, but something")
+    );
+}
+
+#[test]
+fn a_slip_gets_a_suggestion() {
+    for (arguments, parts) in [
+        (
+            &["run", "tap", "--law", "FBA"][..],
+            &["--law", "did you mean fba?"][..],
+        ),
+        (
+            &["run", "tap", "--law", "enhanced_sfa"],
+            &["did you mean enhanced-sfa?"],
+        ),
+        (
+            &["run", "tap", "--set", "operator.motion.kind=Tapp"],
+            &["did you mean tap?"],
+        ),
+        (
+            &["run", "Thesis-Knob"],
+            &["did you mean the shipped scene thesis-knob?"],
+        ),
+        (
+            &["run", "tap", "--set", "grip=Firm"],
+            &["did you mean firm?"],
+        ),
+        (
+            &["run", "tap", "--lawx", "fba"],
+            &["--lawx", "did you mean --law?"],
+        ),
+        (&["rnu", "tap"], &["rnu", "did you mean run?"]),
+        (&["run"], &["<SCENE> is missing"]),
+    ] {
+        run(arguments).refused(parts);
+    }
+}
+
+#[test]
+fn a_range_is_said_in_one_way_and_a_long_value_is_cut() {
+    for (arguments, parts) in [
+        (
+            &["identify", "--steps", "41"][..],
+            &["--steps: must be between 1 and 40, is 41"][..],
+        ),
+        (
+            &["identify", "--steps", "few"],
+            &["--steps: must be between 1 and 40, is few"],
+        ),
+        (
+            &["identify", "--low", "-1"],
+            &["--low: must be 0 or more, is -1"],
+        ),
+        (
+            &["monitor", "--decimation", "0"],
+            &["--decimation: must be between 1 and 1000, is 0"],
+        ),
+        (
+            &["monitor", "--seconds", "0"],
+            &["--seconds: must be above 0 and at most 1000000000, is 0"],
+        ),
+    ] {
+        run(arguments).refused(parts);
+    }
+    // As long as a command line may be on every system.
+    let long = "9".repeat(100_000);
+    let set = format!("wall.k_desired_n_m_per_rad={long}");
+    let text = format!("description={}", "long ".repeat(20_000));
+    for arguments in [
+        &["run", "tap", "--law", &long][..],
+        &["run", "tap", "--k-desired", &long],
+        &["run", "tap", "--set", &set],
+        &["run", "tap", "--set", &text, "--set", "law.kind=x"],
+        &["run", &long],
+        &["identify", "--steps", &long],
+        &["run", "tap", "--expect", &long],
+        &[
+            "config",
+            "set",
+            "wall.surface_rad",
+            &long,
+            "--port",
+            "tcp:127.0.0.1:9",
+        ],
+    ] {
+        let said = run(arguments);
+        assert!(
+            said.err.len() < 2000,
+            "{}: {} bytes",
+            arguments[1],
+            said.err.len()
+        );
+        assert!(!said.err.contains(&long[..300]), "{}", said.err);
+        said.refused(&[]);
+    }
+}
+
+#[test]
+fn the_comparison_says_what_it_cannot_change() {
+    let here = folder("fixed");
+    for (set, what) in [
+        ("law.kind=fba", "laws"),
+        ("kind=fba", ""),
+        ("k_desired_n_m_per_rad=3", "stiffnesses"),
+        ("operator.grip=firm", "grips"),
+        ("operator.hand.inertia_kg_m2=1e-4", "grips"),
+        ("encoder=none", "encoders"),
+        ("encoder.counts_per_rev=1000", "encoders"),
+    ] {
+        let said = run_in(&here, &["thesis", "--set", set, "--out", "out"]);
+        if what.is_empty() {
+            // The law's and the motion's: it must be written in full, and then it is refused for the reason above.
+            said.refused(&["several fields end so"]);
+        } else {
+            said.refused(&[set, "thesis cannot change it", what, "touchstone run"]);
+        }
+    }
+    for options in [
+        &["--law", "sfa"][..],
+        &["--k-desired", "3"],
+        &["--set", "law.device_damping_n_m_s_per_rad=1e-3"],
+    ] {
+        let mut arguments = vec!["identify"];
+        arguments.extend(options);
+        run(&arguments).refused(&[options[0], "identify cannot change it"]);
+    }
+    assert!(names(&here).is_empty());
+}

@@ -1,0 +1,210 @@
+//! `--expect`, `--max-penetration`, `--min-stiffness`, `--max-energy-out`, `--junit`.
+
+use crate::{folder, run, run_in};
+
+/// Runs that end in each of the verdicts.
+const ENDS: [(&str, &[&str]); 5] = [
+    ("passive", &["low-stiffness"]),
+    ("active", &["thesis-knob"]),
+    ("unstable", &["thesis-knob", "--law", "spring"]),
+    // A tenth above the critical stiffness, without dry friction.
+    (
+        "limit-cycle",
+        &["press-hold", "--law", "spring", "--k-desired", "1.1"],
+    ),
+    // Outside the wall, and nobody moves it.
+    (
+        "no-contact",
+        &["free-release", "--set", "device.initial_angle_rad=0.4"],
+    ),
+];
+
+#[test]
+fn every_verdict_can_be_asked_for() {
+    for (verdict, scene) in ENDS {
+        for (asked, _) in ENDS {
+            let mut arguments = vec!["run"];
+            arguments.extend(scene);
+            arguments.extend(["--expect", asked]);
+            let said = run(&arguments);
+            if asked == verdict {
+                assert_eq!(said.ended(0).err, "");
+            } else {
+                let err = said.ended(3).err;
+                assert_eq!(err.lines().count(), 1, "{err}");
+                let line = format!("not met: --expect: wanted {asked}, came {verdict} (");
+                assert!(err.starts_with(&line), "{err}");
+            }
+        }
+        // One of several.
+        let mut arguments = vec!["run"];
+        arguments.extend(scene);
+        let other = ENDS[usize::from(verdict == ENDS[0].0)].0;
+        arguments.extend(["--expect", other, "--expect", verdict]);
+        run(&arguments).ended(0);
+    }
+}
+
+#[test]
+fn numbers_are_asked_for_from_both_sides() {
+    let results = run(&["run", "thesis-knob", "--json"]).ended(0).json();
+    let measured = |field: &str| results["runs"][0][field].as_f64().unwrap();
+    for (option, field, sign) in [
+        ("--max-penetration", "penetration_max", 1.0),
+        ("--min-stiffness", "k_displayed", -1.0),
+        ("--max-energy-out", "energy_out", 1.0),
+    ] {
+        let value = measured(field);
+        assert!(value > 0.0, "{field}");
+        let asked = |share: f64| {
+            let limit = (value * (1.0 + sign * share)).to_string();
+            run(&["run", "thesis-knob", option, &limit])
+        };
+        assert_eq!(asked(1e-3).ended(0).err, "", "{option}");
+        let err = asked(-1e-3).ended(3).err;
+        assert!(
+            err.starts_with(&format!("not met: {option}: wanted at ")) && err.lines().count() == 1,
+            "{err}"
+        );
+    }
+    // Without a hold there is no stiffness to show, however little is asked.
+    let err = run(&["run", "tap", "--min-stiffness", "0"]).ended(3).err;
+    assert!(err.contains("came none"), "{err}");
+}
+
+#[test]
+fn depth_and_energy_are_those_of_the_trace() {
+    let here = folder("depth");
+    let said = run_in(&here, &["run", "thesis-knob", "--json", "--out", "out"]).ended(0);
+    let results = said.json();
+    let traces = here.join("out/traces");
+    let csv = crate::names(&traces)
+        .into_iter()
+        .find(|name| name.ends_with(".csv"));
+    let text = std::fs::read_to_string(traces.join(csv.unwrap())).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let place = |name: &str| header.iter().position(|column| *column == name).unwrap();
+    let (angle, surface) = (place("angle_rad"), place("surface_rad"));
+    let (wall, loss) = (place("energy_true_j"), place("energy_device_loss_j"));
+    let (mut depth, mut lowest) = (0.0_f64, 0.0_f64);
+    for row in rows {
+        let row: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        depth = depth.max(row[angle] - row[surface]);
+        lowest = lowest.min(row[wall] + row[loss]);
+    }
+    let run = &results["runs"][0];
+    assert_eq!(run["penetration_max"].as_f64(), Some(depth));
+    let out = run["energy_out"].as_f64().unwrap();
+    assert!((out + lowest).abs() < 1e-9, "{out} {lowest}");
+}
+
+#[test]
+fn demands_add_up_and_every_one_that_fails_is_named() {
+    let said = run(&[
+        "run",
+        "thesis-knob",
+        "--json",
+        "--expect",
+        "passive",
+        "--max-penetration",
+        "0.001",
+        "--min-stiffness",
+        "1",
+        "--max-energy-out",
+        "0",
+    ])
+    .ended(3);
+    assert_eq!(said.err.lines().count(), 3, "{}", said.err);
+    let results = said.json();
+    let asked = results["expectations"].as_array().unwrap();
+    let met: Vec<bool> = asked
+        .iter()
+        .map(|demand| demand["met"].as_bool().unwrap())
+        .collect();
+    assert_eq!(met, [false, false, true, false]);
+    // Nothing asked, nothing said of it.
+    let plain = run(&["run", "tap", "--json"]).ended(0).json();
+    assert!(plain.get("expectations").is_none());
+}
+
+#[test]
+fn junit_has_a_test_for_each_demand() {
+    let here = folder("junit");
+    let junit = |options: &[&str], code: i32| {
+        let mut arguments = vec!["run", "low-stiffness", "--junit", "wall.xml"];
+        arguments.extend(options);
+        run_in(&here, &arguments).ended(code);
+        let text = std::fs::read_to_string(here.join("wall.xml")).unwrap();
+        assert!(text.starts_with("<?xml"), "{text}");
+        let count = |part: &str| text.matches(part).count();
+        (count("<testcase "), count("<failure "), text)
+    };
+    let (tests, failures, _) = junit(&["--expect", "passive", "--min-stiffness", "0.4"], 0);
+    assert_eq!((tests, failures), (2, 0));
+    let (tests, failures, text) = junit(&["--expect", "unstable", "--min-stiffness", "0.4"], 3);
+    assert_eq!((tests, failures), (2, 1));
+    assert!(
+        text.contains("tests=\"2\"")
+            && text.contains("failures=\"1\"")
+            && text.contains("wanted unstable, came passive"),
+        "{text}"
+    );
+    run_in(&here, &["run", "tap", "--junit", "no.xml"]).refused(&["--junit", "--expect"]);
+    run_in(
+        &here,
+        &["run", "tap", "--expect", "active", "--junit", "none/no.xml"],
+    )
+    .refused(&["none/no.xml", "--junit"]);
+    assert_eq!(crate::names(&here), ["wall.xml"]);
+}
+
+#[test]
+fn the_comparison_asks_it_of_the_enhanced_law() {
+    let here = folder("thesis");
+    let said = run_in(
+        &here,
+        &[
+            "thesis", "--quiet", "--expect", "passive", "--expect", "active", "--junit", "all.xml",
+        ],
+    )
+    .ended(0);
+    assert_eq!((said.out.as_str(), said.err.as_str()), ("", ""));
+    let text = std::fs::read_to_string(here.join("all.xml")).unwrap();
+    // Three grips, two encoders, four stiffnesses and one beyond.
+    assert_eq!(text.matches("<testcase ").count(), 30);
+    assert!(!text.contains("tdpa"), "{text}");
+    let said = run_in(&here, &["thesis", "--quiet", "--min-stiffness", "4"]).ended(3);
+    // 0.5, 1 and 2.5 N·m/rad show less.
+    assert_eq!(said.err.lines().count(), 18, "{}", said.err);
+}
+
+#[test]
+fn what_is_no_demand_is_refused() {
+    for (options, parts) in [
+        (
+            &["--expect", "Passive"][..],
+            &["--expect", "did you mean passive?"][..],
+        ),
+        (
+            &["--expect", "good"],
+            &["--expect", "\"good\"", "limit-cycle", "no-contact"],
+        ),
+        (
+            &["--max-penetration", "-1"],
+            &["--max-penetration", "must be 0 or more, is -1", "rad"],
+        ),
+        (
+            &["--min-stiffness", "stiff"],
+            &["--min-stiffness", "must be 0 or more, is stiff", "N·m/rad"],
+        ),
+        (
+            &["--max-energy-out", "nan"],
+            &["--max-energy-out", "must be 0 or more, is nan", "in J"],
+        ),
+    ] {
+        let mut arguments = vec!["run", "tap"];
+        arguments.extend(options);
+        run(&arguments).refused(parts);
+    }
+}

@@ -1,0 +1,105 @@
+//! Ctrl-C leaves nothing and says so; what a killed run left is removed by the next.
+
+use crate::{folder, names, program, run_in};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Writes for many seconds if nobody ends it.
+const LONG: [&str; 6] = [
+    "run",
+    "thesis-knob",
+    "--set",
+    "timing.duration_s=900",
+    "--out",
+    "new/out",
+];
+
+/// Starts a run that takes long, and waits until its hidden folder has a trace in it.
+fn begun(here: &Path) -> (Child, PathBuf) {
+    let child = program(here, &LONG)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let until = Instant::now() + Duration::from_secs(120);
+    loop {
+        let hidden = std::fs::read_dir(here.join("new"))
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .find(|path| path.join("traces").is_dir());
+        if let Some(hidden) = hidden {
+            return (child, hidden);
+        }
+        assert!(Instant::now() < until, "no hidden folder came");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill")
+        .args([name, &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+}
+
+#[test]
+fn an_interrupt_leaves_nothing_and_says_so() {
+    for name in ["-INT", "-TERM"] {
+        let here = folder(&format!("interrupt{name}"));
+        let (child, hidden) = begun(&here);
+        signal(&child, name);
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{err}");
+        let hidden = hidden.file_name().unwrap().to_str().unwrap().to_owned();
+        assert!(
+            err.lines().count() == 1 && err.contains("interrupted") && err.contains(&hidden),
+            "{err}"
+        );
+        assert!(output.stdout.is_empty());
+        // The folder that was made for the report is gone as well.
+        assert!(names(&here).is_empty(), "{:?}", names(&here));
+    }
+}
+
+#[test]
+fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
+    let here = folder("killed");
+    let (mut child, hidden) = begun(&here);
+    // While it is at work another run leaves it alone, however old it looks.
+    let age = |hidden: &Path| {
+        let lock = std::fs::File::options()
+            .write(true)
+            .open(hidden.join(".lock"))
+            .unwrap();
+        lock.set_modified(std::time::SystemTime::now() - Duration::from_secs(60))
+            .unwrap();
+    };
+    age(&hidden);
+    let next = || {
+        run_in(&here, &["run", "tap", "--out", "new/other"])
+            .ended(0)
+            .err
+    };
+    assert!(!next().contains("note:"));
+    assert!(hidden.is_dir());
+
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    assert!(hidden.is_dir(), "nobody could remove it");
+    let said = next();
+    assert!(
+        said.contains("note:") && said.contains("was removed: its run was ended"),
+        "{said}"
+    );
+    assert_eq!(names(&here.join("new")), ["other"]);
+
+    // Of one without a lock nobody can tell: it is named, and left.
+    std::fs::create_dir(here.join("new/.touchstone-report-1")).unwrap();
+    assert!(next().contains("may be left of a run that was ended"));
+    assert_eq!(names(&here.join("new")), [".touchstone-report-1", "other"]);
+}

@@ -1,0 +1,87 @@
+//! The program as scripts, shells and impatient people use it: demands, exit codes, JSON, silence, signals, its own files.
+
+mod answers;
+mod demands;
+#[cfg(unix)]
+mod interrupt;
+mod motion;
+mod strict;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What the program said and how it ended.
+pub struct Said {
+    /// Exit code.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl Said {
+    /// Standard output of a program that ended with this code.
+    #[track_caller]
+    pub fn ended(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{}{}", self.out, self.err);
+        self
+    }
+
+    /// Standard output as JSON.
+    #[track_caller]
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}", self.out))
+    }
+
+    /// It was refused with one line that has all these parts.
+    #[track_caller]
+    pub fn refused(self, parts: &[&str]) {
+        let Said { err, .. } = self.ended(2);
+        assert_eq!(err.lines().count(), 1, "one line: {err}");
+        assert!(err.starts_with("error: ") && err.contains("; "), "{err}");
+        for part in parts {
+            assert!(err.contains(part), "{err:?} does not name {part:?}");
+        }
+    }
+}
+
+/// A folder of its own for a test, empty at the start.
+pub fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("scripts-{test}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The program in a folder, not yet run.
+pub fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
+    command.args(arguments).current_dir(folder);
+    command
+}
+
+/// Runs the program in a folder.
+pub fn run_in(folder: &Path, arguments: &[&str]) -> Said {
+    let output = program(folder, arguments).output().unwrap();
+    Said {
+        code: output.status.code(),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Runs the program where it writes nothing.
+pub fn run(arguments: &[&str]) -> Said {
+    run_in(Path::new(env!("CARGO_TARGET_TMPDIR")), arguments)
+}
+
+/// Names in a folder, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}

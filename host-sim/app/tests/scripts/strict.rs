@@ -1,0 +1,50 @@
+//! `--strict-passive`: the law's own bound before the run, the user's port after it.
+
+use crate::run;
+
+#[test]
+fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
+    for (options, parts) in [
+        (
+            &["--law", "spring", "--k-desired", "5"][..],
+            &["k_de = 5", "2 c_i/T = 1.0000", "give at most 1"][..],
+        ),
+        (
+            // 2 (5e-4 - 2e-4)/T
+            &["--law", "spring-damper", "--k-desired", "0.7"],
+            &["k_de = 0.7", "2 (c_i - B)/T = 0.6000", "give below 0.6"],
+        ),
+        (
+            &["--set", "law.energy_credit_j=0.001"],
+            &["energy_credit_j", "give 0"],
+        ),
+    ] {
+        let mut arguments = vec!["run", "thesis-knob", "--strict-passive"];
+        arguments.extend(options);
+        run(&arguments).refused(parts);
+    }
+    for options in [
+        &["--law", "spring", "--k-desired", "1"][..],
+        &["--law", "spring-damper", "--k-desired", "0.5"],
+        &["--law", "fba"],
+        &["--set", "law.energy_credit_j=0"],
+    ] {
+        let mut arguments = vec!["run", "thesis-knob", "--strict-passive"];
+        arguments.extend(options);
+        assert_eq!(run(&arguments).ended(0).err, "", "{options:?}");
+    }
+}
+
+#[test]
+fn energy_that_is_measured_is_refused_too() {
+    // Nothing in the settings of original SFA forbids it: the run shows it.
+    let said = run(&["run", "thesis-knob", "--law", "sfa", "--strict-passive"]).ended(3);
+    assert_eq!(said.err.lines().count(), 1, "{}", said.err);
+    assert!(
+        said.err
+            .starts_with("not met: --strict-passive: wanted no energy out"),
+        "{}",
+        said.err
+    );
+    run(&["run", "thesis-knob", "--law", "sfa"]).ended(0);
+}

@@ -1,0 +1,227 @@
+//! The folder aside in which a report is prepared: gone when its run ends, however it ends.
+//!
+//! It holds a locked file as long as its process lives, which the system unlocks whatever ends the process. So another process
+//! can tell a folder that is being written from one that was left behind, see [`sweep`].
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// How the folders' names begin; the number of the process follows.
+const PREFIX: &str = ".touchstone-report-";
+/// The locked file in it.
+const LOCK: &str = ".lock";
+/// Ending of the name while the folder is taken away.
+const GOING: &str = ".going";
+/// A lock younger than this may not be locked yet.
+const SETTLED: Duration = Duration::from_secs(10);
+
+/// Folders of this process that are there now, each with the parents that were made for it, innermost first.
+static PRESENT: Mutex<Vec<(PathBuf, Vec<PathBuf>)>> = Mutex::new(Vec::new());
+
+/// A panic while it was held has nothing half-done in it: entries are put in and taken out whole.
+fn present() -> MutexGuard<'static, Vec<(PathBuf, Vec<PathBuf>)>> {
+    PRESENT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A folder aside, for one report.
+pub(super) struct Staging {
+    /// Where to write.
+    pub path: PathBuf,
+    target: PathBuf,
+    /// The target did not exist: the prepared folder becomes it as a whole.
+    whole: bool,
+    /// Unlocked when it is dropped.
+    lock: Option<File>,
+}
+
+impl Staging {
+    /// Makes the folder for a report in `target`.
+    pub fn new(target: &Path) -> io::Result<Self> {
+        let whole = match fs::metadata(target) {
+            Ok(meta) if meta.is_dir() => false,
+            Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => true,
+            Err(error) => return Err(error),
+        };
+        let beside = if whole { parent(target) } else { target };
+        let made: Vec<PathBuf> = beside
+            .ancestors()
+            .take_while(|dir| !dir.as_os_str().is_empty() && !dir.exists())
+            .map(Path::to_owned)
+            .collect();
+        let mut staging = Staging {
+            path: beside.join(format!("{PREFIX}{}", std::process::id())),
+            target: target.to_owned(),
+            whole,
+            lock: None,
+        };
+        let mut present = present();
+        let begun = fs::create_dir_all(beside).and_then(|()| {
+            // Two reports of one process into one folder (tests do it) must not share what they prepare.
+            for attempt in 0.. {
+                match fs::create_dir(&staging.path) {
+                    Err(error)
+                        if error.kind() == io::ErrorKind::AlreadyExists && attempt < 1000 =>
+                    {
+                        staging.path =
+                            beside.join(format!("{PREFIX}{}-{attempt}", std::process::id()));
+                    }
+                    result => return result,
+                }
+            }
+            Ok(())
+        });
+        if let Err(error) = begun {
+            remove_empty(&made);
+            return Err(error);
+        }
+        present.push((staging.path.clone(), made));
+        drop(present);
+        let lock = File::create(staging.path.join(LOCK))?;
+        // A file system without locks: the folder is then named by others, never removed.
+        let _ = lock.try_lock();
+        staging.lock = Some(lock);
+        Ok(staging)
+    }
+
+    /// Moves `files` to the target.
+    pub fn publish(mut self, files: &[PathBuf]) -> io::Result<()> {
+        // Held to the end: whoever interrupts waits, for a report moved half-way would be worse than one that is there.
+        let mut present = present();
+        self.lock = None;
+        if self.whole {
+            fs::remove_file(self.path.join(LOCK))?;
+            fs::rename(&self.path, &self.target)?;
+            present.retain(|(path, _)| *path != self.path);
+            return Ok(());
+        }
+        // What could stop a move half-way is looked at before the first.
+        for file in files {
+            let goal = self.target.join(file);
+            if goal.is_dir() {
+                return Err(io::Error::new(
+                    io::ErrorKind::IsADirectory,
+                    format!("{} is a folder", file.display()),
+                ));
+            }
+        }
+        for file in files {
+            fs::create_dir_all(self.target.join(file).parent().unwrap_or(&self.target))?;
+        }
+        for file in files {
+            fs::rename(self.path.join(file), self.target.join(file))?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        self.lock = None;
+        let mut present = present();
+        if let Some(place) = present.iter().position(|(path, _)| *path == self.path) {
+            let (path, made) = present.swap_remove(place);
+            remove(&path, &made);
+        }
+    }
+}
+
+/// Where a folder stands; `.` for a plain name.
+fn parent(folder: &Path) -> &Path {
+    match folder.parent() {
+        Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
+        Some(parent) => parent,
+        None => folder,
+    }
+}
+
+/// Takes a folder away, with the empty parents that were made for it.
+fn remove(path: &Path, made: &[PathBuf]) {
+    // By another name first: whoever still writes into it by its name then fails, and cannot keep it from becoming empty. Where
+    // it cannot be renamed (open files on some systems) it is removed as it stands. Nothing more can be done about a failure.
+    let going = path.with_extension(&GOING[1..]);
+    let path = match fs::rename(path, &going) {
+        Ok(()) => &going,
+        Err(_) => path,
+    };
+    let _ = fs::remove_dir_all(path);
+    remove_empty(made);
+}
+
+fn remove_empty(made: &[PathBuf]) {
+    for dir in made {
+        let _ = fs::remove_dir(dir);
+    }
+}
+
+/// For a process that is told to end: takes away every folder that a report is being prepared in, then runs `last`, which ends the
+/// process. Reports that others are about to begin or to put in place wait until then, and so never come.
+pub fn abandon(last: impl FnOnce(&[PathBuf])) {
+    let mut present = present();
+    let folders: Vec<(PathBuf, Vec<PathBuf>)> = present.drain(..).collect();
+    for (path, made) in &folders {
+        remove(path, made);
+    }
+    let removed: Vec<PathBuf> = folders.into_iter().map(|(path, _)| path).collect();
+    last(&removed);
+}
+
+/// A folder that a run left behind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stale {
+    /// The folder.
+    pub path: PathBuf,
+    /// Whether it was removed; otherwise nobody can tell whether its run is still alive.
+    pub removed: bool,
+}
+
+/// Looks for folders of ended runs in and beside `target`, where reports were to be written, and removes them. One of which it
+/// cannot be told is named and left.
+#[must_use]
+pub fn sweep(target: &Path) -> Vec<Stale> {
+    let mut found: Vec<Stale> = Vec::new();
+    for place in [target, parent(target)] {
+        let Ok(entries) = fs::read_dir(place) else {
+            continue;
+        };
+        for entry in entries.flatten() {
+            let named = entry.file_name();
+            let ours = named.to_str().is_some_and(|name| name.starts_with(PREFIX));
+            let path = entry.path();
+            if !ours || present().iter().any(|(other, _)| *other == path) {
+                continue;
+            }
+            match ended(&path) {
+                Some(true) => {
+                    let removed = fs::remove_dir_all(&path).is_ok();
+                    found.push(Stale { path, removed });
+                }
+                Some(false) => {}
+                None => found.push(Stale {
+                    path,
+                    removed: false,
+                }),
+            }
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found.dedup();
+    found
+}
+
+/// Whether the run of a folder has ended; `None` where that cannot be told.
+fn ended(path: &Path) -> Option<bool> {
+    let lock = File::open(path.join(LOCK)).ok()?;
+    match lock.try_lock() {
+        Ok(()) => {
+            let written = lock.metadata().and_then(|meta| meta.modified()).ok()?;
+            // A clock that was set back makes it young: it is left until it is not.
+            Some(written.elapsed().is_ok_and(|age| age > SETTLED))
+        }
+        Err(TryLockError::WouldBlock) => Some(false),
+        Err(TryLockError::Error(_)) => None,
+    }
+}

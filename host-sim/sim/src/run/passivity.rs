@@ -1,0 +1,129 @@
+//! What a law's settings must keep for the law to be passive by its own bound, beyond what is only warned of.
+
+use super::warnings;
+use crate::error::{Error, Result};
+use touchstone_control::LawKind;
+use crate::scene::Scene;
+
+/// The first of the law's own passivity bounds that the scene leaves, as a refusal at its place; `None` if it keeps all.
+///
+/// A spring under a zero-order hold is passive if the damping that it may count on is at least `k (T/2 + t_d)`, with virtual
+/// damping `B` if it is more than `k (T/2 + t_d) + B` (Colgate and Schenkel, with the computational delay `t_d`). An enhanced law
+/// that needs no augmentation is such a spring too. The bounds of the augmenting laws, observer and energy credit among them, are
+/// those of [`warnings`].
+///
+/// # Errors
+/// A value that the control crate cannot hold.
+pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
+    if let Some((_, error)) = warnings(scene)?.into_iter().next() {
+        return Ok(Some(error));
+    }
+    let plain = match scene.law.kind {
+        LawKind::Spring | LawKind::SpringDamper => true,
+        LawKind::EnhancedSfa => scene.settings()?.is_plain_spring(),
+        LawKind::Tdpa | LawKind::Fba | LawKind::Sfa | LawKind::SfaContinuous => false,
+    };
+    Ok(plain.then(|| spring(scene)).flatten())
+}
+
+fn spring(scene: &Scene) -> Option<Error> {
+    let damped = scene.law.kind == LawKind::SpringDamper;
+    let own = if damped {
+        scene.law.virtual_damping_n_m_s_per_rad
+    } else {
+        0.0
+    };
+    let late_s = 0.5 * scene.timing.period_s() + scene.timing.computational_delay_s;
+    let (stiffness, counted) = (
+        scene.wall.k_desired_n_m_per_rad,
+        scene.law.device_damping_n_m_s_per_rad,
+    );
+    // What is left of the damping for the spring; a millionth of it is the rounding of a bound written in decimals.
+    let most = (counted - own) / late_s;
+    let keeps = if damped {
+        stiffness < most
+    } else {
+        stiffness <= most * (1.0 + 1e-6)
+    };
+    if keeps {
+        return None;
+    }
+    let bound = match (damped, scene.timing.computational_delay_s > 0.0) {
+        (false, false) => "2 c_i/T",
+        (false, true) => "c_i/(T/2 + t_d)",
+        (true, false) => "2 (c_i - B)/T",
+        (true, true) => "(c_i - B)/(T/2 + t_d)",
+    };
+    let fix = if most > 0.0 {
+        let word = if damped { "below" } else { "at most" };
+        format!("give {word} {:.4}", most)
+    } else {
+        format!("give law.virtual_damping_n_m_s_per_rad below {counted:e}")
+    };
+    Some(scene.error(
+        "wall.k_desired_n_m_per_rad",
+        format!(
+            "k_de = {stiffness} is above {bound} = {:.4}: the spring gives away more energy than the damping takes",
+            most.max(0.0)
+        ),
+        fix,
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn refused(sets: &[&str]) -> bool {
+        let scene = Scene::load("tap").unwrap().with_overrides(sets).unwrap();
+        refusal(&scene).unwrap().is_some()
+    }
+
+    #[test]
+    fn a_spring_keeps_two_c_over_t_and_its_delay() {
+        let spring = |k: &str, delay: &str| {
+            let (k, delay) = (
+                format!("wall.k_desired_n_m_per_rad={k}"),
+                format!("timing.computational_delay_s={delay}"),
+            );
+            refused(&["law.kind=spring", &k, &delay])
+        };
+        // c_i = 5e-4 at 1 kHz: 1 N·m/rad, a third of it with a tick of delay.
+        assert!(!spring("1", "0") && spring("1.001", "0"));
+        assert!(!spring("0.333", "1e-3") && spring("0.334", "1e-3"));
+    }
+
+    #[test]
+    fn virtual_damping_eats_the_margin() {
+        let damped = |k: &str, damping: &str| {
+            let (k, damping) = (
+                format!("wall.k_desired_n_m_per_rad={k}"),
+                format!("law.virtual_damping_n_m_s_per_rad={damping}"),
+            );
+            refused(&["law.kind=spring-damper", &k, &damping])
+        };
+        // 2 (5e-4 - 2e-4)/T = 0.6; strictly below.
+        assert!(!damped("0.59", "2e-4") && damped("0.601", "2e-4"));
+        assert!(damped("0.1", "5e-4"));
+    }
+
+    #[test]
+    fn an_enhanced_law_needs_no_credit_where_it_is_a_spring() {
+        assert!(refused(&["law.kind=enhanced-sfa"]));
+        assert!(!refused(&[
+            "law.kind=enhanced-sfa",
+            "law.energy_credit_j=0"
+        ]));
+        let soft = ["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=0.5"];
+        assert!(!refused(&soft));
+        let late = "timing.computational_delay_s=2e-3";
+        assert!(refused(&[soft[0], soft[1], late]));
+    }
+
+    #[test]
+    fn the_observer_of_the_thesis_is_refused() {
+        assert!(refused(&["law.kind=tdpa", "law.observer=thesis"]));
+        assert!(!refused(&["law.kind=tdpa"]));
+    }
+}
