@@ -23,7 +23,7 @@ fn begun(here: &Path) -> (Child, PathBuf) {
         .spawn()
         .unwrap();
     let until = Instant::now() + Duration::from_secs(120);
-    loop {
+    let hidden = loop {
         let hidden = std::fs::read_dir(here.join("new"))
             .into_iter()
             .flatten()
@@ -31,7 +31,7 @@ fn begun(here: &Path) -> (Child, PathBuf) {
             .map(|entry| entry.path())
             .find(|path| path.join("traces").is_dir());
         if let Some(hidden) = hidden {
-            return (child, hidden);
+            break hidden;
         }
         if Instant::now() > until {
             child.kill().unwrap();
@@ -39,7 +39,8 @@ fn begun(here: &Path) -> (Child, PathBuf) {
             panic!("no hidden folder came");
         }
         std::thread::sleep(Duration::from_millis(5));
-    }
+    };
+    (child, hidden)
 }
 
 fn signal(child: &Child, name: &str) {
