@@ -17,13 +17,13 @@ const LONG: [&str; 6] = [
 
 /// Starts a run that takes long, and waits until its hidden folder has a trace in it.
 fn begun(here: &Path) -> (Child, PathBuf) {
-    let child = program(here, &LONG)
+    let mut child = program(here, &LONG)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let until = Instant::now() + Duration::from_secs(120);
-    loop {
+    let hidden = loop {
         let hidden = std::fs::read_dir(here.join("new"))
             .into_iter()
             .flatten()
@@ -31,11 +31,16 @@ fn begun(here: &Path) -> (Child, PathBuf) {
             .map(|entry| entry.path())
             .find(|path| path.join("traces").is_dir());
         if let Some(hidden) = hidden {
-            return (child, hidden);
+            break hidden;
         }
-        assert!(Instant::now() < until, "no hidden folder came");
+        if Instant::now() > until {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("no hidden folder came");
+        }
         std::thread::sleep(Duration::from_millis(5));
-    }
+    };
+    (child, hidden)
 }
 
 fn signal(child: &Child, name: &str) {

@@ -56,7 +56,7 @@ fn spring(scene: &Scene) -> Option<Error> {
     };
     let fix = if most > 0.0 {
         let word = if damped { "below" } else { "at most" };
-        format!("give {word} {:.4}", most)
+        format!("give {word} {most:.4}")
     } else {
         format!("give law.virtual_damping_n_m_s_per_rad below {counted:e}")
     };

@@ -215,3 +215,25 @@ fn bad_values() {
         "--set static_n_m=1e-4: must be at least kinetic_n_m, is 0.0001 below 0.0003; write static_n_m = 0.0003 or leave it out",
     );
 }
+
+#[test]
+fn a_change_in_code_is_checked_and_named_by_its_value() {
+    let text = "name = \"small\"\n[timing]\nduration_s = 2.0\n[operator]\ngrip = \"medium\"\n";
+    let scene = Scene::parse(text, std::path::Path::new("small.toml")).unwrap();
+    let stiffer = scene
+        .with(|scene| scene.wall.k_desired_n_m_per_rad = 7.0)
+        .unwrap();
+    assert_eq!(stiffer.wall.k_desired_n_m_per_rad, 7.0);
+    assert_eq!(stiffer.operator, scene.operator);
+    let refused = scene
+        .with(|scene| scene.wall.k_desired_n_m_per_rad = -7.0)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.starts_with("wall.k_desired_n_m_per_rad = -7.0: must be"),
+        "{refused}"
+    );
+    // What was not changed is still where it was written.
+    let kept = stiffer.error("timing.duration_s", "no", "yes").to_string();
+    assert_eq!(kept, "small.toml:3: timing.duration_s: no; yes");
+}
