@@ -43,6 +43,7 @@ pub mod controller;
 mod division;
 pub mod encoder;
 pub mod filter;
+pub mod guard;
 pub mod law;
 pub mod magnitude;
 pub mod number;
@@ -54,6 +55,7 @@ pub mod validate;
 
 pub use controller::Controller;
 pub use encoder::CountScale;
+pub use guard::{Guard, GuardSettings, GuardState, GuardedDevice};
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
