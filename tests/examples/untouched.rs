@@ -1,8 +1,10 @@
 //! How low the guard's account falls while a hand holds, wiggles and trembles against a good wall.
 //!
-//! `cargo run --release -p touchstone-tests --example untouched -- 3600` plays an hour of each; the default is a minute.
+//! `cargo run --release -p touchstone-tests --example untouched -- 3600` plays an hour of each; the default is a minute. `counts`:
+//! every change of force is charged half a count; `free`: none is, and what quantisation can take adds up outside the books.
 
-use touchstone_control::Si;
+use touchstone_control::guard::ChangeOfForce;
+use touchstone_control::{GuardSettings, Si};
 use touchstone_tests::port::{Gripped, Port, SpringDamper, wiggle};
 
 fn main() {
@@ -17,39 +19,67 @@ fn main() {
         }
     };
     println!(
-        "{seconds} s each; account in mJ: lowest, at the end; mean power, mW, without a cap that would hide it"
+        "{seconds} s of each; the account in mJ: lowest, at the end; what it loses in the mean, mW, before the refill"
     );
     for (k, b) in [(5.0, 0.0076), (20.0, 0.016), (20.0, 0.055)] {
-        for delay in [0.0, 0.5] {
-            for hz in [0.0, 1.0, 4.0, 9.0, 8.0, 10.0, 12.0] {
-                for (refill, count) in [(0.0005, true), (0.0, true), (0.0, false)] {
-                    let mut port = Port::new(SpringDamper { k, b }, delay, true, true);
-                    if let Some(guard) = &mut port.guard {
-                        guard.refill = Si::from_num(refill);
-                        if !count {
-                            guard.count = Si::ZERO;
-                        }
-                    }
-                    let outcome = port.play(&mut Gripped::medium(wiggle(hz)), 1000 * seconds);
-                    // The same with an account so large that neither end is met.
-                    if let Some(guard) = &mut port.guard {
-                        guard.capacity = Si::from_num(1);
-                        guard.refill = Si::ZERO;
-                    }
-                    let long = port.play(&mut Gripped::medium(wiggle(hz)), 20_000);
-                    let short = port.play(&mut Gripped::medium(wiggle(hz)), 10_000);
-                    let power = (long.last_account_j - short.last_account_j) / 10.0;
-                    println!(
-                        "k {k:>4} B {b:<6} delay {delay} {hz:>4} Hz  P {:.1} mW {:<12} lowest {:>6.2} end {:>6.2}  changed {:>8} ticks  drift {:>7.3} mW",
-                        1e3 * refill,
-                        if count { "count" } else { "no count" },
-                        1e3 * outcome.lowest_account_j,
-                        1e3 * outcome.last_account_j,
-                        outcome.changed_ticks,
-                        1e3 * power
+        for (delay, change) in [
+            (0.0, ChangeOfForce::Measured),
+            (0.5, ChangeOfForce::Measured),
+            (0.5, ChangeOfForce::Estimated),
+        ] {
+            for (refill, counted) in [(0.0005, true), (0.0005, false), (0.0, true), (0.0, false)] {
+                for hz in [0.0, 1.0, 4.0, 9.0, 8.0, 10.0, 12.0] {
+                    one(
+                        SpringDamper { k, b },
+                        delay,
+                        change,
+                        refill,
+                        counted,
+                        hz,
+                        seconds,
                     );
                 }
             }
         }
     }
+}
+
+fn one(
+    law: SpringDamper,
+    delay: f64,
+    change: ChangeOfForce,
+    refill_w: f64,
+    counted: bool,
+    hz: f64,
+    seconds: u32,
+) {
+    let mut port = Port::new(law, delay, true, true);
+    let settings = GuardSettings {
+        change,
+        refill: Si::from_num(refill_w),
+        ..Port::settings(delay, counted)
+    };
+    let play =
+        |port: &Port, seconds: u32| port.play(&mut Gripped::medium(wiggle(hz)), 1000 * seconds);
+    port.guard = Some(settings);
+    let outcome = play(&port, seconds);
+    // With an account so large that neither of its ends is met.
+    port.guard = Some(GuardSettings {
+        capacity: Si::ONE,
+        refill: Si::ZERO,
+        ..settings
+    });
+    let ends = [10, 20].map(|seconds| play(&port, seconds).last_account_j);
+    println!(
+        "k {:>2} B {:<6} delay {delay:<3} {:<9} {:<6} P {:.1} mW {hz:>4} Hz: lowest {:>6.2} end {:>6.2}, loses {:>6.3} mW, {:>7} ticks changed",
+        law.k,
+        law.b,
+        format!("{change:?}"),
+        if counted { "counts" } else { "free" },
+        1e3 * refill_w,
+        1e3 * outcome.lowest_account_j,
+        1e3 * outcome.last_account_j,
+        100.0 * (ends[0] - ends[1]),
+        outcome.changed_ticks,
+    );
 }
