@@ -209,7 +209,11 @@ impl Number for Facts32 {
     }
     // Nothing is known of it but that it is a word.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
-        signal(known!("ScaleBoth", bits(Fixed32::scale_both_fitting(r, x, q, y)), |z| word(z)))
+        signal(known!(
+            "ScaleBoth",
+            bits(Fixed32::scale_both_fitting(r, x, q, y)),
+            |z| word(z)
+        ))
     }
     fn round_down_fitting(p: i64) -> Signal {
         Fixed32::round_down_fitting(p)

@@ -19,7 +19,7 @@ fn main() {
         }
     };
     println!(
-        "{seconds} s of each; the account in mJ: lowest, at the end; what it loses in the mean, mW, before the refill"
+        "{seconds} s of each (where it runs dry, 600); the account in mJ: lowest, at the end; what it loses in the mean, mW, before the refill"
     );
     for (k, b) in [(5.0, 0.0076), (20.0, 0.016), (20.0, 0.055)] {
         for (delay, change) in [
@@ -53,6 +53,9 @@ fn one(
     hz: f64,
     seconds: u32,
 ) {
+    // Where the account is known to run dry, ten minutes show it.
+    let dry = refill_w == 0.0 || change == ChangeOfForce::Estimated;
+    let seconds = if dry { seconds.min(600) } else { seconds };
     let mut port = Port::new(law, delay, true, true);
     let settings = GuardSettings {
         change,
@@ -71,7 +74,7 @@ fn one(
     });
     let ends = [10, 20].map(|seconds| play(&port, seconds).last_account_j);
     println!(
-        "k {:>2} B {:<6} delay {delay:<3} {:<9} {:<6} P {:.1} mW {hz:>4} Hz: lowest {:>6.2} end {:>6.2}, loses {:>6.3} mW, {:>7} ticks changed",
+        "k {:>2} B {:<6} delay {delay:<3} {:<9} {:<6} P {:.1} mW {hz:>4} Hz {seconds:>5} s: lowest {:>6.2} end {:>6.2}, loses {:>6.3} mW, {:>7} ticks changed",
         law.k,
         law.b,
         format!("{change:?}"),

@@ -106,6 +106,9 @@ impl<N: Number> Guard<N> {
         before_change: Position<N>,
         wanted: Force<N>,
     ) -> Result<Force<N>, Overspeed> {
+        if before_change.max(Position::zero() - before_change) > self.furthest {
+            return self.overrun(state);
+        }
         self.step(state, moved, before_change, wanted)
     }
 
