@@ -14,9 +14,7 @@ use crate::format::Format;
 use crate::source::Source;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
-use touchstone_control::{
-    Energy, Fixed8, Fixed32, Force, Guard, GuardState, Number, Position, Stiffness,
-};
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Position, Stiffness};
 
 /// A quarter of a signal's format, in bits.
 fn quarter<N: Format>() -> i64 {
@@ -24,25 +22,43 @@ fn quarter<N: Format>() -> i64 {
 }
 
 /// A position of at most a quarter, and not negative.
-fn room<N: Format>(x: Position<N>) -> bool {
-    x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
+fn room<N: Format>(x: &Position<N>) -> bool {
+    *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
+}
+
+/// A value of which a condition is likely to hold: the sampler tries a few times, the checker takes any.
+fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
+    loop {
+        let value = any(s);
+        if likes(&value) || !s.shortcut() {
+            return value;
+        }
+    }
 }
 
 impl<N: Format> Valid<N> for Guard<N> {
     type State = GuardState<N>;
     fn any<S: Source>(s: &mut S) -> Self {
+        let most = quarter::<N>();
+        let length = |s: &mut S| one_with(s, N::any_position, room);
+        let gain = |s: &mut S| one_with(s, N::any_stiffness, |k| N::of_gain(k.0) >= 0);
+        let energy = |s: &mut S| {
+            let fits = |e: &Energy<N>| (0..=most << N::SIGNAL_BITS).contains(&N::of_energy(e.0));
+            one_with(s, N::any_energy, fits)
+        };
+        let share = |x: i64| (0..=1 << N::SIGNAL_BITS).contains(&x);
         Self {
-            capacity: N::any_energy(s),
-            refill: N::any_energy(s),
-            damping: N::any_stiffness(s),
-            furthest: N::any_position(s),
-            count: N::any_position(s),
-            late: N::any_ratio(s),
-            stray: N::any_compliance(s),
-            slack: N::any_position(s),
-            per_reach: N::any_stiffness(s),
-            in_flight: N::any_position(s),
-            overrun: N::any_compliance(s),
+            capacity: energy(s),
+            refill: energy(s),
+            damping: gain(s),
+            furthest: length(s),
+            count: length(s),
+            late: one_with(s, N::any_ratio, |x| share(N::of_signal_ratio(x.0))),
+            stray: one_with(s, N::any_compliance, |x| N::of_signal_ratio(x.0) >= 0),
+            slack: length(s),
+            per_reach: gain(s),
+            in_flight: length(s),
+            overrun: one_with(s, N::any_compliance, |x| N::of_signal_ratio(x.0) >= 0),
         }
     }
     fn any_state<S: Source>(s: &mut S) -> GuardState<N> {
@@ -53,10 +69,14 @@ impl<N: Format> Valid<N> for Guard<N> {
                 ..GuardState::default()
             };
         }
+        let force = |s: &mut S| {
+            let fits = |f: &Force<N>| N::of_signal(f.0).abs() <= quarter::<N>();
+            one_with(s, N::any_force, fits)
+        };
         GuardState {
             account,
-            force: N::any_force(s),
-            older: N::any_force(s),
+            force: force(s),
+            older: force(s),
         }
     }
     /// In bits, and in numbers that no product of them leaves: what `Guard::new` sees to.
@@ -70,12 +90,12 @@ impl<N: Format> Valid<N> for Guard<N> {
             && N::of_signal_ratio(self.late.0) >= 0
             && N::of_signal_ratio(self.stray.0) >= 0
             && N::of_signal_ratio(self.overrun.0) >= 0;
-        let rooms = room(self.furthest)
-            && room(self.count)
-            && room(self.slack)
-            && room(self.in_flight)
-            && bits(self.capacity) <= most << N::SIGNAL_BITS
-            && bits(self.refill) <= most << N::SIGNAL_BITS
+        let rooms = room(&self.furthest)
+            && room(&self.count)
+            && room(&self.slack)
+            && room(&self.in_flight)
+            && bits(self.capacity) < (most + 1) << N::SIGNAL_BITS
+            && bits(self.refill) < (most + 1) << N::SIGNAL_BITS
             && N::of_signal_ratio(self.late.0) <= 1 << N::SIGNAL_BITS;
         if !(not_negative && rooms) {
             return false;
@@ -135,6 +155,10 @@ macro_rules! guard {
                     assert!(law.holds(&state));
                     assert!(before.account < Energy::zero() || state.account >= law.reserve(before.force));
                     assert!(law.reserve(before.force) >= Energy::zero());
+                    assert!(
+                        before.account < Energy::zero()
+                            || state.force.modulus() <= law.largest_force(state.account - law.reserve(before.force))
+                    );
                     cover!(s, state.account == law.reserve(before.force) && before.force != Force::zero(), "at the reserve");
                     cover!(s, state.account == law.capacity && law.capacity > Energy::zero(), "full");
                     cover!(s, before.account < Energy::zero() && state.account >= Energy::zero(), "a deficit made up for");
@@ -357,3 +381,62 @@ guard!(
     /// At 8 bits, where a solver has every case.
     w8, Fixed8, by cadical
 );
+
+#[cfg(all(test, not(kani)))]
+mod accepted {
+    use super::*;
+    use crate::source::{Sampler, sample};
+    use touchstone_control::guard::ChangeOfForce;
+    use touchstone_control::{GuardSettings, GuardedDevice, Si};
+
+    /// P8: whatever `Guard::new` accepts is valid, its memory at power-up satisfies the invariant, and its reach is paid.
+    fn body<N: Format>(s: &mut Sampler) {
+        let mut value =
+            |bits: u32| Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> bits);
+        let settings = GuardSettings {
+            capacity: value(0),
+            refill: value(6),
+            share_of_damping: value(4),
+            overspeed: value(0),
+            delay: value(14),
+            lag: value(14),
+            count: value(8),
+            change: ChangeOfForce::Estimated,
+        };
+        let device = GuardedDevice {
+            rate_hz: 100 << (s.bits(3)),
+            damping: Si::from_bits(i64::from(s.u32()) >> (s.bits(5) as u32)),
+            force_limit: Si::from_bits(i64::from(s.u32())),
+        };
+        let settings = if s.bool() {
+            settings
+        } else {
+            GuardSettings {
+                change: ChangeOfForce::Measured,
+                ..settings
+            }
+        };
+        let accepted = Guard::<N>::new(&settings, &device);
+        cover!(s, accepted.is_err(), "refused");
+        let Ok(law) = accepted else {
+            s.assume(false);
+            return;
+        };
+        assert!(law.valid(), "{settings:?} {device:?} {law:?}");
+        assert!(law.holds(&law.full()));
+        let reach = N::of_signal(law.furthest.0) + N::of_signal(law.count.0) - 2;
+        assert!(
+            i128::from(N::of_gain(law.per_reach.0)) * i128::from(reach)
+                <= 1 << (N::GAIN_BITS + N::SIGNAL_BITS)
+        );
+        cover!(s, settings.delay > Si::ZERO, "delayed");
+    }
+    #[test]
+    fn p8_accepted_is_valid_32() {
+        sample("guard::accepted::32", body::<Fixed32>);
+    }
+    #[test]
+    fn p8_accepted_is_valid_16() {
+        sample("guard::accepted::16", body::<touchstone_control::Fixed16>);
+    }
+}

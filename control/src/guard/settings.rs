@@ -325,18 +325,17 @@ impl<N: Number> Guard<N> {
         };
         // Four times of what the sums of the books are made of must fit.
         let quarter = |field, value: Si| {
-            N::signal(value.saturating_mul(whole(4)).saturating_sub(UP))
-                .ok_or(refused::<N>(field, value))
+            N::signal(value.saturating_mul(whole(4))).ok_or(refused::<N>(field, value))
         };
-        quarter(F::ForceLimit, device.force_limit)?;
+        N::signal(device.force_limit).ok_or(refused::<N>(F::ForceLimit, device.force_limit))?;
         quarter(F::Capacity, settings.capacity)?;
         quarter(F::Damping, derived.damping.saturating_mul(derived.distance))?;
         quarter(F::Overspeed, derived.distance)?;
         // An account that pays for more force than the books have room for lets less through.
         let room = [
-            whole(32),
-            const { Si::lit("0.5") },
-            const { Si::lit("0.25") },
+            const { Si::lit("31.9") },
+            const { Si::lit("0.49") },
+            const { Si::lit("0.24") },
         ]
         .into_iter()
         .find(|room| quarter(F::Capacity, *room).is_ok())

@@ -324,7 +324,9 @@ fn settings_are_validated_from_both_sides() {
             s.delay = Si::lit("0.0006");
             s.lag = Si::lit("0.0005");
         }),
-        (GuardField::ForceLimit, |_, d| d.force_limit = Si::lit("33")),
+        (GuardField::ForceLimit, |_, d| {
+            d.force_limit = Si::lit("129")
+        }),
     ];
     for (field, change) in refused {
         let (mut s, mut d) = (settings("0"), device());
