@@ -100,10 +100,10 @@ impl<N: Format> Valid<N> for Guard<N> {
         if !(not_negative && rooms) {
             return false;
         }
-        let product = |k: Stiffness<N>, x: i128| i128::from(N::of_gain(k.0)) * x >> N::GAIN_BITS;
+        let product = |k: Stiffness<N>, x: i128| (i128::from(N::of_gain(k.0)) * x) >> N::GAIN_BITS;
         let largest = product(self.per_reach, bits(self.capacity) >> N::SIGNAL_BITS);
         let damping = product(self.damping, i128::from(N::of_signal(self.furthest.0)));
-        let stray = i128::from(N::of_signal_ratio(self.stray.0)) * 2 * largest >> N::SIGNAL_BITS;
+        let stray = (i128::from(N::of_signal_ratio(self.stray.0)) * 2 * largest) >> N::SIGNAL_BITS;
         largest <= most
             && damping <= most
             && stray <= most

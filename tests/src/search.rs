@@ -9,6 +9,9 @@ fn normal(random: &mut Random) -> f64 {
     (-2.0 * (u.max(1e-300)).ln()).sqrt() * (std::f64::consts::PI * v).cos()
 }
 
+/// A value, and the draw and the step that led to it.
+type Child = (f64, Vec<f64>, Vec<f64>);
+
 /// The best point found and its value: the largest of `evaluations` (a whole generation more at most), from around the origin
 /// with a first step of `step`.
 pub fn largest(
@@ -50,7 +53,7 @@ pub fn largest(
         let mut stale = 0;
         let mut best_here = f64::NEG_INFINITY;
         while spent < evaluations && stale < 60 + 10 * dimensions && sigma > 1e-6 {
-            let mut children: Vec<(f64, Vec<f64>, Vec<f64>)> = (0..lambda)
+            let mut children: Vec<Child> = (0..lambda)
                 .map(|_| {
                     let z: Vec<f64> = (0..dimensions).map(|_| normal(&mut random)).collect();
                     let d: Vec<f64> = matrix
@@ -74,7 +77,7 @@ pub fn largest(
                 }
                 best_here = children[0].0;
             }
-            let mean = |of: fn(&(f64, Vec<f64>, Vec<f64>)) -> &Vec<f64>, i: usize| -> f64 {
+            let mean = |of: fn(&Child) -> &Vec<f64>, i: usize| -> f64 {
                 (0..mu).map(|k| weights[k] * of(&children[k])[i]).sum()
             };
             let z: Vec<f64> = (0..dimensions).map(|i| mean(|c| &c.1, i)).collect();

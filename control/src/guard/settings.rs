@@ -373,7 +373,7 @@ impl<N: Number> Guard<N> {
         let half_count = settings.count / 2;
         let mut slack = up::<N>(F::Count, half_count)? + Position::quantum() + Position::quantum();
         // What the last digit of the stray leaves out: a quantum for every newton-metre that a change can have.
-        for _ in 0..=largest_change.to_num::<u16>() {
+        for _ in 0..=largest_change.saturating_to_num::<u16>() {
             slack = slack + Position::quantum();
         }
         let in_flight = if delayed {
