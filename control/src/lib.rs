@@ -47,6 +47,7 @@ pub mod controller;
 mod division;
 pub mod encoder;
 pub mod filter;
+pub mod guard;
 pub mod law;
 pub mod magnitude;
 pub mod number;
@@ -63,6 +64,7 @@ pub use fixed;
 pub use choices::*;
 pub use controller::Controller;
 pub use encoder::CountScale;
+pub use guard::{Guard, GuardSettings, GuardState, GuardedDevice};
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};

@@ -116,6 +116,12 @@ macro_rules! signal_quantity {
             pub fn modulus(self) -> Self {
                 Self(N::modulus(self.0))
             }
+            /// Modulus where the caller knows that it fits.
+            #[inline(always)]
+            #[must_use]
+            pub fn modulus_fitting(self) -> Self {
+                Self(N::modulus_fitting(self.0))
+            }
             /// Limited to `-limit..=limit`.
             #[inline(always)]
             #[must_use]
@@ -153,6 +159,15 @@ impl<N: Number> Mul<Force<N>> for Compliance<N> {
     #[inline(always)]
     fn mul(self, f: Force<N>) -> Position<N> {
         Position(N::scale(self.0, f.0))
+    }
+}
+impl<N: Number> Ratio<N> {
+    /// That share of a displacement and the deformation of a spring under a force, rounded down once, where the caller knows
+    /// that it fits.
+    #[inline(always)]
+    #[must_use]
+    pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
+        Position(N::scale_both_fitting(self.0, x.0, spring.0, f.0))
     }
 }
 impl<N: Number> Mul<Position<N>> for Ratio<N> {
@@ -197,6 +212,25 @@ impl<N: Number> Energy<N> {
         N::Energy: LossyInto<Si>,
     {
         self.0.lossy_into()
+    }
+    /// `self + other` where the caller knows that it fits.
+    #[inline(always)]
+    #[must_use]
+    pub fn plus_fitting(self, other: Self) -> Self {
+        Self(N::add_energy_fitting(self.0, other.0))
+    }
+    /// `self - other` where the caller knows that it fits.
+    #[inline(always)]
+    #[must_use]
+    pub fn minus_fitting(self, other: Self) -> Self {
+        Self(N::sub_energy_fitting(self.0, other.0))
+    }
+    /// The energy in the digits of a position, rounded down, where the caller knows that it fits: a stiffness of `1/d` makes
+    /// the force of it that it pays for over `d`.
+    #[inline(always)]
+    #[must_use]
+    pub fn digits_fitting(self) -> Position<N> {
+        Position(N::energy_digits_fitting(self.0))
     }
     /// `|e| / |d|` rounded towards zero: the force that moves exactly this energy, or less, over `d`.
     #[inline(always)]
@@ -249,6 +283,12 @@ impl<N: Number> Tension<N> {
     #[must_use]
     pub fn minus_fitting(self, other: Self) -> Self {
         Self(N::sub_fitting(self.0, other.0))
+    }
+    /// Rounded down, where the caller knows that it fits.
+    #[inline(always)]
+    #[must_use]
+    pub fn down_fitting(self) -> Force<N> {
+        Force(N::round_down_fitting(self.0))
     }
     /// The force outwards, rounded towards zero: 0 where the tension pulls inwards.
     #[inline(always)]

@@ -194,6 +194,30 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
+    // That these two fit is checked by the checker, and by every sampled test.
+    fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
+        Fixed32::add_energy_fitting(a, b)
+    }
+    fn sub_energy_fitting(a: Energy, b: Energy) -> Energy {
+        Fixed32::sub_energy_fitting(a, b)
+    }
+    fn energy_digits_fitting(e: Energy) -> Signal {
+        Fixed32::energy_digits_fitting(e)
+    }
+    fn modulus_fitting(a: Signal) -> Signal {
+        Fixed32::modulus_fitting(a)
+    }
+    // Nothing is known of it but that it is a word.
+    fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
+        signal(known!(
+            "ScaleBoth",
+            bits(Fixed32::scale_both_fitting(r, x, q, y)),
+            |z| word(z)
+        ))
+    }
+    fn round_down_fitting(p: i64) -> Signal {
+        Fixed32::round_down_fitting(p)
+    }
     fn half_energy_up(e: Energy) -> Energy {
         Fixed32::half_energy_up(e)
     }

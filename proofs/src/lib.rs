@@ -18,6 +18,7 @@ pub mod facts;
 pub mod fba;
 pub mod format;
 pub mod functions;
+pub mod guard;
 pub mod heart;
 pub mod offset;
 pub mod settings;

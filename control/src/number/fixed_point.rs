@@ -54,6 +54,14 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
             }
 
+            /// A double word shifted down: an arithmetic shift floors.
+            #[inline(always)]
+            fn shifted_fitting(wide: $wide, bits: u32) -> $signal {
+                let shifted = wide >> bits;
+                debug_assert!(<$int>::try_from(shifted).is_ok(), "{shifted} does not fit");
+                <$signal>::from_bits(shifted as $int)
+            }
+
             #[inline(always)]
             fn magnitude(x: $signal) -> $word {
                 x.to_bits().unsigned_abs()
@@ -240,6 +248,35 @@ macro_rules! fixed_number {
             #[inline(always)]
             fn sub_energy(a: $energy, b: $energy) -> $energy {
                 a.saturating_sub(b)
+            }
+            #[inline(always)]
+            fn add_energy_fitting(a: $energy, b: $energy) -> $energy {
+                debug_assert!(a.checked_add(b).is_some(), "{a} + {b} does not fit");
+                a.wrapping_add(b)
+            }
+            #[inline(always)]
+            fn sub_energy_fitting(a: $energy, b: $energy) -> $energy {
+                debug_assert!(a.checked_sub(b).is_some(), "{a} - {b} does not fit");
+                a.wrapping_sub(b)
+            }
+            #[inline(always)]
+            fn energy_digits_fitting(e: $energy) -> $signal {
+                // Twice the fractional bits of a signal.
+                Self::shifted_fitting(e.to_bits(), Self::SIGNAL_BITS)
+            }
+            #[inline(always)]
+            fn modulus_fitting(a: $signal) -> $signal {
+                debug_assert!(a != <$signal>::MIN, "the lowest value has no modulus");
+                <$signal>::from_bits(a.to_bits().wrapping_abs())
+            }
+            #[inline(always)]
+            fn scale_both_fitting(r: $signal, x: $signal, q: $signal, y: $signal) -> $signal {
+                let sum = Self::add_energy_fitting(Self::work(r, x), Self::work(q, y));
+                Self::shifted_fitting(sum.to_bits(), Self::SIGNAL_BITS)
+            }
+            #[inline(always)]
+            fn round_down_fitting(p: $wide) -> $signal {
+                Self::shifted_fitting(p, Self::GAIN_BITS)
             }
             #[inline(always)]
             fn half_energy_up(e: $energy) -> $energy {

@@ -124,6 +124,30 @@ macro_rules! float_number {
                 a - b
             }
             #[inline(always)]
+            fn add_energy_fitting(a: $float, b: $float) -> $float {
+                a + b
+            }
+            #[inline(always)]
+            fn sub_energy_fitting(a: $float, b: $float) -> $float {
+                a - b
+            }
+            #[inline(always)]
+            fn energy_digits_fitting(e: $float) -> $float {
+                e
+            }
+            #[inline(always)]
+            fn modulus_fitting(a: $float) -> $float {
+                Self::modulus(a)
+            }
+            #[inline(always)]
+            fn scale_both_fitting(r: $float, x: $float, q: $float, y: $float) -> $float {
+                r * x + q * y
+            }
+            #[inline(always)]
+            fn round_down_fitting(p: $float) -> $float {
+                p
+            }
+            #[inline(always)]
             fn half_energy_up(e: $float) -> $float {
                 e / 2.0
             }

@@ -101,6 +101,23 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn add_energy(a: Self::Energy, b: Self::Energy) -> Self::Energy;
     /// `a - b`, saturating.
     fn sub_energy(a: Self::Energy, b: Self::Energy) -> Self::Energy;
+    /// `a + b` where the caller knows that it fits, which saves the look whether it does.
+    fn add_energy_fitting(a: Self::Energy, b: Self::Energy) -> Self::Energy;
+    /// `a - b` where the caller knows that it fits.
+    fn sub_energy_fitting(a: Self::Energy, b: Self::Energy) -> Self::Energy;
+    /// An energy with the digits of a signal, rounded down (towards minus infinity), where the caller knows that it fits.
+    fn energy_digits_fitting(e: Self::Energy) -> Self::Signal;
+    /// `|a|` where the caller knows that it fits.
+    fn modulus_fitting(a: Self::Signal) -> Self::Signal;
+    /// `r · x + q · y` rounded down once, where the caller knows that it fits.
+    fn scale_both_fitting(
+        r: Self::Ratio,
+        x: Self::Signal,
+        q: Self::Ratio,
+        y: Self::Signal,
+    ) -> Self::Signal;
+    /// A product rounded down to a signal, where the caller knows that it fits.
+    fn round_down_fitting(p: Self::Product) -> Self::Signal;
     /// Half of a non-negative energy, rounded up.
     fn half_energy_up(e: Self::Energy) -> Self::Energy;
     /// `|e| / |x|` towards zero, saturating; the largest signal for `x = 0`.

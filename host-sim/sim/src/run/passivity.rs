@@ -2,8 +2,8 @@
 
 use super::warnings;
 use crate::error::{Error, Result};
-use touchstone_control::LawKind;
 use crate::scene::Scene;
+use touchstone_control::LawKind;
 
 /// The first of the law's own passivity bounds that the scene leaves, as a refusal at its place; `None` if it keeps all.
 ///

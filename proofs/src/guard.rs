@@ -1,0 +1,442 @@
+//! The energy guard: one tick from every memory, for every configuration that `Guard::new` can give.
+//!
+//! That the account is a lower bound of the true one is on paper, `docs/energy-guard.md`; what is proved here is that the code
+//! keeps that account: the sum, its ends, the reserve, the bound on the force.
+//!
+//! ```text
+//! f D <= A  if  D/reach <= 1      p1_force_is_paid
+//! B' = min(sum, C), at least R    p1_account_is_the_sum
+//! 0 <= R <= B' <= C               p1_account_stays
+//! |f| <= |wanted|, same sign      p4_force_never_grows
+//! ```
+
+use crate::format::Format;
+use crate::source::Source;
+use crate::valid::Valid;
+use crate::{assume, cover, property, such};
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Position, Stiffness};
+
+/// A quarter of a signal's format, in bits.
+fn quarter<N: Format>() -> i64 {
+    N::of_signal(N::HIGHEST) >> 2
+}
+
+/// A position of at most a quarter, and not negative.
+fn room<N: Format>(x: &Position<N>) -> bool {
+    *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
+}
+
+/// A value of which a condition is likely to hold: the sampler tries a few times, the checker takes any.
+fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
+    loop {
+        let value = any(s);
+        if likes(&value) || !s.shortcut() {
+            return value;
+        }
+    }
+}
+
+impl<N: Format> Valid<N> for Guard<N> {
+    type State = GuardState<N>;
+    fn any<S: Source>(s: &mut S) -> Self {
+        let most = quarter::<N>();
+        let length = |s: &mut S| one_with(s, N::any_position, room);
+        let gain = |s: &mut S| one_with(s, N::any_stiffness, |k| N::of_gain(k.0) >= 0);
+        let energy = |s: &mut S| {
+            let fits = |e: &Energy<N>| (0..=most << N::SIGNAL_BITS).contains(&N::of_energy(e.0));
+            one_with(s, N::any_energy, fits)
+        };
+        let share = |x: i64| (0..=1 << N::SIGNAL_BITS).contains(&x);
+        Self {
+            capacity: energy(s),
+            refill: energy(s),
+            damping: gain(s),
+            furthest: length(s),
+            count: length(s),
+            late: one_with(s, N::any_ratio, |x| share(N::of_signal_ratio(x.0))),
+            stray: one_with(s, N::any_compliance, |x| N::of_signal_ratio(x.0) >= 0),
+            slack: length(s),
+            per_reach: gain(s),
+            in_flight: length(s),
+            overrun: one_with(s, N::any_compliance, |x| N::of_signal_ratio(x.0) >= 0),
+        }
+    }
+    fn any_state<S: Source>(s: &mut S) -> GuardState<N> {
+        let account = N::any_energy(s);
+        if account < Energy::zero() && s.shortcut() {
+            return GuardState {
+                account,
+                ..GuardState::default()
+            };
+        }
+        let force = |s: &mut S| {
+            let fits = |f: &Force<N>| N::of_signal(f.0).abs() <= quarter::<N>();
+            one_with(s, N::any_force, fits)
+        };
+        GuardState {
+            account,
+            force: force(s),
+            older: force(s),
+        }
+    }
+    /// In bits, and in numbers that no product of them leaves: what `Guard::new` sees to.
+    fn valid(&self) -> bool {
+        let most = i128::from(quarter::<N>());
+        let bits = |x: Energy<N>| i128::from(N::of_energy(x.0));
+        let not_negative = self.capacity >= Energy::zero()
+            && self.refill >= Energy::zero()
+            && self.damping >= Stiffness::zero()
+            && self.per_reach >= Stiffness::zero()
+            && N::of_signal_ratio(self.late.0) >= 0
+            && N::of_signal_ratio(self.stray.0) >= 0
+            && N::of_signal_ratio(self.overrun.0) >= 0;
+        let rooms = room(&self.furthest)
+            && room(&self.count)
+            && room(&self.slack)
+            && room(&self.in_flight)
+            && bits(self.capacity) < (most + 1) << N::SIGNAL_BITS
+            && bits(self.refill) < (most + 1) << N::SIGNAL_BITS
+            && N::of_signal_ratio(self.late.0) <= 1 << N::SIGNAL_BITS;
+        if !(not_negative && rooms) {
+            return false;
+        }
+        let product = |k: Stiffness<N>, x: i128| (i128::from(N::of_gain(k.0)) * x) >> N::GAIN_BITS;
+        let largest = product(self.per_reach, bits(self.capacity) >> N::SIGNAL_BITS);
+        let damping = product(self.damping, i128::from(N::of_signal(self.furthest.0)));
+        let stray = (i128::from(N::of_signal_ratio(self.stray.0)) * 2 * largest) >> N::SIGNAL_BITS;
+        largest <= most
+            && damping <= most
+            && stray <= most
+            // The reserve of the largest force is less than the account that allows it.
+            && largest * i128::from(N::of_signal(self.in_flight.0)) <= bits(self.capacity)
+    }
+    fn holds(&self, state: &GuardState<N>) -> bool {
+        let largest = self.largest_force(self.capacity);
+        let allowed = |force: Force<N>| force <= largest && force >= Force::zero() - largest;
+        let still = state.force == Force::zero() && state.older == Force::zero();
+        state.account <= self.capacity
+            && allowed(state.force)
+            && allowed(state.older)
+            // A deficit, after overspeed: no force, and one that the format holds.
+            && (state.account >= Energy::zero()
+                || still && N::of_energy(state.account.0) > -(N::of_energy(N::energy_cap().0)))
+    }
+}
+
+/// The displacement of a tick, tick or overspeed.
+fn too_fast<N: Format>(law: &Guard<N>, moved: Position<N>) -> bool {
+    moved > law.furthest || moved < Position::zero() - law.furthest
+}
+
+macro_rules! guard {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            type N = $number;
+
+            property! {
+                /// P1, P3, P4 and the invariant: one tick does not panic, no sum leaves its format, the account stays between the
+                /// reserve and the capacity after every displacement up to the furthest, whatever was wanted.
+                equation "0 <= R <= B' <= C"
+                over "valid configuration, memory in the invariant, displacement, wanted force"
+                by $solver fn p1_account_stays(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let (moved, wanted) = (N::any_position(s), N::any_force(s));
+                    assume!(s, !too_fast(&law, moved), "case; the other is p4_overspeed");
+                    let mut state = before;
+                    let answer = law.tick(&mut state, moved, wanted);
+                    assert!(answer == Ok(state.force));
+                    assert!(law.holds(&state));
+                    assert!(before.account < Energy::zero() || state.account >= law.reserve(before.force));
+                    assert!(law.reserve(before.force) >= Energy::zero());
+                    assert!(
+                        before.account < Energy::zero()
+                            || state.force.modulus() <= law.largest_force(state.account - law.reserve(before.force))
+                    );
+                    cover!(s, state.account == law.reserve(before.force) && before.force != Force::zero(), "at the reserve");
+                    cover!(s, state.account == law.capacity && law.capacity > Energy::zero(), "full");
+                    cover!(s, before.account < Energy::zero() && state.account >= Energy::zero(), "a deficit made up for");
+                }
+            }
+            property! {
+                /// P1: the account is the exact sum of what was, the refill, the work of each force over its own part of the way, the
+                /// trusted damping, and the charge for the change; not below the reserve, not above the capacity.
+                equation "B' = max(min(B + P T + f Δ - g u - |g| q + c m m, C), R)"
+                over "valid configuration, memory in the invariant, displacement, wanted force"
+                by $solver fn p1_account_is_the_sum(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let (moved, wanted) = (N::any_position(s), N::any_force(s));
+                    assume!(
+                        s,
+                        !too_fast(&law, moved) && before.account >= Energy::zero(),
+                        "case; the others are p4_overspeed and p1_deficit"
+                    );
+                    let mut state = before;
+                    let _ = law.tick(&mut state, moved, wanted);
+                    let wide = |x: i64| i128::from(x);
+                    let (force, older) = (wide(N::of_signal(before.force.0)), wide(N::of_signal(before.older.0)));
+                    let x = wide(N::of_signal(moved.0));
+                    let change = force - older;
+                    let late = wide(N::of_signal_ratio(law.late.0));
+                    let stray = wide(N::of_signal_ratio(law.stray.0));
+                    let under_older = (late * x + stray * change) >> N::SIGNAL_BITS;
+                    let surely = (x.abs() - wide(N::of_signal(law.count.0))).max(0);
+                    let damping = (wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS;
+                    let energy = |e: Energy<N>| wide(N::of_energy(e.0));
+                    let sum = energy(before.account) + energy(law.refill) + force * x - change * under_older
+                        - change.abs() * wide(N::of_signal(law.slack.0)) + damping * surely;
+                    let reserve = force.abs() * wide(N::of_signal(law.in_flight.0));
+                    assert!(energy(state.account) == sum.min(energy(law.capacity)).max(reserve));
+                    cover!(s, change * under_older > 0 && sum > reserve, "paid under the old force");
+                    cover!(s, damping > 0 && x < 0, "damped outward");
+                    cover!(s, stray > 0 && change != 0 && x == 0, "strayed");
+                }
+            }
+            property! {
+                /// P1: what the stray adds is never gained: the product of the change with its own share has the sign of a square.
+                equation "g floor(κ' g) >= 0, up to a quantum"
+                over "valid configuration, change of force"
+                by $solver fn p1_stray_is_charged(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let change = N::any_force(s);
+                    assume!(s, change.modulus() <= law.largest_force(law.capacity), "half of the largest change");
+                    let under = law.late.of_and_fitting(Position::zero(), law.stray, change);
+                    let charged = i128::from(N::of_signal(change.0)) * i128::from(N::of_signal(under.0));
+                    let quantum = i128::from(N::of_signal(change.0)).abs();
+                    assert!(charged >= -quantum);
+                    // Rounded down by less than the quantum that the slack holds.
+                    let exact = i128::from(N::of_signal_ratio(law.stray.0)) * i128::from(N::of_signal(change.0)).pow(2);
+                    assert!((charged + quantum) << N::SIGNAL_BITS >= exact);
+                    cover!(s, charged > 0 && change < Force::zero(), "a fall of the force");
+                }
+            }
+            property! {
+                /// P1: the force is paid over every displacement up to the reach: the rounding of the reciprocal, of the energy and of the
+                /// force are all to that side.
+                equation "D r <= 1  =>  |f| y <= A for every y <= D"
+                over "valid configuration, free energy, reach, displacement"
+                by $solver fn p1_force_is_paid(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let free = N::any_energy(s);
+                    assume!(s, free >= Energy::zero() && free <= law.capacity, "what tick passes: p1_account_stays");
+                    let (reach, moved) = (N::any_position(s), N::any_position(s));
+                    let bits = |x: Position<N>| i128::from(N::of_signal(x.0));
+                    assume!(
+                        s,
+                        i128::from(N::of_gain(law.per_reach.0)) * bits(reach) <= 1 << (N::GAIN_BITS + N::SIGNAL_BITS),
+                        "Guard::new: the reciprocal is rounded down"
+                    );
+                    assume!(s, bits(moved).abs() <= bits(reach), "case; further is overspeed");
+                    let force = law.largest_force(free);
+                    let work = i128::from(N::of_signal(force.0)) * bits(moved).abs();
+                    assert!(force >= Force::zero() && work <= i128::from(N::of_energy(free.0)));
+                    cover!(s, work > 0 && bits(moved) == -bits(reach), "the whole reach outward");
+                }
+            }
+            property! {
+                /// P4: the guard never makes a force larger, nor turns it round.
+                equation "|f| <= |f_wanted|, f f_wanted >= 0"
+                over "valid configuration, memory in the invariant, displacement, wanted force"
+                by $solver fn p4_force_never_grows(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let mut state = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let (moved, wanted) = (N::any_position(s), N::any_force(s));
+                    let force = law.tick(&mut state, moved, wanted).unwrap_or(Force::zero());
+                    if wanted >= Force::zero() {
+                        assert!(force >= Force::zero() && force <= wanted);
+                    } else {
+                        assert!(force <= Force::zero() && force >= wanted);
+                    }
+                    cover!(s, force != Force::zero() && force != wanted, "cut");
+                    cover!(s, force < Force::zero() && force == wanted, "pulls, untouched");
+                }
+            }
+            property! {
+                /// P4: more energy never allows less force, and none allows none: a softer wall, and no step.
+                equation "A <= A'  =>  f(A) <= f(A'), f(0) = 0"
+                over "valid configuration, pair of energies"
+                by $solver fn p4_force_follows_the_account(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let (less, more) = (N::any_energy(s), N::any_energy(s));
+                    assume!(
+                        s,
+                        less >= Energy::zero() && less <= more && more <= law.capacity,
+                        "what tick passes: p1_account_stays"
+                    );
+                    assert!(law.largest_force(less) <= law.largest_force(more));
+                    assert!(law.largest_force(Energy::zero()) == Force::zero());
+                    cover!(s, law.largest_force(less) < law.largest_force(more), "softer");
+                }
+            }
+            property! {
+                /// P1: at rest and without force the account takes in the refill, and nothing else.
+                equation "Δ = 0, f = 0  =>  B' = min(B + P T, C)"
+                over "valid configuration, account"
+                by $solver fn p1_refill(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let account = N::any_energy(s);
+                    assume!(
+                        s,
+                        account <= law.capacity && N::of_energy(account.0) > -N::of_energy(N::energy_cap().0),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let mut state = GuardState { account, ..GuardState::default() };
+                    let _ = law.tick(&mut state, Position::zero(), Force::zero());
+                    let exact = i128::from(N::of_energy(account.0)) + i128::from(N::of_energy(law.refill.0));
+                    assert!(i128::from(N::of_energy(state.account.0)) == exact.min(i128::from(N::of_energy(law.capacity.0))));
+                    cover!(s, account < Energy::zero() && state.account > account, "from a deficit");
+                    cover!(s, state.account == law.capacity && account < law.capacity, "filled");
+                }
+            }
+            property! {
+                /// P1: with a deficit no force is shown, and nothing is owed by the forces remembered.
+                equation "B < 0  =>  f = 0, B' >= B"
+                over "valid configuration, memory in the invariant, displacement, wanted force"
+                by $solver fn p1_deficit(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let (moved, wanted) = (N::any_position(s), N::any_force(s));
+                    assume!(
+                        s,
+                        before.account < Energy::zero() && !too_fast(&law, moved),
+                        "case; the others are p4_overspeed and p1_account_is_the_sum"
+                    );
+                    let mut state = before;
+                    assert!(law.tick(&mut state, moved, wanted) == Ok(Force::zero()));
+                    assert!(state.force == Force::zero() && state.older == Force::zero());
+                    assert!(state.account >= before.account);
+                    cover!(s, state.account > before.account && wanted > Force::zero(), "making up");
+                }
+            }
+            property! {
+                /// P4: overspeed is told, leaves no force, never adds to the account, and keeps the invariant.
+                equation "|Δ| > d  =>  overspeed, f = 0, B' <= B"
+                over "valid configuration, memory in the invariant, displacement, wanted force"
+                by $solver fn p4_overspeed(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let (moved, wanted) = (N::any_position(s), N::any_force(s));
+                    assume!(s, too_fast(&law, moved), "case; the other is p1_account_stays");
+                    let mut state = before;
+                    assert!(law.tick(&mut state, moved, wanted).is_err());
+                    assert!(state.force == Force::zero() && state.older == Force::zero());
+                    assert!(state.account <= before.account && law.holds(&state));
+                    cover!(s, state.account < before.account, "under a force");
+                    cover!(s, moved.0 == N::LOWEST, "the largest displacement");
+                }
+            }
+            property! {
+                /// P4: what is told of the force commanded in the end never grows what is remembered.
+                equation "|f'| <= |f|"
+                over "valid configuration, memory in the invariant, force"
+                by $solver fn p4_commanded(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let told = N::any_force(s);
+                    let mut state = before;
+                    law.commanded(&mut state, told);
+                    assert!(state.force.modulus() <= before.force.modulus());
+                    assert!(law.holds(&state) && state.account == before.account);
+                    assert!(told.modulus() > before.force.modulus() || state.force == told);
+                    cover!(s, state.force != before.force && state.force == told, "less");
+                }
+            }
+        }
+    };
+}
+
+guard!(
+    /// At the width that the firmware runs: the same bodies on samples. Products of three unknowns are more than a solver follows
+    /// there.
+    w32, Fixed32, by sampled
+);
+guard!(
+    /// At 8 bits, where a solver has every case.
+    w8, Fixed8, by cadical
+);
+
+#[cfg(all(test, not(kani)))]
+mod accepted {
+    use super::*;
+    use crate::source::{Sampler, sample};
+    use touchstone_control::guard::ChangeOfForce;
+    use touchstone_control::{GuardSettings, GuardedDevice, Si};
+
+    /// P8: whatever `Guard::new` accepts is valid, its memory at power-up satisfies the invariant, and its reach is paid.
+    fn body<N: Format>(s: &mut Sampler) {
+        let mut value =
+            |bits: u32| Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> bits);
+        let settings = GuardSettings {
+            capacity: value(0),
+            refill: value(6),
+            share_of_damping: value(4),
+            overspeed: value(0),
+            delay: value(14),
+            lag: value(14),
+            count: value(8),
+            change: ChangeOfForce::Estimated,
+        };
+        let device = GuardedDevice {
+            rate_hz: 100 << (s.bits(3)),
+            damping: Si::from_bits(i64::from(s.u32()) >> (s.bits(5) as u32)),
+            force_limit: Si::from_bits(i64::from(s.u32())),
+        };
+        let settings = if s.bool() {
+            settings
+        } else {
+            GuardSettings {
+                change: ChangeOfForce::Measured,
+                ..settings
+            }
+        };
+        let accepted = Guard::<N>::new(&settings, &device);
+        cover!(s, accepted.is_err(), "refused");
+        let Ok(law) = accepted else {
+            s.assume(false);
+            return;
+        };
+        assert!(law.valid(), "{settings:?} {device:?} {law:?}");
+        assert!(law.holds(&law.full()));
+        let reach = N::of_signal(law.furthest.0) + N::of_signal(law.count.0) - 2;
+        assert!(
+            i128::from(N::of_gain(law.per_reach.0)) * i128::from(reach)
+                <= 1 << (N::GAIN_BITS + N::SIGNAL_BITS)
+        );
+        cover!(s, settings.delay > Si::ZERO, "delayed");
+    }
+    #[test]
+    fn p8_accepted_is_valid_32() {
+        sample("guard::accepted::32", body::<Fixed32>);
+    }
+    #[test]
+    fn p8_accepted_is_valid_16() {
+        sample("guard::accepted::16", body::<touchstone_control::Fixed16>);
+    }
+}

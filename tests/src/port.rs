@@ -1,0 +1,300 @@
+//! The hand's port of a device, in exact energy: a hand, a law, the guard, an encoder and a delay, and what the hand got out.
+//!
+//! Positions are linear in time within each half of a tick (before and after the force changes), or go as a hand with masses
+//! lets them; either way force times displacement and damping are summed over what really happened, in `f64`, and not over
+//! what was measured.
+
+use touchstone_control::guard::{ChangeOfForce, GuardWarnings};
+use touchstone_control::{
+    Fixed32, Force, Guard, GuardSettings, GuardState, GuardedDevice, Position, Reported, Si,
+};
+
+/// Period of the control law.
+pub const TICK_S: f64 = 1e-3;
+/// The thesis' knob.
+pub const DAMPING_N_M_S_PER_RAD: f64 = 4e-4;
+/// The thesis' knob.
+pub const INERTIA_KG_M2: f64 = 1e-4;
+/// 40,000 counts a turn.
+pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
+
+/// A spring with virtual damping: differences of the measured position.
+#[derive(Debug, Clone, Copy)]
+pub struct SpringDamper {
+    /// N·m/rad.
+    pub k: f64,
+    /// N·m·s/rad.
+    pub b: f64,
+}
+
+/// What moves the device.
+pub trait Hand {
+    /// Where the device is at the first tick, rad inside the wall.
+    fn start(&self) -> f64;
+    /// Moves it for a part of a tick, `late` after the force has changed, against a force; where it is then, and what its
+    /// damping took.
+    fn go(&mut self, tick: u32, late: bool, force_n_m: f64, seconds: f64) -> (f64, f64);
+}
+
+/// What is in front of the hand.
+#[derive(Debug, Clone)]
+pub struct Port {
+    /// From sample to force, in ticks, 0 to 1.
+    pub delay_ticks: f64,
+    /// Whether positions are measured in counts.
+    pub counts: bool,
+    /// The law.
+    pub law: SpringDamper,
+    /// The guard, if there is one.
+    pub guard: Option<GuardSettings>,
+    /// The law's own limit, N·m.
+    pub force_limit_n_m: f64,
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Outcome {
+    /// Most that the hand got out in any window of time, J.
+    pub worst_window_j: f64,
+    /// The same, less the refill over that window.
+    pub above_refill_j: f64,
+    /// The lowest that the account was, J.
+    pub lowest_account_j: f64,
+    /// And at the end.
+    pub last_account_j: f64,
+    /// Ticks in which the guard changed the force.
+    pub changed_ticks: u32,
+    /// Ticks that were played: fewer than asked for after overspeed.
+    pub ticks: u32,
+    /// Sum of all changes of the commanded force, N·m.
+    pub changes_n_m: f64,
+}
+
+fn si(value: f64) -> Si {
+    Si::from_num(value)
+}
+
+impl Port {
+    /// 20 mJ, half a milliwatt, 80 % of the damping, with a delay in ticks.
+    #[must_use]
+    pub fn settings(delay_ticks: f64, counts: bool) -> GuardSettings {
+        GuardSettings {
+            delay: si(delay_ticks * TICK_S),
+            count: if counts { si(COUNT_RAD) } else { Si::ZERO },
+            ..GuardSettings::default()
+        }
+    }
+
+    /// A port with the settings above, or without a guard.
+    #[must_use]
+    pub fn new(law: SpringDamper, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
+        Self {
+            delay_ticks,
+            counts,
+            law,
+            guard: guarded.then(|| Self::settings(delay_ticks, counts)),
+            force_limit_n_m: 0.3,
+        }
+    }
+
+    /// The device as the guard's settings know it.
+    #[must_use]
+    pub fn device(&self) -> GuardedDevice {
+        GuardedDevice {
+            rate_hz: 1000,
+            damping: si(DAMPING_N_M_S_PER_RAD),
+            force_limit: si(self.force_limit_n_m),
+        }
+    }
+
+    /// What the guard's settings give away here.
+    #[must_use]
+    pub fn warnings(&self) -> GuardWarnings {
+        self.guard
+            .map_or([None; 2], |guard| guard.warnings(&self.device()))
+    }
+
+    /// Plays a hand for so many ticks.
+    ///
+    /// # Panics
+    /// If the guard refuses its settings.
+    pub fn play(&self, hand: &mut impl Hand, ticks: u32) -> Outcome {
+        let signal = |x: f64| <Fixed32 as Reported>::signal_from_f64(x);
+        let guard = self
+            .guard
+            .map(|settings| Guard::<Fixed32>::new(&settings, &self.device()).unwrap());
+        let measured = self
+            .guard
+            .is_some_and(|settings| settings.change == ChangeOfForce::Measured);
+        let refill_w = self.guard.map_or(0.0, |settings| settings.refill.to_num());
+        let mut state = guard.map_or_else(GuardState::default, |guard| guard.full());
+        let joules = |state: &GuardState<Fixed32>| Fixed32::energy_to_f64(state.account.0);
+        let sample = |x: f64| {
+            let x = if self.counts {
+                (x / COUNT_RAD).round() * COUNT_RAD
+            } else {
+                x
+            };
+            Position::<Fixed32>(signal(x))
+        };
+
+        let early_s = self.delay_ticks * TICK_S;
+        let late_s = TICK_S - early_s;
+        let mut x = hand.start();
+        let mut told = sample(x);
+        let mut at_change = told;
+        let (mut acting, mut wanted_before) = (0.0, told);
+        let (mut out, mut lowest, mut lowest_above) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut outcome = Outcome {
+            lowest_account_j: joules(&state),
+            ..Outcome::default()
+        };
+        for tick in 0..ticks {
+            let now = sample(x);
+            let moved = now - told;
+            let before_change = at_change - told;
+            told = now;
+            let e = Fixed32::signal_to_f64(now.0);
+            let step = e - Fixed32::signal_to_f64(wanted_before.0);
+            wanted_before = now;
+            let pull = self.law.k * e + self.law.b * step / TICK_S;
+            let wanted = if e > 0.0 {
+                Force(signal(pull.clamp(0.0, self.force_limit_n_m)))
+            } else {
+                Force::zero()
+            };
+            let force = match &guard {
+                None => wanted,
+                Some(guard) => {
+                    let answer = if measured {
+                        guard.tick_with_change(&mut state, moved, before_change, wanted)
+                    } else {
+                        guard.tick(&mut state, moved, wanted)
+                    };
+                    let Ok(force) = answer else { break };
+                    outcome.changed_ticks += u32::from(force != wanted);
+                    outcome.lowest_account_j = outcome.lowest_account_j.min(joules(&state));
+                    force
+                }
+            };
+            let refilled = refill_w * TICK_S * f64::from(tick);
+            lowest = lowest.min(out);
+            lowest_above = lowest_above.min(out - refilled);
+            let new = Fixed32::signal_to_f64(force.0);
+            outcome.changes_n_m += (new - acting).abs();
+            for (late, force, seconds) in [(false, acting, early_s), (true, new, late_s)] {
+                if seconds > 0.0 {
+                    let (to, damped) = hand.go(tick, late, force, seconds);
+                    out -= force * (to - x) + damped;
+                    x = to;
+                }
+                if !late {
+                    at_change = sample(x);
+                }
+                let refilled = refilled + refill_w * if late { TICK_S } else { early_s };
+                outcome.worst_window_j = outcome.worst_window_j.max(out - lowest);
+                outcome.above_refill_j = outcome.above_refill_j.max(out - refilled - lowest_above);
+            }
+            acting = new;
+            outcome.ticks += 1;
+        }
+        outcome.last_account_j = joules(&state);
+        outcome
+    }
+}
+
+/// A motion that no force holds up, given as a function of time; damping takes what the straight way takes.
+#[derive(Debug, Clone)]
+pub struct Imposed<F> {
+    path: F,
+    at: f64,
+    time_s: f64,
+}
+
+impl<F: Fn(f64) -> f64> Imposed<F> {
+    /// The motion from time 0 on.
+    pub fn new(path: F) -> Self {
+        let at = path(0.0);
+        Self {
+            path,
+            at,
+            time_s: 0.0,
+        }
+    }
+}
+
+impl<F: Fn(f64) -> f64> Hand for Imposed<F> {
+    fn start(&self) -> f64 {
+        self.at
+    }
+    fn go(&mut self, _: u32, _: bool, _: f64, seconds: f64) -> (f64, f64) {
+        self.time_s += seconds;
+        let to = (self.path)(self.time_s);
+        let moved = to - self.at;
+        self.at = to;
+        (to, DAMPING_N_M_S_PER_RAD * moved * moved / seconds)
+    }
+}
+
+/// Two masses: the knob, and a hand that holds it by a spring and a damper and pushes; both stepped finely.
+#[derive(Debug, Clone)]
+pub struct Gripped<F> {
+    /// Push on the hand, N·m, of the time.
+    pub push: F,
+    /// The hand's inertia, kg·m².
+    pub inertia: f64,
+    /// Of the grip, N·m/rad.
+    pub stiffness: f64,
+    /// Of the grip, N·m·s/rad.
+    pub grip_damping: f64,
+    /// Knob: position and speed.
+    pub knob: (f64, f64),
+    /// Hand: position and speed.
+    pub hand: (f64, f64),
+    /// Time so far.
+    pub time_s: f64,
+}
+
+impl<F: Fn(f64) -> f64> Gripped<F> {
+    /// A medium grip at the wall's surface, pushing.
+    pub fn medium(push: F) -> Self {
+        Self {
+            push,
+            inertia: 2e-4,
+            stiffness: 20.0,
+            grip_damping: 0.03,
+            knob: (0.0, 0.0),
+            hand: (0.0, 0.0),
+            time_s: 0.0,
+        }
+    }
+}
+
+/// A push that comes up in 0.3 s to 0.1 N·m, and then is that and 0.03 N·m of a sine; of 0 Hz: holds.
+pub fn wiggle(hz: f64) -> impl Fn(f64) -> f64 {
+    move |t| (t / 0.3).min(1.0) * (0.1 + 0.03 * (std::f64::consts::TAU * hz * t).sin())
+}
+
+impl<F: Fn(f64) -> f64> Hand for Gripped<F> {
+    fn start(&self) -> f64 {
+        self.knob.0
+    }
+    fn go(&mut self, _: u32, _: bool, force: f64, seconds: f64) -> (f64, f64) {
+        let steps = (seconds / 2e-5).ceil().max(1.0);
+        let h = seconds / steps;
+        let mut damped = 0.0;
+        for _ in 0..steps as u32 {
+            let grip = self.stiffness * (self.hand.0 - self.knob.0)
+                + self.grip_damping * (self.hand.1 - self.knob.1);
+            let drag = DAMPING_N_M_S_PER_RAD * self.knob.1;
+            self.knob.1 += h * (grip - force - drag) / INERTIA_KG_M2;
+            self.hand.1 += h * ((self.push)(self.time_s) - grip) / self.inertia;
+            // New speeds move the positions: the motion is linear within a step, and the sums are of that motion.
+            self.knob.0 += h * self.knob.1;
+            self.hand.0 += h * self.hand.1;
+            damped += DAMPING_N_M_S_PER_RAD * self.knob.1 * self.knob.1 * h;
+            self.time_s += h;
+        }
+        (self.knob.0, damped)
+    }
+}
