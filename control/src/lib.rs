@@ -42,6 +42,7 @@ extern crate std;
 pub mod controller;
 mod division;
 pub mod encoder;
+pub mod estimator;
 pub mod filter;
 pub mod law;
 pub mod magnitude;
@@ -50,10 +51,12 @@ pub mod observer;
 pub mod quantity;
 pub mod reciprocal;
 pub mod settings;
+pub mod states;
 pub mod validate;
 
-pub use controller::Controller;
+pub use controller::{AnyLaw, Controller};
 pub use encoder::CountScale;
+pub use estimator::{Estimator, EstimatorSettings};
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
@@ -62,4 +65,5 @@ pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffnes
 pub use settings::{
     FilterSettings, FirstContact, IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si,
 };
+pub use states::States;
 pub use validate::{Field, SettingsError, Warning};

@@ -6,7 +6,7 @@ use crate::functions::Functions32;
 use crate::valid::{Valid, any_mass, drive_ok, mass_ok};
 use crate::{assume, cover, property, such};
 use touchstone_control::filter::MassState;
-use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law};
+use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law, Sample};
 use touchstone_control::{Energy, FirstContact, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! enhanced {
@@ -197,13 +197,14 @@ macro_rules! enhanced {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     assume!(
                         s,
-                        before.contact == Contact::Free || (before.contact == Contact::First && (e >= before.last || e <= Position::zero())),
+                        before.contact == Contact::Free || (before.contact == Contact::First && (sample.moved >= Position::zero() || e <= Position::zero())),
                         "case; the end of the first contact is p1_hand_over"
                     );
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state) && state.contact != Contact::Augmenting);
                     assert!(force.modulus() <= law.limit && force == state.force);
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
@@ -222,9 +223,10 @@ macro_rules! enhanced {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     assume!(s, before.contact == Contact::Augmenting, "case; the others are p4_first_contact");
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state));
                     assert!(force.modulus() <= law.limit);
                     cover!(s, law.observer == ObserverForm::Exact && state.energy < before.energy && state.contact == Contact::Augmenting, "pays");
@@ -245,8 +247,9 @@ macro_rules! enhanced {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(state.last == e);
                     if state.contact == Contact::Free {
                         assert!(force == Force::zero());

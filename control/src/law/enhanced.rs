@@ -18,7 +18,7 @@
 //!
 //! The form of the thesis (its observer, offset changed on inward motion only) stays selectable.
 
-use super::{Contact, Law, View};
+use super::{Contact, Law, Sample, View};
 use crate::filter::{MassState, VirtualMass};
 use crate::{
     Compliance, Divisor, Energy, FirstContact, Force, Number, ObserverForm, OffsetUpdate, Position,
@@ -260,8 +260,8 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
 
     #[inline]
-    fn tick(&self, state: &mut EnhancedState<N>, e: Position<N>) -> Force<N> {
-        let moved = e - state.last;
+    fn tick(&self, state: &mut EnhancedState<N>, sample: Sample<N>) -> Force<N> {
+        let Sample { e, moved } = sample;
         if state.contact == Contact::Free && e > Position::zero() {
             *state = EnhancedState {
                 contact: Contact::First,
