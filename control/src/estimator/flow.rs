@@ -4,10 +4,13 @@ use super::{Motion, Part, Weight};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
-/// Commands that are remembered: a delay of up to three ticks, and the one that a fraction of a tick cuts in two.
-pub const TAPS: usize = 4;
+/// Commands that are remembered: those on their way over a delay of up to two ticks, and the one that a fraction of a tick
+/// cuts in two.
+pub const TAPS: usize = 3;
+/// Commands that are on their way at a sample.
+pub const UNDER_WAY: usize = 2;
 /// Longest delay, ticks.
-pub(super) const LONGEST_DELAY: u8 = TAPS as u8 - 1;
+pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
 
 /// The exact motion of inertia and damping under held torques over a time `t`, in ticks.
 ///
@@ -15,7 +18,7 @@ pub(super) const LONGEST_DELAY: u8 = TAPS as u8 - 1;
 /// becomes `(1 - β V) d`; an acceleration moves by `X` and gives `V`. A command that acts from `s` to `r` before the end moves
 /// by `q (X(s) - X(r))`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Flow<N: Number> {
+pub struct Flow<N: Number, const COMMANDS: usize> {
     /// `V`.
     pub reach: Weight<N>,
     /// `X`.
@@ -23,7 +26,7 @@ pub struct Flow<N: Number> {
     /// `β V`.
     pub loss: Weight<N>,
     /// For each command, the latest first, what it takes from position and displacement per tick.
-    pub commands: [[Weight<N>; 2]; TAPS],
+    pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 
 /// A device in ticks: what flows are made of.
@@ -59,25 +62,29 @@ impl Device {
     }
 
     /// The flow over one tick, up to a sample.
-    pub fn tick<N: Number>(&self) -> Option<Flow<N>> {
+    pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
         // The command of the i-th tick back began to act 1 + i - delay ticks before the sample.
         self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
     }
 
     /// The flow from a sample to when the next command begins to act.
-    pub fn ahead<N: Number>(&self) -> Option<Flow<N>> {
+    pub fn ahead<N: Number>(&self) -> Option<Flow<N, UNDER_WAY>> {
         self.flow(self.delay, |i| i)
     }
 
     /// Over a time, each command ending so many ticks before its end, and beginning one tick earlier.
-    fn flow<N: Number>(&self, time: Exact, end: impl Fn(Exact) -> Exact) -> Option<Flow<N>> {
+    fn flow<N: Number, const COMMANDS: usize>(
+        &self,
+        time: Exact,
+        end: impl Fn(Exact) -> Exact,
+    ) -> Option<Flow<N, COMMANDS>> {
         let inside = |t: Exact| t.clamp(Exact::ZERO, time);
         let weight = <N::Wide as Wide>::weight;
         let torque = |before: Exact, after: Exact| {
             let change = before.saturating_sub(after);
             <N::Wide as Wide>::torque_weight(change.saturating_mul(self.per_torque))
         };
-        let mut commands = [[Weight::<N>::default(); 2]; TAPS];
+        let mut commands = [[Weight::<N>::default(); 2]; COMMANDS];
         let mut index = Exact::ZERO;
         for command in &mut commands {
             let ends = end(index);
@@ -96,7 +103,7 @@ impl Device {
     }
 }
 
-impl<N: Number> Flow<N> {
+impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
     /// Position and displacement per tick at the end.
     #[inline(always)]
     pub fn apply(&self, from: &Motion<N>, commands: &[Part<N>; TAPS]) -> (N::Wide, N::Wide) {

@@ -16,18 +16,18 @@
 //! `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`. Then the state is taken ahead, by the same model and with the
 //! commands that are on their way, over the time until the next command begins to act; that is what a law is given.
 //!
-//! **At rest it is exact**: `g` sums up `r` until there is none, whatever inertia and torque constant are assumed. So a wrong
-//! inertia costs accuracy while the device moves, and nothing when it is held.
+//! **At rest it is exact**, to a step of the format at most: `g` sums up `r` until there is none, whatever inertia and torque
+//! constant are assumed. So a wrong inertia costs accuracy while the device moves, and nothing when it is held.
 //!
 //! **Nothing overflows**, and nothing has to saturate on the way: a state that leaves `|r| < 8 rad`, `|d| < 4 rad` a tick or
 //! `|g| < 4 rad` a tick², which no device does, starts anew at what was measured. So `|x| <= 128 + 8`; with `q f <= 1 rad`
-//! a tick² (seen to by the settings) and at most three ticks ahead a sum stays below
-//! `136 + 3·4 + 4.5·4 + 4.5 < 171` of 512 rad. See `proofs/src/estimator.rs`.
+//! a tick² (seen to by the settings) and at most two ticks ahead a sum stays below
+//! `136 + 2·4 + 2·4 + 2 < 155` of 512 rad. See `proofs/src/estimator.rs`.
 
 mod flow;
 mod settings;
 
-pub use flow::{Flow, TAPS};
+pub use flow::{Flow, TAPS, UNDER_WAY};
 pub use settings::{EstimatorError, EstimatorField, EstimatorSettings};
 
 use crate::law::Sample;
@@ -43,9 +43,9 @@ pub type Weight<N> = <<N as Number>::Wide as crate::number::Wide>::Weight;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<N: Number> {
     /// From one sample to the next.
-    pub tick: Flow<N>,
+    pub tick: Flow<N, TAPS>,
     /// From the sample to when the command that follows it begins to act.
-    pub ahead: Flow<N>,
+    pub ahead: Flow<N, UNDER_WAY>,
     /// `α`, `β`, `γ`.
     pub correction: [Weight<N>; 3],
     /// Largest force that it takes a command for.
@@ -128,8 +128,8 @@ impl<N: Number> Estimator<N> {
     /// may change it.
     #[inline(always)]
     pub fn commanded(&self, state: &mut EstimatorState<N>, force: Force<N>) {
-        let [last, before, earlier, _] = state.commands;
+        let [last, before, _] = state.commands;
         let force = N::widen(force.within(self.limit).0).torque_part();
-        state.commands = [force, last, before, earlier];
+        state.commands = [force, last, before];
     }
 }

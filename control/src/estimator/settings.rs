@@ -17,7 +17,7 @@ pub struct EstimatorSettings {
     /// The device's own damping, N·m·s/rad (N·s/m), zero or more. What would make the device slower to coast than the
     /// estimator is fast to see (`b/J` above `2π p`) is left to the hand's push.
     pub damping: Si,
-    /// Time from a sample until the command that follows it begins to act, s: zero to three ticks.
+    /// Time from a sample until the command that follows it begins to act, s: zero to two ticks.
     pub delay_s: Si,
 }
 
@@ -118,12 +118,11 @@ impl EstimatorSettings {
                 Ok(())
             }
         };
-        let (slow, fast) = const { (Si::lit("0.002"), Si::lit("0.2")) };
         check(
             EstimatorField::Bandwidth,
             self.bandwidth_hz,
-            rate.saturating_mul(slow),
-            rate.saturating_mul(fast),
+            over(rate, const { Si::const_from_int(500) }),
+            over(rate, const { Si::const_from_int(5) }),
         )?;
         // J/T² against what `q = T²/J` and `q f` may be: of T² alone a high rate would leave no digits.
         let (lightest, heaviest) = (
@@ -146,7 +145,7 @@ impl EstimatorSettings {
             Si::ZERO,
             const { Si::lit("10000") },
         )?;
-        // A step of the format more a tick, so that three ticks are three ticks at every rate.
+        // A step of the format more a tick, so that two ticks are two ticks at every rate.
         let period = over(Si::ONE, rate).saturating_add(Si::DELTA);
         check(
             EstimatorField::Delay,

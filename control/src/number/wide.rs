@@ -29,7 +29,7 @@ pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
     fn minus_fitting(self, other: Self) -> Self;
     /// Weight × part, exact.
     fn product(weight: Self::Weight, part: Self::Part) -> Self;
-    /// The leading digits, to nearest, of what the caller knows to be within ±8.
+    /// The leading digits, downwards, of what the caller knows to be within ±8.
     fn part(self) -> Self::Part;
     /// The leading digits of a torque that came from a signal: exact in the fixed formats.
     fn torque_part(self) -> Self::Part;
@@ -53,14 +53,19 @@ impl Wide64 {
         i32::try_from(value.to_bits().saturating_add(half) >> down).ok()
     }
 
-    /// The first digits, to nearest, cut to a word.
+    /// The first digits, downwards, cut to a word.
     #[inline(always)]
     fn leading(self, fraction: u32) -> i32 {
         let down = Self::FRACTION.wrapping_sub(fraction);
-        let half = 1_i64.wrapping_shl(down.wrapping_sub(1));
-        let bits = self.0.wrapping_add(half) >> down;
-        debug_assert!(i32::try_from(bits).is_ok(), "{} is no part", self.0);
-        bits as i32
+        debug_assert!(
+            i32::try_from(self.0 >> down).is_ok(),
+            "{} is no part",
+            self.0
+        );
+        // Of the two words, so that the compiler sees a word and multiplies words.
+        let (high, low) = ((self.0 >> 32) as u32, self.0 as u32);
+        let up = 32_u32.wrapping_sub(down);
+        (high.wrapping_shl(up) | low.wrapping_shr(down)).cast_signed()
     }
 }
 
