@@ -8,7 +8,9 @@ use crate::law::{
 };
 use crate::settings::{IdealStep, LawKind, OffsetUpdate, Regulate, Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
-use crate::{Compliance, Divisor, Energy, Force, Number, Position, Ratio, States, Stiffness};
+use crate::{
+    Compliance, Divisor, Energy, Force, Number, ObserverForm, Position, Ratio, States, Stiffness,
+};
 
 /// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,6 +168,11 @@ impl<N: Number> AnyLaw<N> {
                 format: N::NAME,
             });
         }
+        // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
+        let lent = match settings.observer {
+            ObserverForm::Exact => settings.energy_credit,
+            ObserverForm::Thesis => Si::ZERO,
+        };
         let law = EnhancedSfa {
             desired,
             target: stiffness(Field::KDesired, target)?,
@@ -196,7 +203,7 @@ impl<N: Number> AnyLaw<N> {
                 filter.stiffness.saturating_add(settings.k_soft),
             )?),
             // A loan above the cap would break the books of the narrow formats (0.5 of 8 J and the like).
-            credit: N::energy(settings.energy_credit)
+            credit: N::energy(lent)
                 .map(Energy)
                 .filter(|credit| *credit <= energy_cap)
                 .ok_or(SettingsError::OutOfFormat {

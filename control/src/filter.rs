@@ -52,6 +52,12 @@ impl<N: Number> VirtualMass<N> {
             .plus_fitting(self.damping * moved)
     }
 
+    /// What drives the mass while the HIP is not coupled to it: its own motion.
+    #[inline(always)]
+    pub fn coast(&self, mass: &MassState<N>) -> Tension<N> {
+        self.inertia * mass.moved
+    }
+
     /// Displacement under the drive and the wall's force, towards zero, and not beyond the range of positions: what the
     /// observer counts must be what the mass moves.
     #[inline(always)]

@@ -160,8 +160,9 @@ mod tests {
             }
             s.cover(built.is_ok(), "accepted");
             s.cover(built.is_err(), "refused");
-            s.cover(matches!(built, Ok(AnyLaw::Enhanced(..))), "enhanced");
-            s.cover(matches!(built, Ok(AnyLaw::Fba(..))), "fba");
+            let law = built.as_ref().map(|wall| &wall.law);
+            s.cover(matches!(law, Ok(AnyLaw::Enhanced(..))), "enhanced");
+            s.cover(matches!(law, Ok(AnyLaw::Fba(..))), "fba");
             s.cover(
                 matches!(built, Err(SettingsError::OutOfFormat { .. })),
                 "format",

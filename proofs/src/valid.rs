@@ -261,7 +261,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
                     && state.augmented == Augmented::default()
             }
             Contact::Augmenting => {
-                state.force.modulus() <= self.limit
+                shown(state.force, self.limit)
                     && state.energy >= Energy::zero()
                     && state.energy <= self.energy_cap
                     && state.augmented.offset >= Position::zero()

@@ -496,8 +496,8 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
         (
             EstimatorField::Inertia,
             |s, x| s.inertia = x,
-            ["0.0000006", "60"],
-            ["0.0000005", "60.1"],
+            ["0.0000008", "60"],
+            ["0.0000007", "60.1"],
         ),
         (
             EstimatorField::Damping,

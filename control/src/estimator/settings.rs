@@ -124,9 +124,10 @@ impl EstimatorSettings {
             over(rate, const { Si::const_from_int(500) }),
             over(rate, const { Si::const_from_int(5) }),
         )?;
-        // J/T² against what `q = T²/J` and `q f` may be: of T² alone a high rate would leave no digits.
+        // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
+        // digits.)
         let (lightest, heaviest) = (
-            force_limit.max(const { Si::lit("0.53") }),
+            force_limit.max(const { Si::lit("0.76") }),
             const { Si::lit("60000000") },
         );
         let per_tick2 = self.inertia.saturating_mul(rate).saturating_mul(rate);

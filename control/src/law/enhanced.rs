@@ -181,11 +181,9 @@ impl<N: Number> EnhancedSfa<N> {
         &self,
         state: &mut EnhancedState<N>,
         wanted: Force<N>,
-        e: Position<N>,
-        moved: Position<N>,
+        drive: Tension<N>,
     ) -> Force<N> {
         let mass = &mut state.augmented.mass;
-        let drive = self.mass.drive(mass, e, moved);
         let (force, step) = match self.observer {
             ObserverForm::Exact => {
                 self.affordable_move(mass.position, drive, wanted, &mut state.energy)
@@ -220,10 +218,23 @@ impl<N: Number> EnhancedSfa<N> {
             // The mass is outside the shifted surface.
             return None;
         }
-        state.augmented.at_mass = self.move_mass(state, wanted, e, moved);
+        let (mass, energy) = (held.mass, state.energy);
+        state.augmented.at_mass = self.move_mass(state, wanted, self.mass.drive(&mass, e, moved));
         let shown = self.mass.coupling(&state.augmented.mass, e, moved);
-        // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
-        (shown > Force::zero() || e > Position::zero()).then_some(shown)
+        let pushes = shown > Force::zero();
+        if pushes || (shown == Force::zero() && e > Position::zero()) {
+            return Some(shown);
+        }
+        if e <= Position::zero() {
+            // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
+            return None;
+        }
+        // The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass either: it moves as if it had not
+        // been coupled, and the energy is that of this move. (What the sum of its coefficients holds beyond inertia and
+        // ground is then one more damper to ground.)
+        (state.augmented.mass, state.energy) = (mass, energy);
+        state.augmented.at_mass = self.move_mass(state, wanted, self.mass.coast(&mass));
+        Some(Force::zero())
     }
 
     /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.

@@ -54,10 +54,17 @@ impl<N: Number> Sfa<N> {
             return Position::zero();
         }
         let step = self.gain * moved;
-        // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication.
-        let outside = state.last <= Position::zero();
-        let too_soft = state.force < (self.desired * state.last).towards_zero();
-        if too_soft && !outside { step } else { -step }
+        // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication. Outside it is
+        // negative.
+        let wanted = (self.desired * state.last).towards_zero();
+        let inside = state.last > Position::zero();
+        if inside && state.force < wanted {
+            step
+        } else if inside && state.force == wanted {
+            Position::zero()
+        } else {
+            -step
+        }
     }
 }
 
@@ -81,8 +88,11 @@ impl<N: Number> Law<N> for Sfa<N> {
         {
             next.contact = Contact::Augmenting;
             next.offset = match self.first_contact {
-                // (2.17): the offset that holds the force of the last tick.
-                FirstContact::KeepForce => self.compliance * state.force - state.last,
+                // (2.17): the offset that holds the force of the first contact, (2.16), as it is at this tick.
+                FirstContact::KeepForce => {
+                    let force = (self.desired * e).outward().min(self.limit);
+                    self.compliance * force - e
+                }
                 FirstContact::ZeroOffset => Position::zero(),
             };
         }
