@@ -3,7 +3,7 @@
 //! The tick, the same in firmware, simulator and proofs:
 //!
 //! ```text
-//! sample -> penetration -> observer -> law -> saturation -> command
+//! sample -> penetration -> states -> observer -> law -> saturation -> command
 //! ```
 //!
 //! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual
