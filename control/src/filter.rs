@@ -40,6 +40,18 @@ pub struct MassState<N: Number> {
     pub moved: Position<N>,
 }
 
+impl<N: Number> MassState<N> {
+    /// After a displacement.
+    #[inline(always)]
+    #[must_use]
+    pub fn moved_by(self, step: Position<N>) -> Self {
+        Self {
+            position: self.position + step,
+            moved: step,
+        }
+    }
+}
+
 impl<N: Number> VirtualMass<N> {
     /// Everything that drives the mass but the wall: `M d + k_f (e - e_f) + C Δe`.
     ///

@@ -2,8 +2,7 @@
 
 use touchstone_control::law::{Contact, EnhancedState, Law, Sample, Sfa, SfaState};
 use touchstone_control::{
-    AnyLaw, Controller, FirstContact, Fixed32, Force, LawKind, ObserverForm, Position, Reported,
-    Settings, Si,
+    AnyLaw, Controller, FirstContact, Fixed32, Force, LawKind, ObserverForm, Position, Settings, Si,
 };
 use touchstone_tests::random::Random;
 

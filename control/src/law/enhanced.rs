@@ -196,10 +196,7 @@ impl<N: Number> EnhancedSfa<N> {
                 (Force(force), step)
             }
         };
-        *mass = MassState {
-            position: mass.position + step,
-            moved: step,
-        };
+        *mass = mass.moved_by(step);
         force
     }
 
@@ -229,12 +226,41 @@ impl<N: Number> EnhancedSfa<N> {
             // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
             return None;
         }
-        // The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass either: it moves as if it had not
-        // been coupled, and the energy is that of this move. (What the sum of its coefficients holds beyond inertia and
-        // ground is then one more damper to ground.)
-        (state.augmented.mass, state.energy) = (mass, energy);
-        state.augmented.at_mass = self.move_mass(state, wanted, self.mass.coast(&mass));
+        self.leave_behind(state, &mass, energy, wanted);
         Some(Force::zero())
+    }
+
+    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass either: from where it and its energy
+    /// were it moves as if it had not been coupled, if the energy pays for that, and else stands still. (What the sum of its
+    /// coefficients holds beyond inertia and ground is one more damper to ground here.)
+    #[inline(never)]
+    fn leave_behind(
+        &self,
+        state: &mut EnhancedState<N>,
+        mass: &MassState<N>,
+        energy: Energy<N>,
+        wanted: Force<N>,
+    ) {
+        let exact = self.observer == ObserverForm::Exact;
+        let held = &mut state.augmented;
+        // The thesis' sum counts the last displacement and not this one: it stays.
+        let force = if exact { wanted } else { held.at_mass };
+        let coast = self.mass.coast(mass);
+        let mut step = self.mass.displacement(mass.position, coast, force);
+        if exact {
+            let after = energy + force * step;
+            let paid = after >= Energy::zero();
+            if !paid {
+                step = Position::zero();
+            }
+            state.energy = if paid {
+                after.min(self.energy_cap)
+            } else {
+                energy
+            };
+        }
+        held.at_mass = force;
+        held.mass = mass.moved_by(step);
     }
 
     /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.
