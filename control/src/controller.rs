@@ -1,20 +1,23 @@
 //! From settings to a running law: coefficients computed once, state beside them, one `tick`.
 
 use crate::choices::{IdealStep, LawKind, OffsetUpdate, Regulate};
+use crate::estimator::{EstimatorError, EstimatorSettings, EstimatorState};
 use crate::filter::VirtualMass;
 use crate::law::{
-    Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sfa, SfaState, Spring,
+    Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa, SfaState, Spring,
     SpringState, Tdpa, TdpaState, View,
 };
 use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
-use crate::{Compliance, Divisor, Energy, Force, Number, Position, Ratio, Stiffness};
+use crate::{
+    Compliance, Divisor, Energy, Force, Number, ObserverForm, Position, Ratio, States, Stiffness,
+};
 
 /// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Controller<N: Number> {
+pub enum AnyLaw<N: Number> {
     /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
-    Spring(Spring<N>, SpringState<N>),
+    Spring(Spring<N>, SpringState),
     /// Time-domain passivity approach.
     Tdpa(Tdpa<N>, TdpaState<N>),
     /// Force bounding approach.
@@ -34,7 +37,7 @@ fn over(a: Si, b: Si) -> Si {
     }
 }
 
-impl<N: Number> Controller<N> {
+impl<N: Number> AnyLaw<N> {
     /// Validates the settings and computes the coefficients of their law.
     ///
     /// # Errors
@@ -166,6 +169,11 @@ impl<N: Number> Controller<N> {
                 format: N::NAME,
             });
         }
+        // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
+        let lent = match settings.observer {
+            ObserverForm::Exact => settings.energy_credit,
+            ObserverForm::Thesis => Si::ZERO,
+        };
         let law = EnhancedSfa {
             desired,
             target: stiffness(Field::KDesired, target)?,
@@ -196,7 +204,7 @@ impl<N: Number> Controller<N> {
                 filter.stiffness.saturating_add(settings.k_soft),
             )?),
             // A loan above the cap would break the books of the narrow formats (0.5 of 8 J and the like).
-            credit: N::energy(settings.energy_credit)
+            credit: N::energy(lent)
                 .map(Energy)
                 .filter(|credit| *credit <= energy_cap)
                 .ok_or(SettingsError::OutOfFormat {
@@ -210,9 +218,9 @@ impl<N: Number> Controller<N> {
         Ok(Self::Enhanced(law, EnhancedState::default()))
     }
 
-    /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
+    /// One control period: where the HIP is and how it moves, to the force pushing out.
     #[inline]
-    pub fn tick(&mut self, e: Position<N>) -> Force<N> {
+    pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
             Self::Spring(law, state) => law.tick(state, e),
             Self::Tdpa(law, state) => law.tick(state, e),
@@ -231,6 +239,55 @@ impl<N: Number> Controller<N> {
             Self::Sfa(law, state) => law.view(state),
             Self::Enhanced(law, state) => law.view(state),
         }
+    }
+}
+
+/// A law and what it is told of the device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Controller<N: Number> {
+    /// The law.
+    pub law: AnyLaw<N>,
+    /// The stage before it.
+    pub states: States<N>,
+}
+
+impl<N: Number> Controller<N> {
+    /// A law on measured states.
+    ///
+    /// # Errors
+    /// As [`AnyLaw::new`].
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        Ok(Self {
+            law: AnyLaw::new(settings)?,
+            states: States::default(),
+        })
+    }
+
+    /// The same law on estimated states. Settings are the law's own, rate and force limit among them.
+    ///
+    /// # Errors
+    /// As [`EstimatorSettings::estimator`].
+    pub fn with_estimator(
+        mut self,
+        settings: &Settings,
+        estimator: &EstimatorSettings,
+    ) -> Result<Self, EstimatorError> {
+        let estimator = estimator.estimator(settings.rate_hz, settings.force_limit)?;
+        self.states = States::Estimated(estimator, EstimatorState::default());
+        Ok(self)
+    }
+
+    /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
+    #[inline]
+    pub fn tick(&mut self, e: Position<N>) -> Force<N> {
+        let force = self.law.tick(self.states.sample(e));
+        self.states.commanded(force);
+        force
+    }
+
+    /// The inside after the last tick.
+    pub fn view(&self) -> View<N> {
+        self.law.view()
     }
 }
 

@@ -40,6 +40,18 @@ pub struct MassState<N: Number> {
     pub moved: Position<N>,
 }
 
+impl<N: Number> MassState<N> {
+    /// After a displacement.
+    #[inline(always)]
+    #[must_use]
+    pub fn moved_by(self, step: Position<N>) -> Self {
+        Self {
+            position: self.position + step,
+            moved: step,
+        }
+    }
+}
+
 impl<N: Number> VirtualMass<N> {
     /// Everything that drives the mass but the wall: `M d + k_f (e - e_f) + C Δe`.
     ///
@@ -50,6 +62,12 @@ impl<N: Number> VirtualMass<N> {
         (self.inertia * mass.moved)
             .plus_fitting(self.stiffness * (e - mass.position))
             .plus_fitting(self.damping * moved)
+    }
+
+    /// What drives the mass while the HIP is not coupled to it: its own motion.
+    #[inline(always)]
+    pub fn coast(&self, mass: &MassState<N>) -> Tension<N> {
+        self.inertia * mass.moved
     }
 
     /// Displacement under the drive and the wall's force, towards zero, and not beyond the range of positions: what the

@@ -3,7 +3,7 @@
 //! The tick, the same in firmware, simulator and proofs:
 //!
 //! ```text
-//! sample -> penetration -> observer -> law -> saturation -> command
+//! sample -> penetration -> states -> observer -> law -> saturation -> command
 //! ```
 //!
 //! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual
@@ -46,6 +46,7 @@ pub mod choices;
 pub mod controller;
 mod division;
 pub mod encoder;
+pub mod estimator;
 pub mod filter;
 pub mod guard;
 pub mod law;
@@ -55,6 +56,7 @@ pub mod observer;
 pub mod quantity;
 pub mod reciprocal;
 pub mod settings;
+pub mod states;
 pub mod table;
 pub mod validate;
 
@@ -62,14 +64,16 @@ pub mod validate;
 pub use fixed;
 
 pub use choices::*;
-pub use controller::Controller;
+pub use controller::{AnyLaw, Controller};
 pub use encoder::CountScale;
+pub use estimator::{Estimator, EstimatorSettings};
 pub use guard::{Guard, GuardSettings, GuardState, GuardedDevice};
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffness, Tension};
 pub use settings::*;
+pub use states::States;
 pub use table::Choice;
 pub use validate::{Field, SettingsError, Warning};
 

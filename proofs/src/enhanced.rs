@@ -6,7 +6,7 @@ use crate::functions::Functions32;
 use crate::valid::{Valid, any_mass, drive_ok, mass_ok};
 use crate::{assume, cover, property, such};
 use touchstone_control::filter::MassState;
-use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law};
+use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law, Sample};
 use touchstone_control::{Energy, FirstContact, Fixed8, Force, Number, ObserverForm, Position};
 
 macro_rules! enhanced {
@@ -197,13 +197,14 @@ macro_rules! enhanced {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     assume!(
                         s,
-                        before.contact == Contact::Free || (before.contact == Contact::First && (e >= before.last || e <= Position::zero())),
+                        before.contact == Contact::Free || (before.contact == Contact::First && (sample.moved >= Position::zero() || e <= Position::zero())),
                         "case; the end of the first contact is p1_hand_over"
                     );
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state) && state.contact != Contact::Augmenting);
                     assert!(force.modulus() <= law.limit && force == state.force);
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
@@ -211,8 +212,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, while augmenting: no panic, at most the limit, and `E >= 0` kept.
-                equation "|f| <= limit, 0 <= E <= cap, O >= 0"
+                /// P3, P4 and the invariant, while augmenting: no panic, never pulls, at most the limit, and `E >= 0` kept.
+                equation "0 <= f <= limit, 0 <= E <= cap, O >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_augmenting(s) {
                     let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
@@ -222,14 +223,15 @@ macro_rules! enhanced {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     assume!(s, before.contact == Contact::Augmenting, "case; the others are p4_first_contact");
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state));
-                    assert!(force.modulus() <= law.limit);
+                    assert!(force >= Force::zero() && force <= law.limit);
                     cover!(s, law.observer == ObserverForm::Exact && state.energy < before.energy && state.contact == Contact::Augmenting, "pays");
                     cover!(s, e < Position::zero() && force > Force::zero(), "pushes outside the undeformed wall");
-                    cover!(s, force < Force::zero(), "pulls");
+                    cover!(s, force == Force::zero() && state.contact == Contact::Augmenting, "left behind");
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
                 }
             }
@@ -245,8 +247,9 @@ macro_rules! enhanced {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(state.last == e);
                     if state.contact == Contact::Free {
                         assert!(force == Force::zero());

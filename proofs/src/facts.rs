@@ -8,6 +8,7 @@
 //!
 //! Without the checker `Facts32` calls `Fixed32` and asserts the facts, so that every sampled test checks them too.
 
+use touchstone_control::number::Wide64;
 use touchstone_control::{Fixed32, Number, Si};
 
 type Signal = <Fixed32 as Number>::Signal;
@@ -100,6 +101,7 @@ impl Number for Facts32 {
     type Energy = Energy;
     type Product = i64;
     type Divisor = Gain;
+    type Wide = Wide64;
     const NAME: &'static str = "facts32";
     const QUANTUM: Signal = Fixed32::QUANTUM;
 
@@ -182,6 +184,12 @@ impl Number for Facts32 {
         let _exact = |k: &Gain| Fixed32::divide_by(p, &Fixed32::divisor(*k));
         signal(known!("DivideBy", bits(_exact(k)), |y| word(y)
             && fact::sign_of(y, p)))
+    }
+    fn widen(x: Signal) -> Wide64 {
+        Fixed32::widen(x)
+    }
+    fn narrow(x: Wide64) -> Signal {
+        Fixed32::narrow(x)
     }
     fn work(f: Signal, d: Signal) -> Energy {
         Energy::from_bits(known!("Work", Fixed32::work(f, d).to_bits(), |y| {

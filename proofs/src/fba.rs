@@ -14,7 +14,7 @@ use crate::format::Format;
 use crate::functions::Functions32;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
-use touchstone_control::law::{Fba, FbaState, Law};
+use touchstone_control::law::{Fba, FbaState, Law, Sample};
 use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, Position};
 
@@ -55,8 +55,9 @@ macro_rules! fba {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit && force == state.force);
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
@@ -76,9 +77,10 @@ macro_rules! fba {
                         "invariant, kept by p4_*"
                     );
                     let e = F::any_position(s);
+                    let sample = Sample { e, moved: F::any_position(s) };
                     assume!(s, e > Position::zero(), "case; outside is p7_leaves");
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     let allowed = law.largest_force(state.energy);
                     assert!(force <= allowed);
                     cover!(s, force == allowed && force > Force::zero(), "bound reached");
@@ -97,10 +99,11 @@ macro_rules! fba {
                         "invariant, kept by p4_*"
                     );
                     let e = F::any_position(s);
+                    let sample = Sample { e, moved: F::any_position(s) };
                     assume!(s, e > Position::zero(), "case; outside is p7_leaves");
                     let mut state = before;
-                    let _ = law.tick(&mut state, e);
-                    let moved = e - before.last;
+                    let _ = law.tick(&mut state, sample);
+                    let moved = sample.moved_inside();
                     let work = i128::from(F::of_energy((before.force * moved).0));
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
@@ -149,9 +152,10 @@ macro_rules! fba {
                     let law = such!(s, Fba::<N>::any(s), |law| law.valid(), "validate");
                     let mut state = <Fba<N> as Valid<N>>::any_state(s);
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     assume!(s, e <= Position::zero(), "case; inside is p4_tick_keeps_invariant");
                     cover!(s, state.inside && e == Position::zero(), "from inside");
-                    assert!(law.tick(&mut state, e) == Force::zero());
+                    assert!(law.tick(&mut state, sample) == Force::zero());
                     assert!(state == FbaState::default());
                 }
             }

@@ -9,6 +9,7 @@
 //! Without the checker every operation is that of `Fixed32`, which needs no memory to be a function.
 
 use crate::facts::Facts32;
+use touchstone_control::number::Wide64;
 use touchstone_control::{Number, Si};
 
 type Signal = <Facts32 as Number>::Signal;
@@ -115,6 +116,7 @@ impl Number for Functions32 {
     type Energy = Energy;
     type Product = i64;
     type Divisor = Gain;
+    type Wide = Wide64;
     const NAME: &'static str = "functions32";
     const QUANTUM: Signal = Facts32::QUANTUM;
 
@@ -186,6 +188,12 @@ impl Number for Functions32 {
     }
     fn divide_by(p: i64, k: &Gain) -> Signal {
         function!([p, gain(*k)], Facts32::divide_by(p, k), |y| [bits(y)])
+    }
+    fn widen(x: Signal) -> Wide64 {
+        Facts32::widen(x)
+    }
+    fn narrow(x: Wide64) -> Signal {
+        Facts32::narrow(x)
     }
     fn work(f: Signal, d: Signal) -> Energy {
         function!([bits(f), bits(d)], Facts32::work(f, d), |y| [y.to_bits()])

@@ -14,6 +14,7 @@ pub mod device;
 pub mod drive;
 pub mod edges;
 pub mod enhanced;
+pub mod estimator;
 pub mod facts;
 pub mod fba;
 pub mod format;

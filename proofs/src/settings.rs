@@ -9,7 +9,7 @@ use crate::format::Format;
 use crate::valid::Valid;
 use crate::{cover, property};
 use touchstone_control::law::{EnhancedState, FbaState, SfaState, SpringState, TdpaState};
-use touchstone_control::{Controller, Fixed32, Number, Si};
+use touchstone_control::{AnyLaw, Controller, Fixed32, Number, Si};
 
 property! {
     /// P8: a setting that is converted has the value set, towards zero, and not negative where it must not be; what does
@@ -62,12 +62,12 @@ property! {
 
 /// Whether a controller satisfies what the properties assume of its law.
 pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
-    match controller {
-        Controller::Spring(law, state) => law.valid() && law.holds(state),
-        Controller::Tdpa(law, state) => {
+    match &controller.law {
+        AnyLaw::Spring(law, state) => law.valid() && law.holds(state),
+        AnyLaw::Tdpa(law, state) => {
             law.valid() && law.energy_cap == N::energy_cap() && law.holds(state)
         }
-        Controller::Fba(law, state) => {
+        AnyLaw::Fba(law, state) => {
             let bound = i128::from(N::of_gain(law.bound.0));
             let damping = i128::from(N::of_gain(law.device_damping.0));
             law.valid()
@@ -76,8 +76,8 @@ pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
                 // `bound² <= 4 c_i/T`, as stored.
                 && bound * bound <= damping << (N::GAIN_BITS + 2)
         }
-        Controller::Sfa(law, state) => law.valid() && law.holds(state),
-        Controller::Enhanced(law, state) => {
+        AnyLaw::Sfa(law, state) => law.valid() && law.holds(state),
+        AnyLaw::Enhanced(law, state) => {
             law.valid() && law.energy_cap == N::energy_cap() && law.holds(state)
         }
     }
@@ -160,8 +160,9 @@ mod tests {
             }
             s.cover(built.is_ok(), "accepted");
             s.cover(built.is_err(), "refused");
-            s.cover(matches!(built, Ok(Controller::Enhanced(..))), "enhanced");
-            s.cover(matches!(built, Ok(Controller::Fba(..))), "fba");
+            let law = built.as_ref().map(|wall| &wall.law);
+            s.cover(matches!(law, Ok(AnyLaw::Enhanced(..))), "enhanced");
+            s.cover(matches!(law, Ok(AnyLaw::Fba(..))), "fba");
             s.cover(
                 matches!(built, Err(SettingsError::OutOfFormat { .. })),
                 "format",

@@ -5,7 +5,7 @@ use crate::format::Format;
 use crate::functions::Functions32;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
-use touchstone_control::law::{Contact, Law, Sfa, SfaState, Spring, SpringState};
+use touchstone_control::law::{Contact, Law, Sample, Sfa, SfaState, Spring, SpringState};
 use touchstone_control::{Fixed8, Force, Position};
 
 macro_rules! spring_sfa {
@@ -28,8 +28,9 @@ macro_rules! spring_sfa {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit);
                     if e <= Position::zero() {
@@ -53,9 +54,10 @@ macro_rules! spring_sfa {
                         "invariant, kept by p4_*"
                     );
                     let e = F::any_position(s);
+                    let sample = Sample { e, moved: F::any_position(s) };
                     assume!(s, e > Position::zero(), "case; outside is p7_leaves");
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(force == (law.desired * e).towards_zero().min(law.limit));
                     cover!(s, force > Force::zero() && force < law.limit, "below the limit");
                 }
@@ -72,8 +74,9 @@ macro_rules! spring_sfa {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit && force == state.force);
                     cover!(s, force == law.limit && state.contact == Contact::Augmenting, "limit reached");
@@ -93,8 +96,9 @@ macro_rules! spring_sfa {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(state.last == e && state.before_last == before.last);
                     if force == Force::zero() && law.limit > Force::zero() {
                         let cleared = SfaState { last: e, before_last: before.last, ..SfaState::default() };

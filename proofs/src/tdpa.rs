@@ -5,7 +5,7 @@ use crate::format::Format;
 use crate::functions::Functions32;
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
-use touchstone_control::law::{Law, Tdpa, TdpaState};
+use touchstone_control::law::{Law, Sample, Tdpa, TdpaState};
 
 use touchstone_control::observer::damping_loss;
 use touchstone_control::{Energy, Fixed8, Force, Number, ObserverForm, Position};
@@ -32,8 +32,9 @@ macro_rules! tdpa {
                         "invariant, kept by p4_*"
                     );
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
+                    let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state));
                     assert!(force.modulus() <= law.limit);
                     assert!(law.observer == ObserverForm::Exact || force >= Force::zero());
@@ -41,7 +42,7 @@ macro_rules! tdpa {
                     cover!(s, law.observer == ObserverForm::Exact && force < Force::zero(), "exact, pulls");
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
                     cover!(s, state.energy == law.energy_cap, "cap reached");
-                    cover!(s, before.inside && state.inside && e < before.last, "outward");
+                    cover!(s, before.inside && state.inside && sample.moved < Position::zero(), "outward");
                 }
             }
             property! {
@@ -57,22 +58,20 @@ macro_rules! tdpa {
                         "invariant, kept by p4_*"
                     );
                     let e = F::any_position(s);
+                    let sample = Sample { e, moved: F::any_position(s) };
                     assume!(
                         s,
                         law.observer == ObserverForm::Thesis && e > Position::zero(),
                         "case; the exact observer is p1_exact_*, outside p7_leaves"
                     );
                     let mut state = before;
-                    let force = law.tick(&mut state, e);
-                    let moved = e - before.last;
+                    let force = law.tick(&mut state, sample);
+                    let moved = sample.moved_inside();
                     let wanted = (law.desired * e).towards_zero().min(law.limit);
                     let store = (before.energy + damping_loss(law.device_damping, moved)).min(law.energy_cap);
                     let (after, shown) = F::passivity_step(store.0, wanted.0, moved.0);
                     assert!(force.0 == shown && state.force == force);
                     assert!(state.energy == Energy(after).min(law.energy_cap));
-                    assert!(state.last == e);
-                    // Inside, both positions are in the wall: the displacement is exact.
-                    assert!(F::of_signal(moved.0) == F::of_signal(e.0) - F::of_signal(before.last.0));
                     cover!(s, force > Force::zero() && force < wanted, "force reduced");
                     cover!(s, force == wanted && moved < Position::zero() && force > Force::zero(), "paid in full");
                 }
@@ -101,14 +100,15 @@ macro_rules! tdpa {
                         "invariant, kept by p4_*"
                     );
                     let e = F::any_position(s);
+                    let sample = Sample { e, moved: F::any_position(s) };
                     assume!(
                         s,
                         law.observer == ObserverForm::Exact && e > Position::zero(),
                         "case; the thesis' observer is p1_thesis_*, outside p7_leaves"
                     );
                     let mut state = before;
-                    let _ = law.tick(&mut state, e);
-                    let moved = e - before.last;
+                    let _ = law.tick(&mut state, sample);
+                    let moved = sample.moved_inside();
                     let work = i128::from(F::of_energy((before.force * moved).0));
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
@@ -155,9 +155,10 @@ macro_rules! tdpa {
                     let law = such!(s, Tdpa::<N>::any(s), |law| law.valid(), "validate");
                     let mut state = <Tdpa<N> as Valid<N>>::any_state(s);
                     let e = N::any_position(s);
+                    let sample = Sample { e, moved: N::any_position(s) };
                     assume!(s, e <= Position::zero(), "case; inside is p4_tick_keeps_invariant");
                     cover!(s, state.inside && state.energy < Energy::zero() && e == Position::zero(), "with a deficit");
-                    assert!(law.tick(&mut state, e) == Force::zero());
+                    assert!(law.tick(&mut state, sample) == Force::zero());
                     assert!(state == TdpaState::default());
                 }
             }

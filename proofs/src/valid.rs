@@ -41,7 +41,7 @@ fn shown<N: Format>(force: Force<N>, limit: Force<N>) -> bool {
 }
 
 impl<N: Format> Valid<N> for Spring<N> {
-    type State = SpringState<N>;
+    type State = SpringState;
     fn any<S: Source>(s: &mut S) -> Self {
         Self {
             desired: N::any_stiffness(s),
@@ -49,21 +49,14 @@ impl<N: Format> Valid<N> for Spring<N> {
             limit: N::any_force(s),
         }
     }
-    fn any_state<S: Source>(s: &mut S) -> SpringState<N> {
-        SpringState {
-            last: N::any_position(s),
-            inside: s.bool(),
-        }
+    fn any_state<S: Source>(s: &mut S) -> SpringState {
+        SpringState { inside: s.bool() }
     }
     fn valid(&self) -> bool {
         gain_ok(self.desired) && gain_ok(self.damping) && limit_ok(self.limit)
     }
-    fn holds(&self, state: &SpringState<N>) -> bool {
-        if state.inside {
-            state.last > Position::zero()
-        } else {
-            state.last == Position::zero()
-        }
+    fn holds(&self, _: &SpringState) -> bool {
+        true
     }
 }
 
@@ -84,7 +77,6 @@ impl<N: Format> Valid<N> for Tdpa<N> {
             return TdpaState::default();
         }
         TdpaState {
-            last: N::any_position(s),
             force: N::any_force(s),
             energy: N::any_energy(s),
             inside,
@@ -97,8 +89,7 @@ impl<N: Format> Valid<N> for Tdpa<N> {
         if !state.inside {
             return *state == TdpaState::default();
         }
-        state.last > Position::zero()
-            && state.force.modulus() <= self.limit
+        state.force.modulus() <= self.limit
             && state.energy <= self.energy_cap
             && match self.observer {
                 ObserverForm::Thesis => {
@@ -126,7 +117,6 @@ impl<N: Format> Valid<N> for Fba<N> {
             return FbaState::default();
         }
         FbaState {
-            last: N::any_position(s),
             force: N::any_force(s),
             energy: N::any_energy(s),
             inside,
@@ -143,8 +133,7 @@ impl<N: Format> Valid<N> for Fba<N> {
         if !state.inside {
             return *state == FbaState::default();
         }
-        state.last > Position::zero()
-            && shown(state.force, self.limit)
+        shown(state.force, self.limit)
             && state.energy <= self.energy_cap
             // With a deficit (the counted damping is rounded down) nothing is shown until it is worked off.
             && (state.energy >= Energy::zero() || state.force == Force::zero())
@@ -272,7 +261,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
                     && state.augmented == Augmented::default()
             }
             Contact::Augmenting => {
-                state.force.modulus() <= self.limit
+                shown(state.force, self.limit)
                     && state.energy >= Energy::zero()
                     && state.energy <= self.energy_cap
                     && state.augmented.offset >= Position::zero()

@@ -18,7 +18,7 @@
 //!
 //! The form of the thesis (its observer, offset changed on inward motion only) stays selectable.
 
-use super::{Contact, Law, View};
+use super::{Contact, Law, Sample, View};
 use crate::filter::{MassState, VirtualMass};
 use crate::{
     Compliance, Divisor, Energy, FirstContact, Force, Number, ObserverForm, OffsetUpdate, Position,
@@ -181,11 +181,9 @@ impl<N: Number> EnhancedSfa<N> {
         &self,
         state: &mut EnhancedState<N>,
         wanted: Force<N>,
-        e: Position<N>,
-        moved: Position<N>,
+        drive: Tension<N>,
     ) -> Force<N> {
         let mass = &mut state.augmented.mass;
-        let drive = self.mass.drive(mass, e, moved);
         let (force, step) = match self.observer {
             ObserverForm::Exact => {
                 self.affordable_move(mass.position, drive, wanted, &mut state.energy)
@@ -198,10 +196,7 @@ impl<N: Number> EnhancedSfa<N> {
                 (Force(force), step)
             }
         };
-        *mass = MassState {
-            position: mass.position + step,
-            moved: step,
-        };
+        *mass = mass.moved_by(step);
         force
     }
 
@@ -220,10 +215,52 @@ impl<N: Number> EnhancedSfa<N> {
             // The mass is outside the shifted surface.
             return None;
         }
-        state.augmented.at_mass = self.move_mass(state, wanted, e, moved);
+        let (mass, energy) = (held.mass, state.energy);
+        state.augmented.at_mass = self.move_mass(state, wanted, self.mass.drive(&mass, e, moved));
         let shown = self.mass.coupling(&state.augmented.mass, e, moved);
-        // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
-        (shown > Force::zero() || e > Position::zero()).then_some(shown)
+        let pushes = shown > Force::zero();
+        if pushes || (shown == Force::zero() && e > Position::zero()) {
+            return Some(shown);
+        }
+        if e <= Position::zero() {
+            // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
+            return None;
+        }
+        self.leave_behind(state, &mass, energy, wanted);
+        Some(Force::zero())
+    }
+
+    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass either: from where it and its energy
+    /// were it moves as if it had not been coupled, if the energy pays for that, and else stands still. (What the sum of its
+    /// coefficients holds beyond inertia and ground is one more damper to ground here.)
+    #[inline(never)]
+    fn leave_behind(
+        &self,
+        state: &mut EnhancedState<N>,
+        mass: &MassState<N>,
+        energy: Energy<N>,
+        wanted: Force<N>,
+    ) {
+        let exact = self.observer == ObserverForm::Exact;
+        let held = &mut state.augmented;
+        // The thesis' sum counts the last displacement and not this one: it stays.
+        let force = if exact { wanted } else { held.at_mass };
+        let coast = self.mass.coast(mass);
+        let mut step = self.mass.displacement(mass.position, coast, force);
+        if exact {
+            let after = energy + force * step;
+            let paid = after >= Energy::zero();
+            if !paid {
+                step = Position::zero();
+            }
+            state.energy = if paid {
+                after.min(self.energy_cap)
+            } else {
+                energy
+            };
+        }
+        held.at_mass = force;
+        held.mass = mass.moved_by(step);
     }
 
     /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.
@@ -260,8 +297,8 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
 
     #[inline]
-    fn tick(&self, state: &mut EnhancedState<N>, e: Position<N>) -> Force<N> {
-        let moved = e - state.last;
+    fn tick(&self, state: &mut EnhancedState<N>, sample: Sample<N>) -> Force<N> {
+        let Sample { e, moved } = sample;
         if state.contact == Contact::Free && e > Position::zero() {
             *state = EnhancedState {
                 contact: Contact::First,

@@ -3,7 +3,7 @@
 //! `E(n) = E(n-1) + f(n-1) Δe + (c_i/T) Δe²` and `|f| <= sqrt(4 E c_i/T)`: then no next displacement whatever can make the
 //! energy, counting the device's own damping, negative. The root is taken of a non-negative energy only, and rounded down.
 
-use super::{Contact, Law, View};
+use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, Position, Stiffness};
 
@@ -25,8 +25,6 @@ pub struct Fba<N: Number> {
 /// Memory of [`Fba`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FbaState<N: Number> {
-    /// Penetration of the last tick.
-    pub last: Position<N>,
     /// Force of the last tick.
     pub force: Force<N>,
     /// Observed energy.
@@ -49,19 +47,18 @@ impl<N: Number> Law<N> for Fba<N> {
     type State = FbaState<N>;
 
     #[inline]
-    fn tick(&self, state: &mut FbaState<N>, e: Position<N>) -> Force<N> {
+    fn tick(&self, state: &mut FbaState<N>, sample: Sample<N>) -> Force<N> {
+        let (e, moved) = (sample.e, sample.moved_inside());
         if e <= Position::zero() {
             *state = FbaState::default();
             return Force::zero();
         }
-        let moved = e - state.last;
         let energy =
             (state.energy + state.force * moved + damping_loss(self.device_damping, moved))
                 .min(self.energy_cap);
         let wanted = (self.desired * e).towards_zero().min(self.limit);
         let force = wanted.min(self.largest_force(energy));
         *state = FbaState {
-            last: e,
             force,
             energy,
             inside: true,

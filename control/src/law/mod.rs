@@ -43,13 +43,38 @@ pub struct View<N: Number> {
     pub mass: Option<Position<N>>,
 }
 
+/// What a law is told each tick: measured, or estimated for the time at which its force will act.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample<N: Number> {
+    /// Penetration `e = x - x_s`, positive inside.
+    pub e: Position<N>,
+    /// Displacement since the last tick, positive inward; estimated, the velocity times a tick.
+    pub moved: Position<N>,
+}
+
+impl<N: Number> Sample<N> {
+    /// As measured: the displacement is the difference of two penetrations.
+    #[inline(always)]
+    #[must_use]
+    pub fn measured(e: Position<N>, last: Position<N>) -> Self {
+        Self { e, moved: e - last }
+    }
+
+    /// The displacement as far as it lies in the wall, for laws whose memory ends at the surface.
+    #[inline(always)]
+    #[must_use]
+    pub fn moved_inside(self) -> Position<N> {
+        self.moved.min(self.e)
+    }
+}
+
 /// A control law over one number format.
 pub trait Law<N: Number> {
     /// Its memory; the default is "outside, at rest".
     type State: Copy + Default;
 
-    /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
-    fn tick(&self, state: &mut Self::State, e: Position<N>) -> Force<N>;
+    /// One control period: where the HIP is and how it moves, to the force pushing out.
+    fn tick(&self, state: &mut Self::State, sample: Sample<N>) -> Force<N>;
 
     /// The inside after the last tick.
     fn view(&self, state: &Self::State) -> View<N>;

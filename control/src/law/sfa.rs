@@ -4,7 +4,7 @@
 //! (3.2) asks for `k_di > k_de` *and* `k_di < 0` in its second line, which nothing satisfies; (2.14c)'s *or* is meant.
 //! `k_di < k_de` is decided as `|f| < k_de·e`: no division, so no singularity at `e = 0`.
 
-use super::{Contact, Law, View};
+use super::{Contact, Law, Sample, View};
 use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Ratio, Stiffness};
 
 /// SFA around the soft spring `k_v`.
@@ -43,8 +43,8 @@ pub struct SfaState<N: Number> {
 
 impl<N: Number> Sfa<N> {
     #[inline]
-    fn offset_step(&self, state: &SfaState<N>, e: Position<N>) -> Position<N> {
-        let inward = e > state.last;
+    fn offset_step(&self, state: &SfaState<N>, moved: Position<N>) -> Position<N> {
+        let inward = moved > Position::zero();
         let due = match self.update {
             OffsetUpdate::TurnInward => inward && state.last <= state.before_last,
             OffsetUpdate::Inward => inward,
@@ -53,11 +53,18 @@ impl<N: Number> Sfa<N> {
         if !due {
             return Position::zero();
         }
-        let step = self.gain * (e - state.last);
-        // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication.
-        let outside = state.last <= Position::zero();
-        let too_soft = state.force < (self.desired * state.last).towards_zero();
-        if too_soft && !outside { step } else { -step }
+        let step = self.gain * moved;
+        // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication. Outside it is
+        // negative.
+        let wanted = (self.desired * state.last).towards_zero();
+        let inside = state.last > Position::zero();
+        if inside && state.force < wanted {
+            step
+        } else if inside && state.force == wanted {
+            Position::zero()
+        } else {
+            -step
+        }
     }
 }
 
@@ -65,7 +72,8 @@ impl<N: Number> Law<N> for Sfa<N> {
     type State = SfaState<N>;
 
     #[inline]
-    fn tick(&self, state: &mut SfaState<N>, e: Position<N>) -> Force<N> {
+    fn tick(&self, state: &mut SfaState<N>, sample: Sample<N>) -> Force<N> {
+        let Sample { e, moved } = sample;
         let mut next = SfaState {
             last: e,
             before_last: state.last,
@@ -74,11 +82,17 @@ impl<N: Number> Law<N> for Sfa<N> {
         if state.contact == Contact::Free && e > Position::zero() {
             next.contact = Contact::First;
         }
-        if next.contact == Contact::First && state.contact == Contact::First && e < state.last {
+        if next.contact == Contact::First
+            && state.contact == Contact::First
+            && moved < Position::zero()
+        {
             next.contact = Contact::Augmenting;
             next.offset = match self.first_contact {
-                // (2.17): the offset that holds the force of the last tick.
-                FirstContact::KeepForce => self.compliance * state.force - state.last,
+                // (2.17): the offset that holds the force of the first contact, (2.16), as it is at this tick.
+                FirstContact::KeepForce => {
+                    let force = (self.desired * e).outward().min(self.limit);
+                    self.compliance * force - e
+                }
                 FirstContact::ZeroOffset => Position::zero(),
             };
         }
@@ -87,7 +101,7 @@ impl<N: Number> Law<N> for Sfa<N> {
             Contact::First => (self.desired * e).towards_zero(),
             Contact::Augmenting => {
                 if state.contact == Contact::Augmenting {
-                    next.offset = next.offset + self.offset_step(state, e);
+                    next.offset = next.offset + self.offset_step(state, moved);
                 }
                 (self.soft * (e + next.offset)).towards_zero()
             }

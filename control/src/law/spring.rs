@@ -1,6 +1,6 @@
 //! Virtual spring (thesis 1.6), with virtual damping if wanted (§1.2.6).
 
-use super::{Contact, Law, View};
+use super::{Contact, Law, Sample, View};
 use crate::{Force, Number, Position, Stiffness};
 
 /// `f = k_de e + (b/T) Δe`, never pulling, zero outside.
@@ -16,35 +16,30 @@ pub struct Spring<N: Number> {
 
 /// Memory of [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SpringState<N: Number> {
-    /// Penetration of the last tick.
-    pub last: Position<N>,
+pub struct SpringState {
     /// Whether the HIP was in the wall.
     pub inside: bool,
 }
 
 impl<N: Number> Law<N> for Spring<N> {
-    type State = SpringState<N>;
+    type State = SpringState;
 
     #[inline]
-    fn tick(&self, state: &mut SpringState<N>, e: Position<N>) -> Force<N> {
-        // Outside, the memory is "at the surface": the damper works on the penetration only.
-        let moved = e - state.last;
+    fn tick(&self, state: &mut SpringState, sample: Sample<N>) -> Force<N> {
+        // The damper works on the penetration only.
+        let (e, moved) = (sample.e, sample.moved_inside());
         if e <= Position::zero() {
             *state = SpringState::default();
             return Force::zero();
         }
-        *state = SpringState {
-            last: e,
-            inside: true,
-        };
+        *state = SpringState { inside: true };
         (self.desired * e + self.damping * moved)
             .towards_zero()
             .max(Force::zero())
             .min(self.limit)
     }
 
-    fn view(&self, state: &SpringState<N>) -> View<N> {
+    fn view(&self, state: &SpringState) -> View<N> {
         let contact = if state.inside {
             Contact::First
         } else {

@@ -13,7 +13,7 @@
 //! Where `e` did not change, thesis (2.2) divides by zero. Here nothing can be corrected over a displacement of zero: the
 //! deficit stays in `E` for the next tick that moves.
 
-use super::{Contact, Law, View};
+use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 
@@ -35,8 +35,6 @@ pub struct Tdpa<N: Number> {
 /// Memory of [`Tdpa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TdpaState<N: Number> {
-    /// Penetration of the last tick.
-    pub last: Position<N>,
     /// Force of the last tick.
     pub force: Force<N>,
     /// Observed energy.
@@ -79,12 +77,12 @@ impl<N: Number> Law<N> for Tdpa<N> {
     type State = TdpaState<N>;
 
     #[inline]
-    fn tick(&self, state: &mut TdpaState<N>, e: Position<N>) -> Force<N> {
+    fn tick(&self, state: &mut TdpaState<N>, sample: Sample<N>) -> Force<N> {
+        let (e, moved) = (sample.e, sample.moved_inside());
         if e <= Position::zero() {
             *state = TdpaState::default();
             return Force::zero();
         }
-        let moved = e - state.last;
         let wanted = (self.desired * e).towards_zero().min(self.limit);
         let force = match self.observer {
             ObserverForm::Thesis => self.thesis_force(&mut state.energy, wanted, moved),
@@ -96,7 +94,6 @@ impl<N: Number> Law<N> for Tdpa<N> {
             }
         };
         *state = TdpaState {
-            last: e,
             force,
             energy: state.energy,
             inside: true,

@@ -1,6 +1,6 @@
 //! The fixed-point formats: signed edges around the magnitudes of [`crate::magnitude`].
 
-use super::Number;
+use super::{Number, Wide64};
 use crate::Si;
 use crate::magnitude::{self, Word};
 use crate::reciprocal::Reciprocal32;
@@ -97,6 +97,7 @@ macro_rules! fixed_number {
             type Energy = $energy;
             type Product = $wide;
             type Divisor = $divisor;
+            type Wide = Wide64;
 
             const NAME: &'static str = $text;
             const QUANTUM: $signal = <$signal>::DELTA;
@@ -233,6 +234,24 @@ macro_rules! fixed_number {
             #[inline(always)]
             fn divide_by(p: $wide, k: &$divisor) -> $signal {
                 Self::signed(Divides::<$word>::quotient(k, p.unsigned_abs()), p < 0)
+            }
+
+            #[inline(always)]
+            fn widen(x: $signal) -> Wide64 {
+                // A word with fewer digits in a double word: nothing is lost.
+                let up = Wide64::FRACTION.wrapping_sub(Self::SIGNAL_BITS);
+                Wide64(i64::from(x.to_bits()).wrapping_shl(up))
+            }
+            #[inline(always)]
+            fn narrow(x: Wide64) -> $signal {
+                let down = Wide64::FRACTION.wrapping_sub(Self::SIGNAL_BITS);
+                let half = 1_i64.wrapping_shl(down.wrapping_sub(1));
+                let bits = x.0.saturating_add(half) >> down;
+                <$signal>::from_bits(<$int>::try_from(bits).unwrap_or(if bits < 0 {
+                    <$int>::MIN
+                } else {
+                    <$int>::MAX
+                }))
             }
 
             #[inline(always)]

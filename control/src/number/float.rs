@@ -15,6 +15,7 @@ macro_rules! float_number {
             type Energy = $float;
             type Product = $float;
             type Divisor = $float;
+            type Wide = $float;
 
             const NAME: &'static str = $text;
             // The step of Fixed32, so that the floor of the offset step means the same in every format.
@@ -109,6 +110,15 @@ macro_rules! float_number {
             #[inline(always)]
             fn divide_by(p: $float, k: &$float) -> $float {
                 Self::divide(p, *k)
+            }
+
+            #[inline(always)]
+            fn widen(x: $float) -> $float {
+                x
+            }
+            #[inline(always)]
+            fn narrow(x: $float) -> $float {
+                x
             }
 
             #[inline(always)]

@@ -15,10 +15,12 @@ mod fixed_point;
 mod float;
 #[cfg(feature = "float")]
 mod reported;
+mod wide;
 
 pub use fixed_point::{Fixed8, Fixed16, Fixed32};
 #[cfg(feature = "float")]
 pub use reported::Reported;
+pub use wide::{Exact, Wide, Wide64};
 
 use crate::Si;
 use core::fmt::Debug;
@@ -39,6 +41,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     type Product: Copy + Debug + Default + PartialEq + PartialOrd;
     /// A gain prepared to be divided by, again and again.
     type Divisor: Copy + Debug + Default + PartialEq;
+    /// A displacement with far more digits.
+    type Wide: Wide;
 
     /// Name in settings and results.
     const NAME: &'static str;
@@ -94,6 +98,11 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn divisor(k: Self::Gain) -> Self::Divisor;
     /// [`Number::divide`] by the gain that the divisor was made of: the same result, bit by bit.
     fn divide_by(p: Self::Product, k: &Self::Divisor) -> Self::Signal;
+
+    /// A signal as a state, exact.
+    fn widen(x: Self::Signal) -> Self::Wide;
+    /// A state as a signal, to nearest (halves up), saturating.
+    fn narrow(x: Self::Wide) -> Self::Signal;
 
     /// `f · d`, exact.
     fn work(f: Self::Signal, d: Self::Signal) -> Self::Energy;

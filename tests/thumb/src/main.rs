@@ -11,7 +11,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use ruler::{Ruler, Tally};
-use touchstone_control::law::{EnhancedSfa, EnhancedState, Law};
+use touchstone_control::law::{EnhancedSfa, EnhancedState, Law, Sample};
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Position};
 use touchstone_vectors::{Bits, Case, Machine, Segment, cases, play};
 
@@ -43,13 +43,13 @@ fn penetration_fixed16(scale: &CountScale, count: i64) -> Position<Fixed16> {
 fn enhanced_fixed32(
     law: &EnhancedSfa<Fixed32>,
     state: &mut EnhancedState<Fixed32>,
-    e: Position<Fixed32>,
+    sample: Sample<Fixed32>,
 ) -> Force<Fixed32> {
-    law.tick(state, e)
+    law.tick(state, sample)
 }
 
 type Enhanced =
-    fn(&EnhancedSfa<Fixed32>, &mut EnhancedState<Fixed32>, Position<Fixed32>) -> Force<Fixed32>;
+    fn(&EnhancedSfa<Fixed32>, &mut EnhancedState<Fixed32>, Sample<Fixed32>) -> Force<Fixed32>;
 #[used]
 static FOR_ITS_SIZE: Enhanced = enhanced_fixed32;
 

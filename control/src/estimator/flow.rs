@@ -1,0 +1,125 @@
+//! How the modelled device moves over a time, as weights.
+
+use super::{Motion, Part, Weight};
+use crate::Number;
+use crate::number::{Exact, Wide};
+
+/// Commands that are remembered: those on their way over a delay of up to two ticks, and the one that a fraction of a tick
+/// cuts in two.
+pub const TAPS: usize = 3;
+/// Commands that are on their way at a sample.
+pub const UNDER_WAY: usize = 2;
+/// Longest delay, ticks.
+pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
+
+/// The exact motion of inertia and damping under held torques over a time `t`, in ticks.
+///
+/// With `β = b T/J`: `V(t) = ∫ exp(-β s) ds`, `X(t) = ∫ V(s) ds`, from 0 to `t`, a displacement `d` per tick moves by `V d` and
+/// becomes `(1 - β V) d`; an acceleration moves by `X` and gives `V`. A command that acts from `s` to `r` before the end moves
+/// by `q (X(s) - X(r))`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flow<N: Number, const COMMANDS: usize> {
+    /// `V`.
+    pub reach: Weight<N>,
+    /// `X`.
+    pub drift: Weight<N>,
+    /// `β V`.
+    pub loss: Weight<N>,
+    /// For each command, the latest first, what it takes from position and displacement per tick.
+    pub commands: [[Weight<N>; 2]; COMMANDS],
+}
+
+/// A device in ticks: what flows are made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Device {
+    /// `β = b T/J`.
+    pub loss: Exact,
+    /// `q = T²/J`, rad/(N·m).
+    pub per_torque: Exact,
+    /// Time until a command begins to act, ticks.
+    pub delay: Exact,
+}
+
+/// More terms than `(β t)^k/k!` has digits, for `β t` up to 4.
+const TERMS: i32 = 48;
+
+impl Device {
+    /// `V` and `X` of a time in ticks.
+    pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
+        let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
+        let mut term = time;
+        for k in 2..TERMS {
+            let order = Exact::saturating_from_num(k);
+            let next = term
+                .saturating_mul(time)
+                .checked_div(order)
+                .unwrap_or_default();
+            reach = reach.saturating_add(term);
+            drift = drift.saturating_add(next);
+            term = next.saturating_mul(self.loss).saturating_neg();
+        }
+        (reach, drift)
+    }
+
+    /// The flow over one tick, up to a sample.
+    pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
+        // The command of the i-th tick back began to act 1 + i - delay ticks before the sample.
+        self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
+    }
+
+    /// The flow from a sample to when the next command begins to act.
+    pub fn ahead<N: Number>(&self) -> Option<Flow<N, UNDER_WAY>> {
+        self.flow(self.delay, |i| i)
+    }
+
+    /// Over a time, each command ending so many ticks before its end, and beginning one tick earlier.
+    fn flow<N: Number, const COMMANDS: usize>(
+        &self,
+        time: Exact,
+        end: impl Fn(Exact) -> Exact,
+    ) -> Option<Flow<N, COMMANDS>> {
+        let inside = |t: Exact| t.clamp(Exact::ZERO, time);
+        let weight = <N::Wide as Wide>::weight;
+        let torque = |before: Exact, after: Exact| {
+            let change = before.saturating_sub(after);
+            <N::Wide as Wide>::torque_weight(change.saturating_mul(self.per_torque))
+        };
+        let mut commands = [[Weight::<N>::default(); 2]; COMMANDS];
+        let mut index = Exact::ZERO;
+        for command in &mut commands {
+            let ends = end(index);
+            let (reach, drift) = self.integrals(inside(ends.saturating_add(Exact::ONE)));
+            let (reach_after, drift_after) = self.integrals(inside(ends));
+            *command = [torque(drift, drift_after)?, torque(reach, reach_after)?];
+            index = index.saturating_add(Exact::ONE);
+        }
+        let (reach, drift) = self.integrals(time);
+        Some(Flow {
+            reach: weight(reach)?,
+            drift: weight(drift)?,
+            loss: weight(reach.saturating_mul(self.loss))?,
+            commands,
+        })
+    }
+}
+
+impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
+    /// Position and displacement per tick at the end.
+    #[inline(always)]
+    pub fn apply(&self, from: &Motion<N>, commands: &[Part<N>; TAPS]) -> (N::Wide, N::Wide) {
+        let (moved, pushed) = (from.moved.part(), from.pushed.part());
+        let mut position = from
+            .position
+            .plus_fitting(N::Wide::product(self.reach, moved))
+            .plus_fitting(N::Wide::product(self.drift, pushed));
+        let mut velocity = from
+            .moved
+            .minus_fitting(N::Wide::product(self.loss, moved))
+            .plus_fitting(N::Wide::product(self.reach, pushed));
+        for ([of_position, of_velocity], command) in self.commands.iter().zip(commands) {
+            position = position.minus_fitting(N::Wide::product(*of_position, *command));
+            velocity = velocity.minus_fitting(N::Wide::product(*of_velocity, *command));
+        }
+        (position, velocity)
+    }
+}

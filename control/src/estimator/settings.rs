@@ -1,0 +1,224 @@
+//! What the estimator is told, in SI, and the coefficients that it becomes.
+
+use super::flow::{Device, LONGEST_DELAY};
+use super::{Estimator, Weight};
+use crate::number::Exact;
+use crate::{Force, Number, Si};
+use core::fmt;
+
+/// What the estimator knows of the device, and how fast it believes what it measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EstimatorSettings {
+    /// Bandwidth `p`, Hz: its three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
+    pub bandwidth_hz: Si,
+    /// Inertia of device and knob without the hand, kg·m² (kg): so large that the largest force gives at most 1 rad a tick²,
+    /// and at most 6e7 T².
+    pub inertia: Si,
+    /// The device's own damping, N·m·s/rad (N·s/m), zero or more. What would make the device slower to coast than the
+    /// estimator is fast to see (`b/J` above `2π p`) is left to the hand's push.
+    pub damping: Si,
+    /// Time from a sample until the command that follows it begins to act, s: zero to two ticks.
+    pub delay_s: Si,
+}
+
+/// A setting, by its name in [`EstimatorSettings`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum EstimatorField {
+    Bandwidth,
+    Inertia,
+    Damping,
+    Delay,
+}
+
+impl EstimatorField {
+    /// Name as in [`EstimatorSettings`].
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bandwidth => "bandwidth_hz",
+            Self::Inertia => "inertia",
+            Self::Damping => "damping",
+            Self::Delay => "delay_s",
+        }
+    }
+}
+
+/// Why settings are refused: a value out of its range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EstimatorError {
+    /// Which setting.
+    pub field: EstimatorField,
+    /// Its value, SI.
+    pub value: Si,
+    /// Smallest allowed value at this control rate and force limit, SI.
+    pub min: Si,
+    /// Largest allowed value, SI.
+    pub max: Si,
+}
+
+impl fmt::Display for EstimatorError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            field,
+            value,
+            min,
+            max,
+        } = self;
+        let field = field.name();
+        write!(
+            f,
+            "estimator.{field} is {value}, it must be from {min} to {max}"
+        )
+    }
+}
+
+impl Default for EstimatorSettings {
+    /// The thesis' knob.
+    fn default() -> Self {
+        Self {
+            bandwidth_hz: const { Si::lit("60") },
+            inertia: const { Si::lit("0.0001") },
+            damping: const { Si::lit("0.0004") },
+            delay_s: const { Si::lit("0.001") },
+        }
+    }
+}
+
+/// `a / b` for two positive values, saturating.
+fn ratio(a: Si, b: Si) -> Exact {
+    let bits = i128::from(a.to_bits())
+        .wrapping_shl(Exact::FRAC_NBITS)
+        .checked_div(i128::from(b.to_bits()))
+        .unwrap_or(i128::from(i64::MAX));
+    Exact::from_bits(i64::try_from(bits).unwrap_or(i64::MAX))
+}
+
+/// `a / b`, the largest value for `b = 0`.
+fn over(a: Si, b: Si) -> Si {
+    a.checked_div(b).unwrap_or(Si::MAX)
+}
+
+impl EstimatorSettings {
+    /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
+    ///
+    /// # Errors
+    /// The first setting that is out of range.
+    pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), EstimatorError> {
+        let rate = Si::saturating_from_num(rate_hz.max(1));
+        let check = |field, value: Si, min: Si, max: Si| {
+            if value < min || value > max {
+                Err(EstimatorError {
+                    field,
+                    value,
+                    min,
+                    max,
+                })
+            } else {
+                Ok(())
+            }
+        };
+        check(
+            EstimatorField::Bandwidth,
+            self.bandwidth_hz,
+            over(rate, const { Si::const_from_int(500) }),
+            over(rate, const { Si::const_from_int(5) }),
+        )?;
+        // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
+        // digits.)
+        let (lightest, heaviest) = (
+            force_limit.max(const { Si::lit("0.76") }),
+            const { Si::lit("60000000") },
+        );
+        let per_tick2 = self.inertia.saturating_mul(rate).saturating_mul(rate);
+        if per_tick2 < lightest || per_tick2 > heaviest {
+            let inertia = |per_tick2| over(over(per_tick2, rate), rate);
+            return Err(EstimatorError {
+                field: EstimatorField::Inertia,
+                value: self.inertia,
+                min: inertia(lightest).saturating_add(Si::DELTA),
+                max: inertia(heaviest),
+            });
+        }
+        check(
+            EstimatorField::Damping,
+            self.damping,
+            Si::ZERO,
+            const { Si::lit("10000") },
+        )?;
+        // A step of the format more a tick, so that two ticks are two ticks at every rate.
+        let period = over(Si::ONE, rate).saturating_add(Si::DELTA);
+        check(
+            EstimatorField::Delay,
+            self.delay_s,
+            Si::ZERO,
+            period.saturating_mul(Si::saturating_from_num(LONGEST_DELAY)),
+        )
+    }
+
+    /// Validates, and computes the coefficients.
+    ///
+    /// # Errors
+    /// As [`EstimatorSettings::validate`]; a force limit that the number format cannot hold counts against the inertia.
+    pub fn estimator<N: Number>(
+        &self,
+        rate_hz: u32,
+        force_limit: Si,
+    ) -> Result<Estimator<N>, EstimatorError> {
+        self.validate(rate_hz, force_limit)?;
+        let rate = Si::saturating_from_num(rate_hz.max(1));
+        let inertia = self.inertia.saturating_mul(rate).saturating_mul(rate);
+        let angle = ratio(self.bandwidth_hz, rate).saturating_mul(Exact::TAU);
+        let device = Device {
+            loss: ratio(self.damping.saturating_mul(rate), inertia).min(angle),
+            per_torque: ratio(Si::ONE, inertia),
+            delay: ratio(self.delay_s.saturating_mul(rate), Si::ONE)
+                .min(Exact::saturating_from_num(LONGEST_DELAY)),
+        };
+        let built = || {
+            Some(Estimator {
+                tick: device.tick()?,
+                ahead: device.ahead()?,
+                correction: correction::<N>(&device, angle)?,
+                limit: N::signal(force_limit).map(Force)?,
+            })
+        };
+        built().ok_or(EstimatorError {
+            field: EstimatorField::Inertia,
+            value: self.inertia,
+            min: self.inertia,
+            max: self.inertia,
+        })
+    }
+}
+
+/// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`.
+fn correction<N: Number>(device: &Device, angle: Exact) -> Option<[Weight<N>; 3]> {
+    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
+    let decay = Device {
+        loss: angle,
+        ..*device
+    };
+    let fast = angle.saturating_mul(decay.integrals(Exact::ONE).0);
+    let pole = Exact::ONE.saturating_sub(fast);
+    let (reach, drift) = device.integrals(Exact::ONE);
+    let kept = Exact::ONE.saturating_sub(device.loss.saturating_mul(reach));
+    let cube = |x: Exact| x.saturating_mul(x).saturating_mul(x);
+    let quotient = |a: Exact, b: Exact| a.checked_div(b).unwrap_or(Exact::ZERO);
+    let two = Exact::const_from_int(2);
+    let three = Exact::const_from_int(3);
+
+    let position = Exact::ONE.saturating_sub(quotient(cube(pole), kept));
+    let pushed = quotient(cube(fast), reach);
+    let moved = two
+        .saturating_add(kept)
+        .saturating_sub(pole.saturating_mul(three))
+        .saturating_sub(position)
+        .saturating_sub(drift.saturating_mul(pushed));
+    let weight = <N::Wide as crate::number::Wide>::weight;
+    Some([
+        weight(position)?,
+        weight(quotient(moved, reach))?,
+        weight(pushed)?,
+    ])
+}

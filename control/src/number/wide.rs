@@ -1,0 +1,157 @@
+//! Displacements with far more digits than a [`Signal`](super::Number::Signal): the states of an estimator.
+//!
+//! A velocity is a displacement per tick, and an acceleration one per tick²: at 1 kHz a count of 1.6e-4 rad a second is 1.6e-7
+//! rad a tick. So a state is a double word with 54 fractional bits, ±512 rad in steps of 5.6e-17. Where a state is
+//! multiplied, its first 32 bits are: [`Wide::Part`], ±8 rad in steps of 3.7e-9 for motion, ±128 N·m in steps of 6e-8 for a
+//! torque. A weight has what is missing to 54 fractional bits, so that every product is exact and needs no shift: ±32 in
+//! steps of 1.5e-8 for motion, ±2 in steps of 9.3e-10 for a torque.
+
+use core::fmt::Debug;
+
+/// What a weight is calculated with before it is rounded: ±128 in steps of 1.4e-17.
+pub type Exact = fixed::types::I8F56;
+
+/// A displacement, rad (m), or one per tick or tick².
+pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
+    /// The leading digits of a state, or of a torque.
+    type Part: Copy + Debug + Default + PartialEq;
+    /// What parts are multiplied with.
+    type Weight: Copy + Debug + Default + PartialEq;
+
+    /// A weight of a motion, to nearest; `None` outside ±32.
+    fn weight(value: Exact) -> Option<Self::Weight>;
+    /// A weight of a torque, rad/(N·m) a tick², to nearest; `None` outside ±2.
+    fn torque_weight(value: Exact) -> Option<Self::Weight>;
+
+    /// `self + other` where the caller knows that it fits.
+    fn plus_fitting(self, other: Self) -> Self;
+    /// `self - other` where the caller knows that it fits.
+    fn minus_fitting(self, other: Self) -> Self;
+    /// Weight × part, exact.
+    fn product(weight: Self::Weight, part: Self::Part) -> Self;
+    /// The leading digits, downwards, of what the caller knows to be within ±8.
+    fn part(self) -> Self::Part;
+    /// The leading digits of a torque that came from a signal: exact in the fixed formats.
+    fn torque_part(self) -> Self::Part;
+    /// Whether it lies within ±`1 << bits`, the lower end included; `bits` up to 8.
+    fn within(self, bits: u32) -> bool;
+}
+
+/// The state of the fixed formats: a double word with 54 fractional bits.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Wide64(pub i64);
+
+impl Wide64 {
+    /// Fractional bits of a state.
+    pub const FRACTION: u32 = 54;
+    const PART: u32 = 28;
+    const TORQUE: u32 = 24;
+
+    fn rounded(value: Exact, fraction: u32) -> Option<i32> {
+        let down = Exact::FRAC_NBITS.wrapping_sub(fraction);
+        let half = 1_i64.wrapping_shl(down.wrapping_sub(1));
+        i32::try_from(value.to_bits().saturating_add(half) >> down).ok()
+    }
+
+    /// The first digits, downwards, cut to a word.
+    #[inline(always)]
+    fn leading(self, fraction: u32) -> i32 {
+        let down = Self::FRACTION.wrapping_sub(fraction);
+        debug_assert!(
+            i32::try_from(self.0 >> down).is_ok(),
+            "{} is no part",
+            self.0
+        );
+        // Of the two words, so that the compiler sees a word and multiplies words.
+        let (high, low) = ((self.0 >> 32) as u32, self.0 as u32);
+        let up = 32_u32.wrapping_sub(down);
+        (high.wrapping_shl(up) | low.wrapping_shr(down)).cast_signed()
+    }
+}
+
+impl Wide for Wide64 {
+    type Part = i32;
+    type Weight = i32;
+
+    fn weight(value: Exact) -> Option<i32> {
+        Self::rounded(value, Self::FRACTION.wrapping_sub(Self::PART))
+    }
+    fn torque_weight(value: Exact) -> Option<i32> {
+        Self::rounded(value, Self::FRACTION.wrapping_sub(Self::TORQUE))
+    }
+    #[inline(always)]
+    fn plus_fitting(self, other: Self) -> Self {
+        debug_assert!(self.0.checked_add(other.0).is_some(), "{self:?} {other:?}");
+        Self(self.0.wrapping_add(other.0))
+    }
+    #[inline(always)]
+    fn minus_fitting(self, other: Self) -> Self {
+        debug_assert!(self.0.checked_sub(other.0).is_some(), "{self:?} {other:?}");
+        Self(self.0.wrapping_sub(other.0))
+    }
+    #[inline(always)]
+    fn product(weight: i32, part: i32) -> Self {
+        // Two words in a double word: cannot overflow.
+        Self(i64::from(weight).wrapping_mul(i64::from(part)))
+    }
+    #[inline(always)]
+    fn part(self) -> i32 {
+        self.leading(Self::PART)
+    }
+    #[inline(always)]
+    fn torque_part(self) -> i32 {
+        self.leading(Self::TORQUE)
+    }
+    #[inline(always)]
+    fn within(self, bits: u32) -> bool {
+        let high = (self.0 >> 32) as i32;
+        let limit = 1_i32.wrapping_shl(Self::FRACTION.wrapping_sub(32).wrapping_add(bits));
+        high >= limit.wrapping_neg() && high < limit
+    }
+}
+
+#[cfg(feature = "float")]
+macro_rules! float_wide {
+    ($float:ty) => {
+        impl Wide for $float {
+            type Part = $float;
+            type Weight = $float;
+
+            fn weight(value: Exact) -> Option<$float> {
+                Some(value.to_num())
+            }
+            fn torque_weight(value: Exact) -> Option<$float> {
+                Some(value.to_num())
+            }
+            #[inline(always)]
+            fn plus_fitting(self, other: Self) -> Self {
+                self + other
+            }
+            #[inline(always)]
+            fn minus_fitting(self, other: Self) -> Self {
+                self - other
+            }
+            #[inline(always)]
+            fn product(weight: $float, part: $float) -> Self {
+                weight * part
+            }
+            #[inline(always)]
+            fn part(self) -> $float {
+                self
+            }
+            #[inline(always)]
+            fn torque_part(self) -> $float {
+                self
+            }
+            #[inline(always)]
+            fn within(self, bits: u32) -> bool {
+                let limit = <$float>::from(1_u16.wrapping_shl(bits));
+                self >= -limit && self < limit
+            }
+        }
+    };
+}
+#[cfg(feature = "float")]
+float_wide!(f32);
+#[cfg(feature = "float")]
+float_wide!(f64);

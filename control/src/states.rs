@@ -1,0 +1,48 @@
+//! What a law is told of the device: what was measured, or what an estimator makes of it.
+
+use crate::estimator::{Estimator, EstimatorState};
+use crate::law::Sample;
+use crate::{Force, Number, Position};
+
+/// The stage before the law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum States<N: Number> {
+    /// The measured penetration, and its change since the last tick.
+    Measured {
+        /// Penetration of the last tick.
+        last: Position<N>,
+    },
+    /// Penetration and velocity at the time at which the force will act.
+    Estimated(Estimator<N>, EstimatorState<N>),
+}
+
+impl<N: Number> Default for States<N> {
+    fn default() -> Self {
+        Self::Measured {
+            last: Position::zero(),
+        }
+    }
+}
+
+impl<N: Number> States<N> {
+    /// What the law is told of a measured penetration.
+    #[inline]
+    pub fn sample(&mut self, e: Position<N>) -> Sample<N> {
+        match self {
+            Self::Measured { last } => {
+                let sample = Sample::measured(e, *last);
+                *last = e;
+                sample
+            }
+            Self::Estimated(estimator, state) => estimator.tick(state, e),
+        }
+    }
+
+    /// The force that was commanded, after every stage that may change it.
+    #[inline]
+    pub fn commanded(&mut self, force: Force<N>) {
+        if let Self::Estimated(estimator, state) = self {
+            estimator.commanded(state, force);
+        }
+    }
+}

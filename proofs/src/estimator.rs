@@ -1,0 +1,198 @@
+//! The state estimator: no sum overflows, no state outgrows its range, at rest nothing moves.
+//!
+//! All at full width and for every estimator whose weights are within what its settings allow ([`ok`]), not only for those of
+//! one device: a correction is proved for any gain up to its bound.
+
+use crate::source::Source;
+use crate::{cover, property, such};
+use touchstone_control::estimator::{Flow, Motion, TAPS, UNDER_WAY};
+use touchstone_control::law::Sample;
+use touchstone_control::number::{Wide as _, Wide64};
+use touchstone_control::{Estimator, Fixed32, Force, Number, Position};
+
+type N = Fixed32;
+
+/// One, as a weight of motion, as a weight of torque, and as a state.
+const ONE: i32 = 1 << 26;
+const ONE_TORQUE: i64 = 1 << 30;
+const RAD: i64 = 1 << Wide64::FRACTION;
+
+/// Any word; without the checker one of `0..=most`, or hardly a sample would be what settings give.
+fn weight<S: Source>(s: &mut S, most: i64) -> i32 {
+    let x = s.i32();
+    if s.shortcut() {
+        i64::from(x).rem_euclid(most.min(i64::from(i32::MAX)) + 1) as i32
+    } else {
+        x
+    }
+}
+
+fn any_flow<S: Source, const COMMANDS: usize>(
+    s: &mut S,
+    ticks: i64,
+    limit: Force<N>,
+) -> Flow<N, COMMANDS> {
+    let one = i64::from(ONE);
+    let limit = i64::from(limit.0.to_bits()).max(1);
+    let share = (2 * ONE_TORQUE).min(RAD / limit) * ticks / COMMANDS as i64;
+    Flow {
+        reach: weight(s, ticks * one),
+        drift: weight(s, ticks * one),
+        loss: weight(s, one),
+        commands: core::array::from_fn(|_| [weight(s, share), weight(s, share)]),
+    }
+}
+
+/// Up to `ticks`: `V <= t`, `X <= t²/2`, `βV <= 1`; what all commands together take from position or displacement, at the
+/// limit, is at most `t²/2` or `t`: `q f <= 1`, with a hundredth for rounding.
+fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
+    let within = |x: i32, most: i32| x >= 0 && x <= most;
+    let sums = |index: usize| {
+        flow.commands
+            .iter()
+            .map(|c| i64::from(c[index]))
+            .sum::<i64>()
+    };
+    let largest = |index: usize, most: i64| {
+        flow.commands.iter().all(|c| c[index] >= 0)
+            // A weight of 2^30 by a force of 2^24 is a state of 2^54.
+            && sums(index) <= 2 * ONE_TORQUE * most
+            && sums(index) * limit <= (RAD + RAD / 100) * most
+    };
+    within(flow.reach, ticks * ONE)
+        && within(flow.drift, ticks * ONE)
+        && within(flow.loss, ONE)
+        && largest(0, i64::from(ticks))
+        && largest(1, i64::from(ticks))
+}
+
+fn any<S: Source>(s: &mut S) -> Estimator<N> {
+    let one = i64::from(ONE);
+    let limit = Force(fixed::types::I8F24::from_bits(weight(
+        s,
+        i64::from(i32::MAX),
+    )));
+    Estimator {
+        tick: any_flow::<S, TAPS>(s, 1, limit),
+        ahead: any_flow::<S, UNDER_WAY>(s, 2, limit),
+        correction: [weight(s, one), weight(s, 2 * one), weight(s, 2 * one)],
+        limit,
+    }
+}
+
+/// What settings can give.
+pub fn ok(estimator: &Estimator<N>) -> bool {
+    let limit = i64::from(estimator.limit.0.to_bits());
+    let [position, moved, pushed] = estimator.correction;
+    limit >= 0
+        && flow_ok(&estimator.tick, 1, limit)
+        && flow_ok(&estimator.ahead, 2, limit)
+        && (0..=ONE).contains(&position)
+        && (0..=2 * ONE).contains(&moved)
+        && (0..=2 * ONE).contains(&pushed)
+}
+
+fn any_motion<S: Source>(s: &mut S) -> Motion<N> {
+    let mut state = |bits: u32| {
+        let any = s.i64();
+        // Within ±2^bits at once, where that is no proof.
+        Wide64(if s.shortcut() { any >> (9 - bits) } else { any })
+    };
+    Motion {
+        position: state(7),
+        moved: state(2),
+        pushed: state(2),
+    }
+}
+
+/// The invariant: `|x| <= 136 rad`, `|d| < 4 rad` a tick, `|g| < 4 rad` a tick².
+pub fn holds(motion: &Motion<N>) -> bool {
+    motion.position.0.unsigned_abs() <= 136 * RAD.unsigned_abs()
+        && motion.moved.within(2)
+        && motion.pushed.within(2)
+}
+
+fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
+    let most = limit.0.to_bits().max(0);
+    core::array::from_fn(|_| s.i32().clamp(-most, most))
+}
+
+property! {
+    /// P3: from any motion in the invariant, under any commands within the limit, no sum of a flow overflows, and what comes
+    /// out is below 160 rad and 21 rad a tick.
+    equation "|x + V d + X g - Σ q f| < 160 rad"
+    over "weights as settings give them, motion in the invariant, commands"
+    by cadical fn p3_flow_fits32(s) {
+        let law = such!(s, any(s), |law| ok(&law), "settings");
+        let motion = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by p3_motion_stays32");
+        let commands = any_commands(s, law.limit);
+        for (position, moved) in [law.tick.apply(&motion, &commands), law.ahead.apply(&motion, &commands)] {
+            assert!(position.0.unsigned_abs() < 160 * RAD.unsigned_abs());
+            assert!(moved.0.unsigned_abs() < 21 * RAD.unsigned_abs());
+        }
+        cover!(s, motion.position.0 > 127 * RAD, "at the end of the range");
+        cover!(s, motion.moved.0 < -3 * RAD && motion.pushed.0 < -3 * RAD, "fast and pushed");
+    }
+}
+property! {
+    /// P3: a correction keeps the invariant, or the estimator starts anew at what was measured; and a correction of the
+    /// position is at most what the surprise was.
+    equation "|x' - e| <= |e - x⁻|, invariant"
+    over "weights as settings give them, motion in the invariant, commands, measured position"
+    by cadical fn p3_motion_stays32(s) {
+        let law = such!(s, any(s), |law| ok(&law), "settings");
+        let before = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by this");
+        let commands = any_commands(s, law.limit);
+        // Near what was expected on some samples, or hardly one would be corrected at all.
+        let measured = if s.bool() {
+            Position(N::narrow(before.position)) - Position(fixed::types::I8F24::from_bits(s.i32() >> 8))
+        } else {
+            Position(fixed::types::I8F24::from_bits(s.i32()))
+        };
+        let (expected, _) = law.tick.apply(&before, &commands);
+        let after = law.corrected(&before, &commands, measured);
+        if let Some(after) = after {
+            assert!(holds(&after));
+            let surprise = N::widen(measured.0).minus_fitting(expected);
+            let rest = N::widen(measured.0).minus_fitting(after.position);
+            // A part is cut downwards: by one of its steps at most.
+            assert!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
+        }
+        cover!(s, after.is_some_and(|after| after.position != expected), "corrected");
+        cover!(s, after.is_none(), "starts anew");
+    }
+}
+property! {
+    /// P2: at rest, as expected and without push and command, nothing moves, and what is shown is what was measured.
+    equation "x = e, d = g = f = 0  =>  shown (e, 0), nothing changes"
+    over "weights as settings give them, measured position"
+    by cadical fn p2_rest_stays32(s) {
+        let law = such!(s, any(s), |law| ok(&law), "settings");
+        let measured = Position(fixed::types::I8F24::from_bits(s.i32()));
+        let motion = Motion::<N> { position: N::widen(measured.0), ..Motion::default() };
+        let mut state = touchstone_control::estimator::EstimatorState { motion: Some(motion), commands: [0; TAPS] };
+        let sample = law.tick(&mut state, measured);
+        assert!(sample == Sample { e: measured, moved: Position::zero() });
+        assert!(state.motion == Some(motion));
+        cover!(s, measured.0.to_bits() == i32::MIN, "lowest position");
+    }
+}
+property! {
+    /// P2: a signal becomes a state and a signal again; a state is shown to its nearest step, or at the end of the range.
+    equation "narrow(widen(x)) = x, |2^30 narrow(w) - w| <= 2^29"
+    over "signal, state"
+    by cadical fn p2_narrow32(s) {
+        let signal = fixed::types::I8F24::from_bits(s.i32());
+        assert!(N::narrow(N::widen(signal)) == signal);
+        assert!(N::widen(signal).torque_part() == signal.to_bits());
+        let state = Wide64(s.i64());
+        let shown = i128::from(N::narrow(state).to_bits()) << 30;
+        let (lowest, highest) = (i128::from(i32::MIN) << 30, i128::from(i32::MAX) << 30);
+        let nearest = (shown - i128::from(state.0)).unsigned_abs() <= 1 << 29;
+        let beyond = (shown == highest && i128::from(state.0) > highest)
+            || (shown == lowest && i128::from(state.0) < lowest);
+        assert!(nearest || beyond);
+        cover!(s, beyond && state.0 > 0, "above the range");
+        cover!(s, nearest && shown != i128::from(state.0), "rounded");
+    }
+}

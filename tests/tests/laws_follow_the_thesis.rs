@@ -1,0 +1,148 @@
+//! Places in which a law once left the thesis' equations, each on its own.
+
+use touchstone_control::law::{Contact, EnhancedState, Law, Sample, Sfa, SfaState};
+use touchstone_control::{
+    AnyLaw, Controller, FirstContact, Fixed32, Force, LawKind, ObserverForm, Position, Settings, Si,
+};
+use touchstone_tests::random::Random;
+
+fn si(text: &str) -> Si {
+    Si::from_str(text).unwrap()
+}
+
+fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
+    let settings = Settings {
+        law: update,
+        first_contact,
+        ..Settings::default()
+    };
+    let AnyLaw::Sfa(law, _) = Controller::<f64>::new(&settings).unwrap().law else {
+        panic!("not that law");
+    };
+    law
+}
+
+/// (2.16) and (2.17): the first contact ends at `n_r`, with the force that `k_de` shows there and not a tick before.
+#[test]
+fn the_first_contact_hands_over_the_force_of_its_own_tick() {
+    let law = sfa(LawKind::Sfa, FirstContact::KeepForce);
+    let mut state = SfaState::default();
+    let mut last = 0.0;
+    let mut at = |state: &mut SfaState<f64>, e: f64| {
+        let force = law.tick(state, Sample::measured(Position(e), Position(last)));
+        last = e;
+        force.0
+    };
+    at(&mut state, 0.010);
+    at(&mut state, 0.012);
+    let force = at(&mut state, 0.011);
+    assert_eq!(state.contact, Contact::Augmenting);
+    // 1/k_v is held in steps of 2^-32, and comes back times k_v f.
+    let step = 0.8 * 0.055 * 2f64.powi(-32);
+    assert!((force - 5.0 * 0.011).abs() < step, "{force}");
+    let offset = 5.0 * 0.011 / 0.8 - 0.011;
+    assert!((state.offset.0 - offset).abs() < 1e-8, "{:?}", state.offset);
+}
+
+/// (2.14c), third line from below: where the displayed stiffness is the desired one, the offset stays.
+#[test]
+fn the_offset_stays_where_the_stiffness_is_right() {
+    for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
+        let law = sfa(kind, FirstContact::ZeroOffset);
+        let held = SfaState {
+            contact: Contact::Augmenting,
+            last: Position(0.01),
+            before_last: Position(0.0101),
+            offset: Position(0.05),
+            force: Force(law.desired.0 * 0.01),
+        };
+        let mut state = held;
+        law.tick(
+            &mut state,
+            Sample {
+                e: Position(0.0101),
+                moved: Position(1e-4),
+            },
+        );
+        assert_eq!(state.offset, held.offset, "{kind:?}");
+    }
+    // The enhanced law's ideal step is the way that is left, which is none.
+    let AnyLaw::Enhanced(law, mut state) =
+        Controller::<f64>::new(&Settings::default()).unwrap().law
+    else {
+        panic!("not that law");
+    };
+    state.contact = Contact::Augmenting;
+    state.force = Force(law.desired.0 * 0.01);
+    state.augmented.offset = Position(0.05);
+    assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
+}
+
+/// A wall pushes. Inside it nothing pulls, however fast the HIP leaves the virtual mass behind; and the mass' energy, credit
+/// included, stays what it was plus the work of the force on it.
+#[test]
+fn the_enhanced_law_never_pulls_inside_the_wall() {
+    let stiff = Settings {
+        k_desired: si("20"),
+        k_soft: si("17"),
+        filter: touchstone_control::FilterSettings {
+            mass: si("0.000002"),
+            stiffness: si("75"),
+            damping: si("0.0014"),
+            ground_damping: si("0.1"),
+        },
+        ..Settings::default()
+    };
+    let mut random = Random::new(7);
+    for settings in [Settings::default(), stiff] {
+        let AnyLaw::Enhanced(law, mut state) = Controller::<Fixed32>::new(&settings).unwrap().law
+        else {
+            panic!("not that law");
+        };
+        let (mut x, mut v, mut pushes, mut idle) = (-0.01, 0.0, 0, 0);
+        let mut last = Position::from_f64(x);
+        for n in 0..200_000 {
+            if n % 40 == 0 {
+                v = 0.012 * random.real();
+            }
+            x = (x + v).clamp(-0.005, 0.08);
+            let e = Position::from_f64(x);
+            let before: EnhancedState<Fixed32> = state;
+            let force = law.tick(&mut state, Sample::measured(e, last));
+            last = e;
+            assert!(
+                force >= Force::zero() || e <= Position::zero(),
+                "{n}: {force:?} at {e:?}"
+            );
+            pushes += u32::from(force > Force::zero());
+            if before.contact == Contact::Augmenting && state.contact == Contact::Augmenting {
+                idle += u32::from(force == Force::zero());
+                let work = state.augmented.at_mass * state.augmented.mass.moved;
+                let mut books = (before.energy + work).min(law.energy_cap);
+                if work < touchstone_control::Energy::zero() && books != state.energy {
+                    // What a shortened retreat leaves over is kept, never more than there was.
+                    books = books.max(state.energy).min(before.energy);
+                }
+                assert!(state.energy <= books, "{n}: {:?} {books:?}", state.energy);
+            }
+        }
+        assert!(pushes > 10_000 && idle > 10, "{pushes} {idle}");
+    }
+}
+
+/// The published observer lends nothing: what the thesis' form shows, it shows by its own sum.
+#[test]
+fn the_published_observer_has_no_loan() {
+    for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {
+        let settings = Settings {
+            observer,
+            ..Settings::default()
+        };
+        let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
+        wall.tick(Position::from_f64(0.001));
+        let AnyLaw::Enhanced(_, state) = wall.law else {
+            panic!("not that law");
+        };
+        assert_eq!(state.energy.to_f64() > 0.0, lent, "{observer:?}");
+    }
+}
