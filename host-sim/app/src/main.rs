@@ -1,5 +1,6 @@
-//! The command line: `touchstone [thesis | run | identify | scenes | flash | monitor | config | device | doctor]`.
+//! The command line: `touchstone [thesis | run | identify | certify | scenes | flash | monitor | config | device | doctor]`.
 
+mod certify;
 mod config;
 mod device;
 mod doctor;
@@ -37,6 +38,8 @@ enum Command {
     Run(run::Options),
     /// Measures the damping of a simulated device with FBA (Algorithm 2.1).
     Identify(identify::Options),
+    /// Says whether a wall is stable, for which hands, and by which margins, without a run.
+    Certify(certify::Options),
     /// Lists the scenes that come with the program.
     Scenes,
     /// Writes the firmware into a board, through the program probe-rs.
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Command::Thesis(options) => thesis::main(&options),
         Command::Run(options) => run::main(&options),
         Command::Identify(options) => identify::main(&options),
+        Command::Certify(options) => certify::main(&options),
         Command::Scenes => scenes(),
         Command::Flash(options) => flash::main(&options),
         Command::Monitor(options) => monitor::main(&options),

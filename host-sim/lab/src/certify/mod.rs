@@ -19,6 +19,8 @@ pub mod margins;
 pub mod plant;
 pub mod sector;
 pub mod state_space;
+#[cfg(test)]
+mod tests;
 
 use contact::Contact;
 use hands::Family;
