@@ -70,6 +70,11 @@ pub fn scene(seed: u64, index: u64) -> Scene {
         .max(if has_friction { 4.0 * friction } else { 0.0 });
     scene.wall.k_desired_n_m_per_rad = stiffness;
     law(&mut scene, &mut random, c_i, k_c, stiffness);
+    if scene.law.kind == LawKind::EnhancedSfa {
+        // Around what the coupling stores under the press.
+        let stored = 0.5 * push * push / scene.law.filter.stiffness_n_m_per_rad;
+        scene.law.energy_credit_j = stored * random.between(0.5, 8.0);
+    }
     scene.law.force_limit_n_m = 20.0 * push;
 
     scene.operator.grip = [Grip::Light, Grip::Medium, Grip::Firm][(index % 3) as usize];
@@ -122,7 +127,6 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
             law.filter.stiffness_n_m_per_rad = stiffness * random.between(1.5, 5.0);
             law.filter.damping_n_m_s_per_rad = critical * random.between(0.03, 1.0);
             law.filter.damping_to_ground_n_m_s_per_rad = critical * random.between(0.5, 3.0);
-            law.energy_credit_j = 10.0;
         }
     }
 }
@@ -178,7 +182,7 @@ pub struct Row {
     pub decay_per_s: f64,
     /// Frequency of that motion, Hz.
     pub frequency_hz: f64,
-    /// Largest radius while a reading is taken 1 to 1.27 times.
+    /// Largest radius while a reading is taken as rounding may take it.
     pub radius_rounded: f64,
     /// Root mean square of the motion from rounding, counts.
     pub rounding_rms_counts: Option<f64>,

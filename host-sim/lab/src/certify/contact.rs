@@ -1,14 +1,14 @@
 //! A scene's law against a hand: the loop's matrix for each phase, and what the matrix alone does not say.
 
 use super::estimator::Estimator;
-use super::law::{LinearLaw, Phases};
+use super::law::{LinearLaw, Phases, Switching};
 use super::plant::{Clock, Mechanics, sampled};
 use super::state_space::{Mode, StateSpace};
 use nalgebra::{DMatrix, DVector};
 use touchstone_control::Controller;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::{plan, settings};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
 
 /// A law on a device.
@@ -28,6 +28,8 @@ pub struct Contact {
     pub count_rad: Option<f64>,
     /// `k_de`, N·m/rad.
     pub k_desired: f64,
+    /// Torque of the scene's press, N·m, where its motion has one.
+    pub press_n_m: Option<f64>,
     /// `c_i`, the damping that the law counts on, N·m·s/rad.
     pub c_i: f64,
 }
@@ -51,6 +53,14 @@ impl Contact {
             estimator: None,
             count_rad: scene.encoder.as_ref().map(|encoder| encoder.step_rad()),
             k_desired: scene.wall.k_desired_n_m_per_rad,
+            press_n_m: match &scene.operator.motion {
+                MotionSpec::RampAndHold(press) => Some(press.push_torque_n_m),
+                MotionSpec::TouchAndPress(press) => Some(press.push_torque_n_m),
+                MotionSpec::PressWiggleRelease(press) => {
+                    Some(press.push_torque_n_m + press.wiggle_amplitude_n_m)
+                }
+                MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
+            },
             c_i: scene.law.c_i_n_m_s_per_rad,
         })
     }
@@ -113,6 +123,22 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
+    /// Largest radius over gains between the law's phases; 0 where there are none.
+    #[must_use]
+    pub fn radius_between(&self, hand: Option<&Hand>) -> f64 {
+        let (Switching::Between(ends), Some(plant)) = (&self.phases.switching, self.plant(hand))
+        else {
+            return 0.0;
+        };
+        SHARES
+            .map(|share| {
+                let law = LinearLaw::between(&ends[0], &ends[1], share);
+                Mode::dominant(&plant.closed_by(&self.law(&law), 1.0)).radius
+            })
+            .into_iter()
+            .fold(0.0, f64::max)
+    }
+
     /// The same with another inertia, as a factor; the estimator keeps what it assumes.
     #[must_use]
     pub fn with_inertia(&self, factor: f64) -> Self {
@@ -154,8 +180,11 @@ impl Contact {
     }
 }
 
+/// Gains between two phases that are tried, of the second's.
+const SHARES: [f64; 8] = [0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85];
+
 /// Most ticks over which an impulse response is summed.
-const LONGEST: usize = 60_000;
+const LONGEST: usize = 300_000;
 
 /// Sums of squares and of magnitudes of the position's answer to one wrong reading of size 1.
 fn impulse(plant: &StateSpace, law: &StateSpace, matrix: &DMatrix<f64>) -> Option<(f64, f64)> {

@@ -48,6 +48,18 @@ pub struct LinearLaw {
 }
 
 impl LinearLaw {
+    /// The law a share of the way from one to another that differs in one gain.
+    #[must_use]
+    pub fn between(from: &Self, to: &Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        Self {
+            a: from.a.zip_map(&to.a, mix),
+            b: from.b.zip_map(&to.b, mix),
+            c: from.c.zip_map(&to.c, mix),
+            d: [mix(from.d[0], to.d[0]), mix(from.d[1], to.d[1])],
+        }
+    }
+
     /// The law that `step` computes from state, penetration and displacement; it must be linear.
     #[must_use]
     pub fn of(order: usize, step: impl Fn(&mut [f64], f64, f64) -> f64) -> Self {
@@ -148,6 +160,10 @@ pub struct Phases {
     pub lasting: Vec<Phase>,
     /// What happens between them.
     pub switching: Switching,
+    /// Whether the gain changes with the direction of the motion, and not only with its amplitude: that can feed a motion.
+    pub by_direction: bool,
+    /// Largest press whose energy in the coupling, `F²/(2 k_f)`, the loan covers, N·m; absent for laws without one.
+    pub loan_covers_n_m: Option<f64>,
     /// The spring of the first contact, N·m/rad, for a law that leaves it when the motion turns.
     pub first_contact: Option<f64>,
     /// Whether the law holds its force back where its books of energy ask for it: it may come to rest where its phases do not.
@@ -173,6 +189,8 @@ impl Phases {
                 law: LinearLaw::spring(stiffness, damping),
             }],
             switching: Switching::Never,
+            by_direction: false,
+            loan_covers_n_m: None,
             first_contact: None,
             clamps,
         };
@@ -196,6 +214,8 @@ impl Phases {
                         spring(soft * (1.0 - gain)),
                         spring(soft * (1.0 + gain)),
                     ])),
+                    by_direction: true,
+                    loan_covers_n_m: None,
                     first_contact: Some(law.desired.0),
                     clamps: None,
                 }
@@ -219,6 +239,8 @@ impl Phases {
                 Self {
                     lasting,
                     switching: Switching::Between(Box::new([enhanced(law, Offset::Held), updated])),
+                    by_direction: law.update != OffsetUpdate::EveryTick,
+                    loan_covers_n_m: Some((2.0 * law.mass.stiffness.0 * law.credit.0).sqrt()),
                     first_contact: Some(law.desired.0),
                     clamps: None,
                 }

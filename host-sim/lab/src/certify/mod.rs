@@ -4,11 +4,14 @@
 //! [`law`] the laws, [`estimator`] a state estimator between the two, [`sector`] what may switch between two linear phases.
 //! [`hands`] says for whom. Equations (1) to (16) are numbered through these files.
 //!
-//! **Stable** is said of a hand where every lasting phase decays faster than [`SLOWEST_PER_S`], still does so while a reading is
-//! taken up to [`ROUNDING_GAIN`] times (the most that rounding to a count adds to a steady oscillation, `4/π`), rounding alone moves the rest by
-//! less than [`ROUNDING_RMS_COUNTS`], changes between phases fulfil (16), and the first contact is slow enough for the sampler.
-//! **Unstable** where a phase in which the law stays grows, and dry friction could not hold it. **Undecided** is everything else; the
-//! certificate gives the cause.
+//! **Stable** is said of a hand where every lasting phase decays faster than [`SLOWEST_PER_S`] (with dry friction of a hundredth of
+//! the press, which ends a decay, faster than [`SLOWEST_WITH_FRICTION_PER_S`]) and is stable while a reading is taken up to
+//! [`ROUNDING_GAIN`] times, where rounding moves the rest by less than [`ROUNDING_RMS_COUNTS`], every gain between the phases is stable, the
+//! loan covers the press, and the first contact is slow enough for the sampler. The gains between the phases are tried one by one
+//! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
+//! hold. **Unstable** where a phase in which the law stays grows by more than [`FASTEST_GROWTH_PER_S`], and dry friction could not hold half
+//! the depth of the press. **Undecided** is everything else; the certificate gives the cause. The matrices are exact; the limits around them
+//! are judgement, set on random runs of [`campaign`].
 
 pub mod campaign;
 pub mod contact;
@@ -33,8 +36,14 @@ use touchstone_world::plant::Hand;
 
 /// Slowest decay that still is called stable, 1/s.
 pub const SLOWEST_PER_S: f64 = 1.0;
-/// Largest gain of rounding to the nearest count on a sinusoid (its describing function), `4/π`.
-pub const ROUNDING_GAIN: f64 = 1.2733;
+/// Slowest decay that still is called stable where dry friction ends it, 1/s.
+pub const SLOWEST_WITH_FRICTION_PER_S: f64 = 0.05;
+/// Least dry friction that ends a decay, of the press.
+pub const ENDING_FRICTION: f64 = 0.01;
+/// Growth from which on a motion is called unstable, 1/s.
+pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
+/// Largest gain of rounding to the nearest count on a sinusoid of four counts peak to peak or more, by its describing function.
+pub const ROUNDING_GAIN: f64 = 1.05;
 /// Largest motion from rounding, root mean square, counts: four counts peak to peak, the threshold of a limit cycle, are some six times it.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.6;
 /// Largest `T sqrt(k_de/J)` of a first contact at `k_de` that is called stable without delay; less by half with a tick of it.
@@ -125,7 +134,9 @@ pub struct HandReport {
     pub rounding_rms_counts: Option<f64>,
     /// Most motion from rounding that there can be, counts.
     pub rounding_most_counts: Option<f64>,
-    /// Least cosine of (16); above 0: changes between phases are covered. Absent where there are none, or an end is unstable.
+    /// Largest radius over gains between the phases.
+    pub radius_between: f64,
+    /// Least cosine of (16); above 0: whatever way the gain changes is covered. Absent where it does not, or an end is unstable.
     pub switching: Option<f64>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,
@@ -262,10 +273,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>) -> HandReport 
     };
     let rounding = contact.count_rad.and_then(|_| contact.rounding(hand));
     let radius_rounded = if contact.count_rad.is_some() {
-        [1.1, ROUNDING_GAIN]
-            .map(|gain| contact.radius_at_gain(hand, gain))
-            .into_iter()
-            .fold(mode.radius, f64::max)
+        contact.radius_at_gain(hand, ROUNDING_GAIN).max(mode.radius)
     } else {
         mode.radius
     };
@@ -279,6 +287,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>) -> HandReport 
         decay_per_s: mode.decay_per_s(rate_hz),
         frequency_hz: mode.frequency_hz(rate_hz),
         radius_rounded,
+        radius_between: contact.radius_between(hand),
         rounding_rms_counts: rounding.map(|(rms, _)| rms),
         rounding_most_counts: rounding.map(|(_, most)| most),
         switching,
@@ -313,32 +322,46 @@ fn friction_holds(contact: &Contact, hand: Option<&Hand>, mode: &state_space::Mo
 fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let mut say = |verdict, cause| found.push((verdict, cause));
-    if report.decay_per_s < -SLOWEST_PER_S {
+    let friction = contact
+        .device
+        .friction
+        .map_or(0.0, |friction| friction.kinetic);
+    let ends = contact
+        .press_n_m
+        .is_some_and(|press| friction >= ENDING_FRICTION * press);
+    let slowest = if ends {
+        SLOWEST_WITH_FRICTION_PER_S
+    } else {
+        SLOWEST_PER_S
+    };
+    if report.decay_per_s < -FASTEST_GROWTH_PER_S {
         let what = format!("{phase}: grows at {:.3} Hz", report.frequency_hz);
-        let count = contact.count_rad.unwrap_or(0.0);
+        let held = report.friction_holds_rad;
+        // Without a press that is known, anything beyond two counts.
+        let enough = contact.press_n_m.map_or_else(
+            || 2.0 * contact.count_rad.unwrap_or(0.0),
+            |press| 0.5 * press / contact.k_desired,
+        );
         if contact.phases.clamps.is_some() {
             say(
                 Verdict::Undecided,
                 format!("{what}, the law's clamp decides"),
             );
-        } else if report.friction_holds_rad > 2.0 * count {
+        } else if held > 0.0 && held >= enough {
             say(
                 Verdict::Undecided,
-                format!(
-                    "{what}, dry friction stops it below {:.2e} rad",
-                    report.friction_holds_rad
-                ),
+                format!("{what}, dry friction stops it below {held:.2e} rad"),
             );
         } else {
             say(Verdict::Unstable, what);
         }
-    } else if report.decay_per_s < SLOWEST_PER_S {
+    } else if report.decay_per_s < slowest {
         say(
             Verdict::Undecided,
             format!("{phase}: decays at {:.2} /s only", report.decay_per_s),
         );
     }
-    if report.decay_per_s >= SLOWEST_PER_S {
+    if report.decay_per_s >= slowest {
         if report.radius_rounded >= 1.0 {
             say(
                 Verdict::Undecided,
@@ -355,12 +378,24 @@ fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
                 "rounding to counts moves it by more than counts".to_owned(),
             );
         }
-        if matches!(contact.phases.switching, Switching::Between(_))
-            && report.switching.is_none_or(|cosine| cosine <= 0.0)
+        if report.radius_between >= 1.0 {
+            say(
+                Verdict::Undecided,
+                "a gain between the law's phases is not stable".to_owned(),
+            );
+        }
+        if contact.phases.by_direction && report.switching.is_none_or(|cosine| cosine <= 0.0) {
+            say(
+                Verdict::Undecided,
+                "a gain that changes with the direction of the motion is not covered".to_owned(),
+            );
+        }
+        if let (Some(most), Some(press)) = (contact.phases.loan_covers_n_m, contact.press_n_m)
+            && press > most
         {
             say(
                 Verdict::Undecided,
-                "changes between the law's phases are not covered".to_owned(),
+                format!("the loan covers presses up to {most:.3} N·m"),
             );
         }
         let ticks = contact.clock.delay_s / contact.clock.period_s;

@@ -273,12 +273,17 @@ fn the_estimator_holds_what_differences_do_not() {
         poles_hz: 60.0,
         delay_ticks: 1.0,
     });
+    // Each alone: the delay is taken to be a tick and the inertia 1e-4 throughout.
     for (_, hand) in hands::GRIPS {
-        for inertia in [0.5, 1.0, 2.0] {
-            assert!(
-                contact.with_inertia(inertia).radius(Some(&hand)) < 1.0,
-                "{inertia}"
-            );
+        for delay_s in [0.0, 1e-4, 5e-4, 1e-3] {
+            contact.clock.delay_s = delay_s;
+            let radius = contact.radius(Some(&hand));
+            assert!(radius < 1.0, "delay {delay_s}: {radius}");
+        }
+        contact.clock.delay_s = 0.0;
+        for inertia in [0.5, 2.0] {
+            let radius = contact.with_inertia(inertia).radius(Some(&hand));
+            assert!(radius < 1.0, "inertia {inertia}: {radius}");
         }
     }
 }
