@@ -71,9 +71,9 @@ pub fn scene(seed: u64, index: u64) -> Scene {
     scene.wall.k_desired_n_m_per_rad = stiffness;
     law(&mut scene, &mut random, c_i, k_c, stiffness);
     if scene.law.kind == LawKind::EnhancedSfa {
-        // Around what the coupling stores under the press.
+        // Four times what the coupling stores under the press, as in the shipped settings, and more.
         let stored = 0.5 * push * push / scene.law.filter.stiffness_n_m_per_rad;
-        scene.law.energy_credit_j = stored * random.between(0.5, 8.0);
+        scene.law.energy_credit_j = stored * random.between(4.0, 32.0);
     }
     scene.law.force_limit_n_m = 20.0 * push;
 

@@ -9,8 +9,8 @@
 //! [`ROUNDING_GAIN`] times, where rounding moves the rest by less than [`ROUNDING_RMS_COUNTS`], every gain between the phases is stable, the
 //! loan covers the press, and the first contact is slow enough for the sampler. The gains between the phases are tried one by one
 //! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
-//! hold. **Unstable** where a phase in which the law stays grows by more than [`FASTEST_GROWTH_PER_S`], and dry friction could not hold half
-//! the depth of the press. **Undecided** is everything else; the certificate gives the cause. The matrices are exact; the limits around them
+//! hold. **Unstable** where a phase in which the law stays grows by more than [`FASTEST_GROWTH_PER_S`], and dry friction could not hold most
+//! of the depth of the press. **Undecided** is everything else; the certificate gives the cause. The matrices are exact; the limits around them
 //! are judgement, set on random runs of [`campaign`].
 
 pub mod campaign;
@@ -37,15 +37,17 @@ use touchstone_world::plant::Hand;
 /// Slowest decay that still is called stable, 1/s.
 pub const SLOWEST_PER_S: f64 = 1.0;
 /// Slowest decay that still is called stable where dry friction ends it, 1/s.
-pub const SLOWEST_WITH_FRICTION_PER_S: f64 = 0.05;
+pub const SLOWEST_WITH_FRICTION_PER_S: f64 = 0.3;
 /// Least dry friction that ends a decay, of the press.
 pub const ENDING_FRICTION: f64 = 0.01;
+/// How far a press may swing beyond its torque before it rests, where no dry friction ends it: its energy is five times as much.
+pub const OVERSHOOT: f64 = 2.236;
 /// Growth from which on a motion is called unstable, 1/s.
 pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
 /// Largest gain of rounding to the nearest count on a sinusoid of four counts peak to peak or more, by its describing function.
 pub const ROUNDING_GAIN: f64 = 1.05;
-/// Largest motion from rounding, root mean square, counts: four counts peak to peak, the threshold of a limit cycle, are some six times it.
-pub const ROUNDING_RMS_COUNTS: f64 = 0.6;
+/// Largest motion from rounding, root mean square, counts: four counts peak to peak, the threshold of a limit cycle, are five times it.
+pub const ROUNDING_RMS_COUNTS: f64 = 0.8;
 /// Largest `T sqrt(k_de/J)` of a first contact at `k_de` that is called stable without delay; less by half with a tick of it.
 pub const FIRST_CONTACT_PER_TICK: f64 = 0.8;
 
@@ -340,7 +342,7 @@ fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
         // Without a press that is known, anything beyond two counts.
         let enough = contact.press_n_m.map_or_else(
             || 2.0 * contact.count_rad.unwrap_or(0.0),
-            |press| 0.5 * press / contact.k_desired,
+            |press| 0.8 * press / contact.k_desired,
         );
         if contact.phases.clamps.is_some() {
             say(
@@ -391,11 +393,13 @@ fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
             );
         }
         if let (Some(most), Some(press)) = (contact.phases.loan_covers_n_m, contact.press_n_m)
-            && press > most
+            && press * if ends { 1.0 } else { OVERSHOOT } > most
         {
             say(
                 Verdict::Undecided,
-                format!("the loan covers presses up to {most:.3} N·m"),
+                format!(
+                    "the loan covers torques up to {most:.3} N·m, which the press may swing beyond"
+                ),
             );
         }
         let ticks = contact.clock.delay_s / contact.clock.period_s;
