@@ -1,5 +1,6 @@
-//! The command line: `touchstone [thesis | run | identify | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | identify | certify | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
+mod certify;
 mod complain;
 mod config;
 mod device;
@@ -57,6 +58,8 @@ enum Command {
     Run(run::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
+    /// Says whether a wall is stable, for which hands, and by which margins, without a run.
+    Certify(certify::Options),
     /// Lists the scenes that come with the program.
     Scenes,
     /// Writes the firmware into a board, through the program probe-rs.
@@ -138,6 +141,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Run(options) => return run::main(options),
         Command::Doctor(options) => return Ok(doctor::main(options)),
         Command::Identify(options) => identify::main(options),
+        Command::Certify(options) => certify::main(options),
         Command::Scenes => scenes(),
         Command::Flash(options) => flash::main(options),
         Command::Monitor(options) => monitor::main(options),

@@ -1,0 +1,139 @@
+//! `touchstone certify`: is a wall stable, and for whom?
+
+use super::SceneOptions;
+use super::out::{json, say};
+use touchstone_lab::certify::hands::Family;
+use touchstone_lab::certify::{Certificate, Options as Asked, certify};
+use touchstone_sim::error::{Error, Result};
+
+/// Options of `certify`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Name of a shipped scene or path of a scene's TOML file.
+    #[arg(default_value = "thesis-knob")]
+    scene: String,
+    #[command(flatten)]
+    changes: SceneOptions,
+    /// Only the scene's hand and the three grips, no search over all hands.
+    #[arg(long)]
+    grips: bool,
+    /// Leaves out the margins, which take most of the time.
+    #[arg(long)]
+    no_margins: bool,
+    /// Bandwidth of a current loop, Hz.
+    #[arg(long, value_name = "HZ")]
+    current_loop_hz: Option<f64>,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    if let Some(bandwidth) = options
+        .current_loop_hz
+        .filter(|hz| !(*hz > 0.0 && hz.is_finite()))
+    {
+        return Err(Error::Option {
+            option: "--current-loop-hz".to_owned(),
+            problem: format!("{bandwidth} is no bandwidth"),
+            fix: "give a number above 0".to_owned(),
+        });
+    }
+    let (scene, _) = options.changes.load(&options.scene)?;
+    let asked = Asked {
+        family: if options.grips {
+            Family::Grips
+        } else {
+            Family::All
+        },
+        margins: !options.no_margins,
+        current_loop_hz: options.current_loop_hz,
+    };
+    let certificate = certify(&scene, &asked)?;
+    if json() {
+        say!("{:#}", serde_json::json!(certificate));
+        return Ok(());
+    }
+    print(&certificate)
+}
+
+fn print(certificate: &Certificate) -> Result<()> {
+    say!(
+        "{}: {}  (k_de {} N·m/rad, T sqrt(k_de/J) {:.3})",
+        certificate.scene,
+        certificate.verdict.word(),
+        certificate.k_desired,
+        certificate.stiffness_per_tick
+    );
+    say!("");
+    say!(
+        "{:<18}{:<11}{:>10}{:>12}{:>10}",
+        "hand",
+        "verdict",
+        "radius",
+        "decay 1/s",
+        "Hz"
+    );
+    for hand in &certificate.hands {
+        say!(
+            "{:<18}{:<11}{:>10.6}{:>12.3}{:>10.2}",
+            hand.name,
+            hand.verdict.word(),
+            hand.radius,
+            hand.decay_per_s,
+            hand.frequency_hz
+        );
+        for phase in &hand.phases {
+            say!(
+                "  {:<27}{:>10.6}{:>12.3}{:>10.2}",
+                phase.phase,
+                phase.radius,
+                phase.decay_per_s,
+                phase.frequency_hz
+            );
+        }
+        for cause in &hand.causes {
+            say!("  {cause}");
+        }
+    }
+    let worst = &certificate.hands[certificate.worst];
+    say!("");
+    say!("worst hand: {}", worst.name);
+    if let Some([inertia, damping, stiffness, pad_damping, pad_stiffness]) = worst.parameters {
+        say!(
+            "  inertia {inertia:.3e} kg·m², damping {damping:.3e} N·m·s/rad, stiffness {stiffness:.3e} N·m/rad, pad {pad_damping:.3e} N·m·s/rad and {pad_stiffness:.3e} N·m/rad"
+        );
+    }
+    if let Some(margins) = &certificate.margins {
+        say!(
+            "margin in delay: {}{:.3} ms",
+            if margins.delay_beyond {
+                "more than "
+            } else {
+                ""
+            },
+            1e3 * margins.delay_s
+        );
+        match (margins.inertia_down, margins.inertia_up) {
+            (Some(down), Some(up)) => say!("stable for {down:.3} to {up:.3} times the inertia"),
+            _ => say!("no margin in inertia"),
+        }
+        let ranges: Vec<_> = margins
+            .k_desired
+            .iter()
+            .map(|[low, high]| format!("{low:.3} to {high:.3}"))
+            .collect();
+        say!(
+            "every phase decays for k_de (N·m/rad): {}",
+            if ranges.is_empty() {
+                "none".to_owned()
+            } else {
+                ranges.join(", ")
+            }
+        );
+    }
+    say!("");
+    say!("not covered:");
+    for line in &certificate.not_covered {
+        say!("  {line}");
+    }
+    Ok(())
+}

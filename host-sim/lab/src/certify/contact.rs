@@ -1,0 +1,213 @@
+//! A scene's law against a hand: the loop's matrix for each phase, and what the matrix alone does not say.
+
+use super::estimator::Estimator;
+use super::law::{LinearLaw, Phases, Switching};
+use super::plant::{Clock, Mechanics, sampled};
+use super::state_space::{Mode, StateSpace};
+use nalgebra::{DMatrix, DVector};
+use touchstone_control::AnyLaw;
+use touchstone_sim::error::Result;
+use touchstone_sim::run::{plan, settings};
+use touchstone_sim::scene::{MotionSpec, Scene};
+use touchstone_world::plant::{Device, Hand};
+
+/// A law on a device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// The law's linear phases.
+    pub phases: Phases,
+    /// The device; its friction is used for what friction may hide, not in the matrices.
+    pub device: Device,
+    /// Rate and delay.
+    pub clock: Clock,
+    /// Bandwidth of the current loop, Hz; scenes have none.
+    pub current_loop_hz: Option<f64>,
+    /// The law sees what this estimates; absent: measured penetrations.
+    pub estimator: Option<Estimator>,
+    /// One count of the encoder, rad.
+    pub count_rad: Option<f64>,
+    /// `k_de`, N·m/rad.
+    pub k_desired: f64,
+    /// Torque of the scene's press, N·m, where its motion has one.
+    pub press_n_m: Option<f64>,
+    /// `c_i`, the damping that the law counts on, N·m·s/rad.
+    pub c_i: f64,
+}
+
+impl Contact {
+    /// The contact that a scene describes. Coefficients are those of the law in `f64`.
+    ///
+    /// # Errors
+    /// Settings that the law cannot take.
+    pub fn of(scene: &Scene) -> Result<Self> {
+        let controller = AnyLaw::<f64>::new(&scene.settings()?)
+            .map_err(|error| settings::refused(scene, &error))?;
+        Ok(Self {
+            phases: Phases::of(&controller),
+            device: plan::device(scene),
+            clock: Clock {
+                period_s: scene.timing.period_s(),
+                delay_s: scene.timing.computational_delay_s,
+            },
+            current_loop_hz: None,
+            estimator: None,
+            count_rad: scene.encoder.as_ref().map(|encoder| encoder.step_rad()),
+            k_desired: scene.wall.k_desired_n_m_per_rad,
+            press_n_m: match &scene.operator.motion {
+                MotionSpec::RampAndHold(press) => Some(press.push_torque_n_m),
+                MotionSpec::TouchAndPress(press) => Some(press.push_torque_n_m),
+                MotionSpec::PressWiggleRelease(press) => {
+                    Some(press.push_torque_n_m + press.wiggle_amplitude_n_m)
+                }
+                MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
+            },
+            c_i: scene.law.device_damping_n_m_s_per_rad,
+        })
+    }
+
+    /// Device and hand as the law meets them. `None` for values that no plant can have.
+    #[must_use]
+    pub fn plant(&self, hand: Option<&Hand>) -> Option<StateSpace> {
+        let mechanics = Mechanics {
+            device: self.device,
+            hand: hand.copied(),
+            current_loop_hz: self.current_loop_hz,
+        };
+        sampled(&mechanics, self.clock).ok()
+    }
+
+    /// A phase of the law as it reads the encoder.
+    #[must_use]
+    pub fn law(&self, phase: &LinearLaw) -> StateSpace {
+        match &self.estimator {
+            Some(estimator) => phase.on_estimated(estimator),
+            None => phase.on_measured(),
+        }
+    }
+
+    /// Largest eigenvalue over the lasting phases, and which phase it is of.
+    #[must_use]
+    pub fn worst(&self, hand: Option<&Hand>) -> (Mode, &'static str) {
+        let lost = Mode {
+            radius: f64::INFINITY,
+            angle_rad: f64::NAN,
+        };
+        let Some(plant) = self.plant(hand) else {
+            return (lost, "no plant");
+        };
+        let modes = self.phases.lasting.iter().map(|phase| {
+            let matrix = plant.closed_by(&self.law(&phase.law), 1.0);
+            (Mode::dominant(&matrix), phase.name)
+        });
+        modes
+            .reduce(|a, b| if b.0.radius > a.0.radius { b } else { a })
+            .unwrap_or((lost, "no phase"))
+    }
+
+    /// Largest magnitude of an eigenvalue over the lasting phases.
+    #[must_use]
+    pub fn radius(&self, hand: Option<&Hand>) -> f64 {
+        self.worst(hand).0.radius
+    }
+
+    /// Radius with every measured penetration taken `gain` times.
+    #[must_use]
+    pub fn radius_at_gain(&self, hand: Option<&Hand>, gain: f64) -> f64 {
+        let Some(plant) = self.plant(hand) else {
+            return f64::INFINITY;
+        };
+        self.phases
+            .lasting
+            .iter()
+            .map(|phase| Mode::dominant(&plant.closed_by(&self.law(&phase.law), gain)).radius)
+            .fold(0.0, f64::max)
+    }
+
+    /// Largest radius over gains between the law's phases; 0 where there are none.
+    #[must_use]
+    pub fn radius_between(&self, hand: Option<&Hand>) -> f64 {
+        let (Switching::Between(ends), Some(plant)) = (&self.phases.switching, self.plant(hand))
+        else {
+            return 0.0;
+        };
+        SHARES
+            .map(|share| {
+                let law = LinearLaw::between(&ends[0], &ends[1], share);
+                Mode::dominant(&plant.closed_by(&self.law(&law), 1.0)).radius
+            })
+            .into_iter()
+            .fold(0.0, f64::max)
+    }
+
+    /// The same with another inertia, as a factor; the estimator keeps what it assumes.
+    #[must_use]
+    pub fn with_inertia(&self, factor: f64) -> Self {
+        let mut other = self.clone();
+        other.device.inertia *= factor;
+        other
+    }
+
+    /// The same with additional delay, s.
+    #[must_use]
+    pub fn with_delay(&self, more_s: f64) -> Self {
+        let mut other = self.clone();
+        other.clock.delay_s += more_s;
+        other
+    }
+
+    /// The same with additional viscous damping of the device, N·m·s/rad.
+    #[must_use]
+    pub fn with_damping(&self, more: f64) -> Self {
+        let mut other = self.clone();
+        other.device.damping += more;
+        other
+    }
+
+    /// What rounding to a count makes of a motion at rest, in counts: `(root mean square, largest)`, the first for roundings
+    /// that are independent from tick to tick, the second for the worst that there can be, half the sum of the impulse
+    /// response. `None` where a phase is not stable or rings too long to be summed.
+    #[must_use]
+    pub fn rounding(&self, hand: Option<&Hand>) -> Option<(f64, f64)> {
+        let plant = self.plant(hand)?;
+        let mut most = (0.0_f64, 0.0_f64);
+        for phase in &self.phases.lasting {
+            let law = self.law(&phase.law);
+            let matrix = plant.closed_by(&law, 1.0);
+            let (square, sum) = impulse(&plant, &law, &matrix)?;
+            most = (most.0.max((square / 12.0).sqrt()), most.1.max(0.5 * sum));
+        }
+        Some(most)
+    }
+}
+
+/// Gains between two phases that are tried, of the second's.
+const SHARES: [f64; 8] = [0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85];
+
+/// Most ticks over which an impulse response is summed.
+const LONGEST: usize = 300_000;
+
+/// Sums of squares and of magnitudes of the position's answer to one wrong reading of size 1.
+fn impulse(plant: &StateSpace, law: &StateSpace, matrix: &DMatrix<f64>) -> Option<(f64, f64)> {
+    let radius = Mode::dominant(matrix).radius;
+    if radius >= 1.0 {
+        return None;
+    }
+    // To a thousandth of what it was.
+    let ticks = (7.0 / -radius.ln()).ceil();
+    if ticks > LONGEST as f64 {
+        return None;
+    }
+    let (n, m) = (plant.order(), law.order());
+    let mut state = DVector::zeros(n + m);
+    state.rows_mut(0, n).copy_from(&(-&plant.b * law.d));
+    state.rows_mut(n, m).copy_from(&law.b);
+    let mut next = state.clone();
+    let (mut square, mut sum) = (0.0, 0.0);
+    for _ in 0..(ticks as usize).max(2 * (n + m)) {
+        square += state[0] * state[0];
+        sum += state[0].abs();
+        next.gemv(1.0, matrix, &state, 0.0);
+        std::mem::swap(&mut state, &mut next);
+    }
+    Some((square, sum))
+}

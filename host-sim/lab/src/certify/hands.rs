@@ -1,0 +1,144 @@
+//! The family of hands that a certificate is about.
+//!
+//! Two passive masses as in [`touchstone_world::plant::Hand`], about a knob gripped at 15 mm. Ranges at the fingertip, from what
+//! could be found: hand 0.1 to 1 kg (teleoperation studies use 0.1 kg to 1 kg, one of force bounding 0.8 kg), damping 1 to
+//! 10 N·s/m (what is reported at a delta.3; 5.5 in the study of force bounding), stiffness 0 to 300 N/m (0: it pushes with a force
+//! instead of holding a place), pad 300 to 2000 N/m. The pad's damping is the plant's own choice, 0.15 to 1.5 N·s/m: see
+//! [`plant::MEDIUM`]. Hasser and Cutkosky (2002) and Kuchenbecker, Park and Niemeyer (2003) find a second-order hand whose
+//! damping and stiffness rise with the grip; their numbers could not be read. So the ranges are chosen, not measured.
+
+use serde::Serialize;
+use touchstone_world::plant::{self, Hand};
+
+/// Square of the grip's radius, m²: N/m to N·m/rad, kg to kg·m².
+const RADIUS_SQUARED_M2: f64 = 2.25e-4;
+
+/// Which hands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// The scene's own hand; nobody where it has none.
+    Own,
+    /// The scene's own hand, if it has one, and the three grips.
+    Grips,
+    /// These and every hand in the ranges.
+    #[default]
+    All,
+}
+
+/// Lowest and highest value of each of a hand's five parameters, in the order of [`parameters`].
+pub const RANGES: [[f64; 2]; 5] = [
+    [0.1 * RADIUS_SQUARED_M2, 1.0 * RADIUS_SQUARED_M2],
+    [1.0 * RADIUS_SQUARED_M2, 10.0 * RADIUS_SQUARED_M2],
+    [0.0, 300.0 * RADIUS_SQUARED_M2],
+    [0.33e-4, 3.3e-4],
+    [300.0 * RADIUS_SQUARED_M2, 2000.0 * RADIUS_SQUARED_M2],
+];
+
+/// Inertia, damping, stiffness, pad's damping, pad's stiffness.
+#[must_use]
+pub fn parameters(hand: &Hand) -> [f64; 5] {
+    [
+        hand.inertia,
+        hand.damping,
+        hand.stiffness,
+        hand.pad_damping,
+        hand.pad_stiffness,
+    ]
+}
+
+/// A hand of these parameters.
+#[must_use]
+pub fn from_parameters(values: [f64; 5]) -> Hand {
+    let [inertia, damping, stiffness, pad_damping, pad_stiffness] = values;
+    Hand {
+        inertia,
+        damping,
+        stiffness,
+        pad_damping,
+        pad_stiffness,
+    }
+}
+
+/// The grips by name.
+pub const GRIPS: [(&str, Hand); 3] = [
+    ("light", plant::LIGHT),
+    ("medium", plant::MEDIUM),
+    ("firm", plant::FIRM),
+];
+
+/// A place in the ranges, each coordinate from 0 to 1: geometric but for the stiffness, which may be zero.
+fn at(place: [f64; 5]) -> Hand {
+    from_parameters(std::array::from_fn(|index| {
+        let [low, high] = RANGES[index];
+        if low > 0.0 {
+            low * (high / low).powf(place[index])
+        } else {
+            low + (high - low) * place[index]
+        }
+    }))
+}
+
+/// The hand in the ranges for which `badness` is greatest: all corners and the middle, then from the worst of them along each
+/// coordinate with steps that halve.
+pub fn worst(badness: impl Fn(&Hand) -> f64) -> (Hand, f64) {
+    let corner = |bits: usize| std::array::from_fn(|index| f64::from((bits >> index & 1) as u8));
+    let mut place = [0.5; 5];
+    let mut most = badness(&at(place));
+    for candidate in (0..32).map(corner) {
+        let bad = badness(&at(candidate));
+        if bad > most {
+            (place, most) = (candidate, bad);
+        }
+    }
+    let mut step = 0.5;
+    while step > 0.03 {
+        let mut better = false;
+        for index in 0..5 {
+            for change in [-step, step] {
+                let mut candidate = place;
+                candidate[index] = (place[index] + change).clamp(0.0, 1.0);
+                let bad = badness(&at(candidate));
+                if bad > most {
+                    (place, most, better) = (candidate, bad, true);
+                }
+            }
+        }
+        if !better {
+            step *= 0.5;
+        }
+    }
+    (at(place), most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grips_lie_in_the_ranges() {
+        for (name, hand) in GRIPS {
+            for (value, [low, high]) in parameters(&hand).into_iter().zip(RANGES) {
+                assert!(
+                    (low * (1.0 - 1e-12)..=high * (1.0 + 1e-12)).contains(&value),
+                    "{name}: {value:e} outside {low:e} to {high:e}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_search_finds_a_worst_hand_inside_the_ranges() {
+        let peak = from_parameters([1e-4, 1e-3, 0.03, 1e-4, 0.2]);
+        let (found, _) = worst(|hand| {
+            -parameters(hand)
+                .into_iter()
+                .zip(parameters(&peak))
+                .map(|(a, b)| (a / b).max(1e-9).ln().powi(2))
+                .sum::<f64>()
+        });
+        for (a, b) in parameters(&found).into_iter().zip(parameters(&peak)) {
+            assert!((a / b).ln().abs() < 0.1, "{a:e} {b:e}");
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! The laws where they are linear.
+//!
+//! A law is given the penetration `e` and the displacement of the tick `m` (of the sample, or as an estimator gives it), and
+//! answers with the force `f`. All signals are deviations from a point of rest inside the wall.
+//!
+//! **Spring, with or without damping; TDPA and FBA where they do not clamp**: `f = k_de e + (B/T) m` (5), `B = 0` for all but the
+//! spring-damper.
+//!
+//! **Enhanced augmentation** after the first contact, with `M = m/T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`:
+//!
+//! ```text
+//! O(n)   = O(n-1) + κ (k_de e(n) - f(n-1))                  regulated at the HIP      (6)
+//! O(n)   = O(n-1) + κ (k_t e_f(n-1) - p(n-1))               regulated at the mass     (7)
+//! p(n)   = k_v (e_f(n-1) + O(n))                            the wall on the mass      (8)
+//! d(n)   = (M d(n-1) + k_f (e(n) - e_f(n-1)) + C m(n) - p(n))/D                       (9)
+//! e_f(n) = e_f(n-1) + d(n)                                                            (10)
+//! f(n)   = k_f (e(n) - e_f(n)) + C (m(n) - d(n))                                      (11)
+//! ```
+//!
+//! The offset is compared with the force of the tick *before*, and the wall's force takes the mass where it *was*: both are one
+//! tick old, as in the law. `κ` is `c/k_v` or `c/k_de` (`of_ideal`) where the ideal step is the least of the three, and less
+//! where another bound is less: near rest it always is the ideal one, as the others do not vanish with the error. Frozen
+//! offset: `κ = 0`, and `O` is a constant that no longer counts.
+//!
+//! **Original and continuous augmentation**: `f = k_v (e + O)`, and at an inward tick `O` changes by `±g m`, `g = k_c/k_v - 1`:
+//! a change of the force by `k_v (1 ± g) m` inward and `k_v m` outward (12). The force thus grows by a stiffness times the
+//! displacement, a stiffness that changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
+//!
+//! First contact: the spring `k_de` for every law, until the motion turns.
+
+use super::estimator::Estimator;
+use super::state_space::StateSpace;
+use nalgebra::{DMatrix, DVector};
+use touchstone_control::law::EnhancedSfa;
+use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
+
+/// A law's linear phase as `s' = a s + b [e, m]`, `f = c s + d [e, m]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearLaw {
+    /// State to state.
+    pub a: DMatrix<f64>,
+    /// Penetration and displacement to state.
+    pub b: DMatrix<f64>,
+    /// State to force.
+    pub c: DVector<f64>,
+    /// Penetration and displacement to the force of the same tick.
+    pub d: [f64; 2],
+}
+
+impl LinearLaw {
+    /// The law a share of the way from one to another that differs in one gain.
+    #[must_use]
+    pub fn between(from: &Self, to: &Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        Self {
+            a: from.a.zip_map(&to.a, mix),
+            b: from.b.zip_map(&to.b, mix),
+            c: from.c.zip_map(&to.c, mix),
+            d: [mix(from.d[0], to.d[0]), mix(from.d[1], to.d[1])],
+        }
+    }
+
+    /// The law that `step` computes from state, penetration and displacement; it must be linear.
+    #[must_use]
+    pub fn of(order: usize, step: impl Fn(&mut [f64], f64, f64) -> f64) -> Self {
+        let by_penetration = StateSpace::of(order, |state, e| step(state, e, 0.0));
+        let by_displacement = StateSpace::of(order, |state, moved| step(state, 0.0, moved));
+        Self {
+            b: DMatrix::from_columns(&[by_penetration.b, by_displacement.b]),
+            d: [by_penetration.d, by_displacement.d],
+            a: by_penetration.a,
+            c: by_penetration.c,
+        }
+    }
+
+    /// (5), N·m/rad: stiffness and damping per tick.
+    #[must_use]
+    pub fn spring(stiffness: f64, damping_per_tick: f64) -> Self {
+        Self::of(0, |_, e, moved| stiffness * e + damping_per_tick * moved)
+    }
+
+    /// Number of states.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.c.len()
+    }
+
+    fn answer(&self, state: &mut [f64], e: f64, moved: f64) -> f64 {
+        let inputs = [e, moved];
+        let force = state
+            .iter()
+            .zip(self.c.iter())
+            .map(|(s, c)| s * c)
+            .sum::<f64>()
+            + self.d[0] * e
+            + self.d[1] * moved;
+        let next: Vec<f64> = (0..self.order())
+            .map(|row| {
+                let own: f64 = (0..self.order())
+                    .map(|column| self.a[(row, column)] * state[column])
+                    .sum();
+                own + self.b[(row, 0)] * inputs[0] + self.b[(row, 1)] * inputs[1]
+            })
+            .collect();
+        state.copy_from_slice(&next);
+        force
+    }
+
+    /// The law on measured penetrations: the displacement is the difference to the sample before, which is one more state,
+    /// the last.
+    #[must_use]
+    pub fn on_measured(&self) -> StateSpace {
+        let order = self.order();
+        StateSpace::of(order + 1, |state, e| {
+            let (own, last) = state.split_at_mut(order);
+            let force = self.answer(own, e, e - last[0]);
+            last[0] = e;
+            force
+        })
+    }
+
+    /// The law on estimated states: penetration as predicted, displacement `T v` of the predicted velocity. The law's states
+    /// come first, then the estimator's.
+    #[must_use]
+    pub fn on_estimated(&self, estimator: &Estimator) -> StateSpace {
+        let order = self.order();
+        StateSpace::of(order + estimator.order(), |state, measured| {
+            let (own, estimate) = state.split_at_mut(order);
+            let predicted = estimator.take(estimate, measured);
+            let moved = estimator.period_s * predicted.velocity;
+            let force = self.answer(own, predicted.position, moved);
+            estimator.command(estimate, force);
+            force
+        })
+    }
+}
+
+/// Phases of a law between which it changes, each linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phase {
+    /// What it is called in a certificate.
+    pub name: &'static str,
+    /// The phase.
+    pub law: LinearLaw,
+}
+
+/// How a law's phases may follow each other.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Switching {
+    /// There is one phase only.
+    Never,
+    /// Between two laws that differ in one gain, in any order and to any degree: from the first to the second.
+    Between(Box<[LinearLaw; 2]>),
+}
+
+/// A law as the certificate sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phases {
+    /// Phases in which the law can stay; each must be stable.
+    pub lasting: Vec<Phase>,
+    /// What happens between them.
+    pub switching: Switching,
+    /// Whether the gain changes with the direction of the motion, and not only with its amplitude: that can feed a motion.
+    pub by_direction: bool,
+    /// Largest press whose energy in the coupling, `F²/(2 k_f)`, the loan covers, N·m; absent for laws without one.
+    pub loan_covers_n_m: Option<f64>,
+    /// The spring of the first contact, N·m/rad, for a law that leaves it when the motion turns.
+    pub first_contact: Option<f64>,
+    /// Whether the law holds its force back where its books of energy ask for it: it may come to rest where its phases do not.
+    pub clamps: Option<Clamp>,
+}
+
+/// A law's clamp by energy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clamp {
+    /// Time-domain passivity approach.
+    Tdpa,
+    /// Force bounding approach.
+    Fba,
+}
+
+impl Phases {
+    /// The phases of a law.
+    #[must_use]
+    pub fn of(controller: &AnyLaw<f64>) -> Self {
+        let springs = |stiffness: f64, damping: f64, clamps| Self {
+            lasting: vec![Phase {
+                name: "spring",
+                law: LinearLaw::spring(stiffness, damping),
+            }],
+            switching: Switching::Never,
+            by_direction: false,
+            loan_covers_n_m: None,
+            first_contact: None,
+            clamps,
+        };
+        match controller {
+            AnyLaw::Spring(law, _) => springs(law.desired.0, law.damping.0, None),
+            AnyLaw::Tdpa(law, _) => springs(law.desired.0, 0.0, Some(Clamp::Tdpa)),
+            AnyLaw::Fba(law, _) => springs(law.desired.0, 0.0, Some(Clamp::Fba)),
+            AnyLaw::Sfa(law, _) => {
+                let (soft, gain) = (law.soft.0, law.gain.0);
+                let spring = |stiffness| LinearLaw::spring(stiffness, 0.0);
+                let phase = |name, stiffness| Phase {
+                    name,
+                    law: spring(stiffness),
+                };
+                Self {
+                    lasting: vec![
+                        phase("outward, k_v", soft),
+                        phase("inward, k_c", soft * (1.0 + gain)),
+                    ],
+                    switching: Switching::Between(Box::new([
+                        spring(soft * (1.0 - gain)),
+                        spring(soft * (1.0 + gain)),
+                    ])),
+                    by_direction: true,
+                    loan_covers_n_m: None,
+                    first_contact: Some(law.desired.0),
+                    clamps: None,
+                }
+            }
+            AnyLaw::Enhanced(law, _) => {
+                let updated = enhanced(law, Offset::Updated);
+                let mut lasting = vec![Phase {
+                    name: "offset held",
+                    law: enhanced(law, Offset::Frozen),
+                }];
+                if law.augmentation.of_ideal.0 > 0.0 {
+                    lasting.push(Phase {
+                        name: if law.update == OffsetUpdate::EveryTick {
+                            "offset updated"
+                        } else {
+                            "offset updated inward"
+                        },
+                        law: updated.clone(),
+                    });
+                }
+                Self {
+                    lasting,
+                    switching: Switching::Between(Box::new([enhanced(law, Offset::Held), updated])),
+                    by_direction: law.update != OffsetUpdate::EveryTick,
+                    loan_covers_n_m: Some((2.0 * law.mass.stiffness.0 * law.credit.0).sqrt()),
+                    first_contact: Some(law.desired.0),
+                    clamps: None,
+                }
+            }
+        }
+    }
+}
+
+/// What becomes of the offset of the enhanced law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Offset {
+    /// The ideal step at every tick, (6) or (7).
+    Updated,
+    /// Kept, and counted as a state that does not change.
+    Held,
+    /// Kept, and left out: a constant moves the point of rest only.
+    Frozen,
+}
+
+/// (6) to (11). The states are `[e_f, d, O, f or p of the tick before]`, with a frozen offset `[e_f, d]`.
+#[must_use]
+pub fn enhanced(law: &EnhancedSfa<f64>, offset: Offset) -> LinearLaw {
+    let share = if offset == Offset::Updated {
+        law.augmentation.of_ideal.0
+    } else {
+        0.0
+    };
+    let mass = &law.mass;
+    let order = if offset == Offset::Frozen { 2 } else { 4 };
+    LinearLaw::of(order, |state, e, moved| {
+        let (mut at, mut d) = (state[0], state[1]);
+        let mut o = 0.0;
+        if let [_, _, held, before] = *state {
+            let missing = match law.regulate {
+                Regulate::Hip => law.target.0 * e - before,
+                Regulate::Mass | Regulate::MassCompensated => law.target.0 * at - before,
+            };
+            o = held + share * missing;
+        }
+        let wall = law.soft.0 * (at + o);
+        let drive = mass.inertia.0 * d + mass.stiffness.0 * (e - at) + mass.damping.0 * moved;
+        d = (drive - wall) / mass.total.0;
+        at += d;
+        let force = mass.stiffness.0 * (e - at) + mass.damping.0 * (moved - d);
+        state[0] = at;
+        state[1] = d;
+        if let [_, _, held, before] = state {
+            *held = o;
+            *before = match law.regulate {
+                Regulate::Hip => force,
+                Regulate::Mass | Regulate::MassCompensated => wall,
+            };
+        }
+        force
+    })
+}

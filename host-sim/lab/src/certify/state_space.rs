@@ -1,0 +1,192 @@
+//! Discrete linear systems with one input and one output, their loops and their eigenvalues.
+
+use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
+use nalgebra::{Complex, DMatrix, DVector};
+use touchstone_world::plant::spectral_radius;
+
+/// `s' = a s + b w`, `y = c s + d w`, once a tick.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateSpace {
+    /// State to state.
+    pub a: DMatrix<f64>,
+    /// Input to state.
+    pub b: DVector<f64>,
+    /// State to output.
+    pub c: DVector<f64>,
+    /// Input to output of the same tick.
+    pub d: f64,
+}
+
+impl StateSpace {
+    /// The system that `step` computes: it is given state and input, changes the state and returns the output.
+    ///
+    /// `step` must be linear: each column is the image of a unit vector.
+    #[must_use]
+    pub fn of(order: usize, step: impl Fn(&mut [f64], f64) -> f64) -> Self {
+        let mut system = Self {
+            a: DMatrix::zeros(order, order),
+            b: DVector::zeros(order),
+            c: DVector::zeros(order),
+            d: 0.0,
+        };
+        for column in 0..=order {
+            let mut state = vec![0.0; order];
+            let mut input = 0.0;
+            match state.get_mut(column) {
+                Some(entry) => *entry = 1.0,
+                None => input = 1.0,
+            }
+            let output = step(&mut state, input);
+            if column < order {
+                system.a.set_column(column, &DVector::from_vec(state));
+                system.c[column] = output;
+            } else {
+                system.b = DVector::from_vec(state);
+                system.d = output;
+            }
+        }
+        system
+    }
+
+    /// Number of states.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.b.len()
+    }
+
+    /// One tick: changes the state, returns the output.
+    pub fn advance(&self, state: &mut DVector<f64>, input: f64) -> f64 {
+        let output = self.c.dot(state) + self.d * input;
+        *state = &self.a * &*state + &self.b * input;
+        output
+    }
+
+    /// Matrix of the loop of a plant (`self`, command to position, without a direct path) and a law (position to force) that
+    /// commands minus its force and reads `gain` times the position. The states are the plant's, then the law's.
+    #[must_use]
+    pub fn closed_by(&self, law: &StateSpace, gain: f64) -> DMatrix<f64> {
+        debug_assert!(self.d == 0.0, "an algebraic loop");
+        let (n, m) = (self.order(), law.order());
+        let mut matrix = DMatrix::zeros(n + m, n + m);
+        let read = self.c.transpose() * gain;
+        matrix
+            .view_mut((0, 0), (n, n))
+            .copy_from(&(&self.a - &self.b * &read * law.d));
+        matrix
+            .view_mut((0, n), (n, m))
+            .copy_from(&(-&self.b * law.c.transpose()));
+        matrix.view_mut((n, 0), (m, n)).copy_from(&(&law.b * &read));
+        matrix.view_mut((n, n), (m, m)).copy_from(&law.a);
+        matrix
+    }
+}
+
+/// Eigenvalues of a loop's matrix, the largest first; `None` where the iteration does not converge or an entry is not finite.
+///
+/// Balanced first: positions, velocities and forces differ by orders of magnitude.
+#[must_use]
+pub fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    if matrix.iter().any(|entry| !entry.is_finite()) {
+        return None;
+    }
+    let mut balanced = matrix.clone();
+    balance_parlett_reinsch(&mut balanced);
+    let schur = Schur::try_new(balanced, f64::EPSILON, 100 * matrix.nrows().max(10))?;
+    let mut values: Vec<_> = schur.complex_eigenvalues().iter().copied().collect();
+    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+    Some(values)
+}
+
+/// The slowest or fastest growing motion of a loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// Magnitude of the largest eigenvalue.
+    pub radius: f64,
+    /// Its angle a tick, rad, 0 to π; NaN where only the magnitude could be found.
+    pub angle_rad: f64,
+}
+
+impl Mode {
+    /// The largest eigenvalue of the matrix. Infinite for a matrix that is not finite.
+    #[must_use]
+    pub fn dominant(matrix: &DMatrix<f64>) -> Self {
+        match eigenvalues(matrix) {
+            Some(values) => values.first().map_or(
+                Self {
+                    radius: 0.0,
+                    angle_rad: 0.0,
+                },
+                |value| Self {
+                    radius: value.norm(),
+                    angle_rad: value.arg().abs(),
+                },
+            ),
+            None if matrix.iter().all(|entry| entry.is_finite()) => Self {
+                // Needs no eigenvalue iteration, and cannot fail.
+                radius: spectral_radius(matrix),
+                angle_rad: f64::NAN,
+            },
+            None => Self {
+                radius: f64::INFINITY,
+                angle_rad: f64::NAN,
+            },
+        }
+    }
+
+    /// How fast the motion dies out, 1/s; negative where it grows.
+    #[must_use]
+    pub fn decay_per_s(&self, rate_hz: f64) -> f64 {
+        -self.radius.ln() * rate_hz
+    }
+
+    /// Its frequency, Hz.
+    #[must_use]
+    pub fn frequency_hz(&self, rate_hz: f64) -> f64 {
+        self.angle_rad * rate_hz / std::f64::consts::TAU
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::dmatrix;
+
+    #[test]
+    fn dominant_mode_of_known_matrices() {
+        let turned = dmatrix![0.6, -0.8; 0.8, 0.6] * 0.99;
+        let mode = Mode::dominant(&turned);
+        assert!((mode.radius - 0.99).abs() < 1e-14);
+        assert!((mode.angle_rad - 0.8_f64.atan2(0.6)).abs() < 1e-14);
+        assert!((mode.decay_per_s(1000.0) + 1000.0 * 0.99_f64.ln()).abs() < 1e-9);
+        // Badly scaled, and with the zero eigenvalues of a delay line.
+        let scaled = dmatrix![0.9, 1e9, 0.0; 0.0, 0.0, 1.0; 0.0, 0.0, 0.0];
+        assert!((Mode::dominant(&scaled).radius - 0.9).abs() < 1e-12);
+        assert_eq!(Mode::dominant(&dmatrix![f64::NAN]).radius, f64::INFINITY);
+    }
+
+    #[test]
+    fn a_loop_does_what_its_two_parts_do_in_turn() {
+        let plant = StateSpace::of(2, |s, u| {
+            let x = s[0];
+            s[0] += 0.5 * s[1];
+            s[1] = 0.9 * s[1] + u;
+            x
+        });
+        let law = StateSpace::of(1, |s, e| {
+            let f = 3.0 * e + 2.0 * (e - s[0]);
+            s[0] = e;
+            f
+        });
+        let matrix = plant.closed_by(&law, 0.5);
+        let mut whole = DVector::from_vec(vec![1.0, -0.2, 0.3]);
+        let (mut p, mut l) = (whole.rows(0, 2).into_owned(), whole.rows(2, 1).into_owned());
+        for _ in 0..20 {
+            whole = &matrix * whole;
+            let x = plant.c.dot(&p);
+            let f = law.advance(&mut l, 0.5 * x);
+            plant.advance(&mut p, -f);
+        }
+        assert!((whole.rows(0, 2) - p).norm() < 1e-12);
+        assert!((whole.rows(2, 1) - l).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,311 @@
+//! The matrices against the laws and plants themselves.
+
+use super::contact::Contact;
+use super::estimator::Estimator;
+use super::law::{LinearLaw, Offset, enhanced};
+use super::plant::{Clock, Mechanics, sampled};
+use super::*;
+use nalgebra::DVector;
+use std::collections::VecDeque;
+use touchstone_control::filter::MassState;
+use touchstone_control::law::{
+    Augmented, Contact as Phase, EnhancedSfa, EnhancedState, Law as _, Sample,
+};
+use touchstone_control::{AnyLaw, Energy, Force, Position};
+use touchstone_world::plant::{HeldLinear, MEDIUM, State, Stepper};
+
+fn scene(regulate: &str) -> Scene {
+    let sets = [
+        "law.kind=enhanced-sfa",
+        "law.number=f64",
+        "law.k_soft_n_m_per_rad=1.92",
+        "law.step_of_ideal=0.293",
+        "law.limit_of_force=0.9",
+        "law.limit_of_penetration=0.9",
+        "law.energy_credit_j=1000",
+        "law.filter.mass_kg_m2=7.5e-7",
+        "law.filter.stiffness_n_m_per_rad=42",
+        "law.filter.damping_n_m_s_per_rad=0.0457",
+        "law.filter.ground_damping_n_m_s_per_rad=0.06",
+        "wall.k_desired_n_m_per_rad=20",
+        regulate,
+    ]
+    .map(str::to_owned);
+    Scene::load("press-hold")
+        .unwrap()
+        .with_overrides(&sets)
+        .unwrap()
+}
+
+fn law(scene: &Scene) -> EnhancedSfa<f64> {
+    match AnyLaw::<f64>::new(&scene.settings().unwrap()).unwrap() {
+        AnyLaw::Enhanced(law, _) => law,
+        _ => panic!("another law"),
+    }
+}
+
+/// Penetration at which the tests rest, rad.
+const DEPTH: f64 = 0.01;
+
+/// The law at rest at [`DEPTH`].
+fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
+    // At the mass, the target is that of force over the mass' position.
+    let coupling = law.mass.stiffness.0;
+    let force = match law.regulate {
+        touchstone_control::Regulate::Hip => law.target.0 * DEPTH,
+        _ => DEPTH / (1.0 / law.target.0 + 1.0 / coupling),
+    };
+    let mass = DEPTH - force / coupling;
+    EnhancedState {
+        contact: Phase::Augmenting,
+        last: Position(DEPTH),
+        force: Force(force),
+        energy: Energy(1000.0),
+        augmented: Augmented {
+            mass: MassState {
+                position: Position(mass),
+                moved: Position(0.0),
+            },
+            offset: Position(force / law.soft.0 - mass),
+            at_mass: Force(force),
+        },
+    }
+}
+
+/// `[e_f, d, O, f or p, e]`.
+fn states(law: &EnhancedSfa<f64>, state: &EnhancedState<f64>) -> [f64; 5] {
+    let held = &state.augmented;
+    [
+        held.mass.position.0,
+        held.mass.moved.0,
+        held.offset.0,
+        match law.regulate {
+            touchstone_control::Regulate::Hip => state.force.0,
+            _ => held.at_mass.0,
+        },
+        state.last.0,
+    ]
+}
+
+#[test]
+fn the_enhanced_law_near_rest_is_its_matrix() {
+    for regulate in [
+        "law.regulate=hip",
+        "law.regulate=mass",
+        "law.regulate=mass-compensated",
+    ] {
+        let law = law(&scene(regulate));
+        let linear = enhanced(&law, Offset::Updated).on_measured();
+        let mut real = resting(&law);
+        let rest = states(&law, &real);
+        let rest_force = real.force.0;
+        let mut predicted = DVector::zeros(5);
+        let mut last = Position(DEPTH);
+        let mut random = 1_u32;
+        for _ in 0..400 {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let away = 1e-5 * (f64::from(random >> 8) / f64::from(1 << 23) - 1.0);
+            let e = Position(DEPTH + away);
+            let force = law.tick(&mut real, Sample::measured(e, last)).0;
+            last = e;
+            let expected = linear.advance(&mut predicted, away);
+            assert!(
+                (force - rest_force - expected).abs() < 1e-12,
+                "{regulate}: {force} {expected}"
+            );
+            for ((now, rest), expected) in states(&law, &real)
+                .into_iter()
+                .zip(rest)
+                .zip(predicted.iter())
+            {
+                assert!((now - rest - expected).abs() < 1e-12, "{regulate}");
+            }
+        }
+        assert!(predicted.norm() > 1e-7, "nothing moved");
+    }
+}
+
+/// The real law on the real plant, through a delay, and the loop's matrix: the same motion.
+#[test]
+fn the_whole_loop_is_its_matrix() {
+    for delay_ticks in [0.0, 0.3, 1.0, 1.6] {
+        let scene = scene("law.regulate=hip");
+        let mut contact = Contact::of(&scene).unwrap();
+        contact.clock.delay_s = delay_ticks * contact.clock.period_s;
+        let law = law(&scene);
+        let period = contact.clock.period_s;
+        let (whole, fraction) = contact.clock.ticks();
+        let device = contact.device;
+        let before = HeldLinear::new(&device, &MEDIUM, fraction * period).unwrap();
+        let after = HeldLinear::new(&device, &MEDIUM, (1.0 - fraction) * period).unwrap();
+        let mut real = resting(&law);
+        let force = real.force.0;
+        let hand = DEPTH + force / MEDIUM.pad_stiffness;
+        let rest = hand + force / MEDIUM.stiffness;
+        let mut state = State::from_array([DEPTH + 1e-6, 0.0, hand, 0.0]);
+        let mut queue: VecDeque<f64> = vec![-force; whole + 1].into();
+
+        let plant = contact.plant(Some(&MEDIUM)).unwrap();
+        let linear = enhanced(&law, Offset::Updated).on_measured();
+        let matrix = plant.closed_by(&linear, 1.0);
+        let mut predicted = DVector::zeros(matrix.nrows());
+        predicted[0] = 1e-6;
+        let mut last = Position(DEPTH);
+        for tick in 0..300 {
+            let e = Position(state.to_array()[0]);
+            let command = -law.tick(&mut real, Sample::measured(e, last)).0;
+            last = e;
+            queue.push_back(command);
+            let old = queue.pop_front().unwrap();
+            before.step(&mut state, old, rest);
+            after.step(&mut state, *queue.front().unwrap(), rest);
+            predicted = &matrix * predicted;
+            let now = state.to_array();
+            for (index, rest) in [DEPTH, 0.0, hand, 0.0].into_iter().enumerate() {
+                // Velocities are a thousand times positions.
+                let scale = if index % 2 == 0 { 1.0 } else { 1000.0 };
+                assert!(
+                    (now[index] - rest - predicted[index]).abs() < 2e-13 * scale,
+                    "delay {delay_ticks}, tick {tick}, state {index}: {:e} {:e}",
+                    now[index] - rest,
+                    predicted[index]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_critical_stiffness_is_that_of_the_plants_own_golden_values() {
+    use touchstone_world::plant::{Device, critical_stiffness};
+    let device = Device {
+        inertia: 1e-4,
+        damping: 4e-4,
+        friction: None,
+    };
+    for (hand, delay_s) in [
+        (None, 0.0),
+        (Some(MEDIUM), 0.0),
+        (Some(MEDIUM), 0.7e-3),
+        (Some(MEDIUM), 2e-3),
+    ] {
+        let critical = critical_stiffness(&device, hand.as_ref(), 1000.0, delay_s).unwrap();
+        let mechanics = Mechanics {
+            device,
+            hand,
+            current_loop_hz: None,
+        };
+        let clock = Clock {
+            period_s: 1e-3,
+            delay_s,
+        };
+        let plant = sampled(&mechanics, clock).unwrap();
+        let radius = |stiffness: f64| {
+            let law = LinearLaw::spring(stiffness, 0.0).on_measured();
+            state_space::Mode::dominant(&plant.closed_by(&law, 1.0)).radius
+        };
+        assert!(radius(critical * 0.9999) < 1.0, "{delay_s}");
+        assert!(radius(critical * 1.0001) > 1.0, "{delay_s}");
+    }
+}
+
+#[test]
+fn a_fast_current_loop_changes_little_and_a_slow_one_much() {
+    let scene = scene("law.regulate=hip");
+    let radius = |bandwidth| {
+        let mut contact = Contact::of(&scene).unwrap();
+        contact.current_loop_hz = bandwidth;
+        contact.radius(Some(&MEDIUM))
+    };
+    let ideal = radius(None);
+    assert!((radius(Some(1e5)) - ideal).abs() < 1e-3, "{ideal}");
+    assert!(radius(Some(5.0)) > 1.0);
+}
+
+/// (13) to (15) written out once more, for one tick of delay, beside the composed system.
+#[test]
+fn the_estimators_composition_does_what_its_equations_say() {
+    let (t, j, b, p, k, damping) = (1e-3, 1e-4, 4e-4, 60.0, 20.0, 0.02);
+    let estimator = Estimator {
+        period_s: t,
+        inertia: j,
+        damping: b,
+        poles_hz: p,
+        delay_ticks: 1.0,
+    };
+    let composed = LinearLaw::spring(k, damping / t).on_estimated(&estimator);
+    let mut state = DVector::zeros(composed.order());
+    let z = (-std::f64::consts::TAU * p * t).exp();
+    let (mut x, mut v, mut h) = (0.0, 0.0, 0.0);
+    let (mut last, mut before) = (0.0, 0.0);
+    for tick in 0..200 {
+        let y = 1e-3 * (0.05 * f64::from(tick)).sin() + 1e-4 * f64::from(tick % 3);
+        let a = (-before - b * v) / j + h;
+        let (x_, v_) = (x + t * v + 0.5 * t * t * a, v + t * a);
+        let r = y - x_;
+        x = x_ + (1.0 - z.powi(3)) * r;
+        v = v_ + 1.5 * (1.0 - z).powi(2) * (1.0 + z) * r / t;
+        h += (1.0 - z).powi(3) * r / (t * t);
+        let a = (-last - b * v) / j + h;
+        let f = k * (y + t * v + 0.5 * t * t * a) + damping * (v + t * a);
+        (before, last) = (last, f);
+        let composed = composed.advance(&mut state, y);
+        assert!(
+            (f - composed).abs() < 1e-9 * (1.0 + f.abs()),
+            "{tick}: {f} {composed}"
+        );
+    }
+}
+
+#[test]
+fn the_estimator_holds_what_differences_do_not() {
+    // A tick of delay at 20 times the critical stiffness: measured to hold in runs, and not for a difference damper.
+    let scene = Scene::load("press-hold")
+        .unwrap()
+        .with_overrides(&[
+            "law.kind=spring-damper".to_owned(),
+            "law.virtual_damping_n_m_s_per_rad=0.02".to_owned(),
+            "wall.k_desired_n_m_per_rad=20".to_owned(),
+            "timing.computational_delay_s=1e-3".to_owned(),
+        ])
+        .unwrap();
+    let mut contact = Contact::of(&scene).unwrap();
+    for (_, hand) in hands::GRIPS {
+        assert!(contact.radius(Some(&hand)) > 1.0);
+    }
+    contact.estimator = Some(Estimator {
+        period_s: 1e-3,
+        inertia: 1e-4,
+        damping: 4e-4,
+        poles_hz: 60.0,
+        delay_ticks: 1.0,
+    });
+    // Each alone: the delay is taken to be a tick and the inertia 1e-4 throughout.
+    for (_, hand) in hands::GRIPS {
+        for delay_s in [0.0, 1e-4, 5e-4, 1e-3] {
+            contact.clock.delay_s = delay_s;
+            let radius = contact.radius(Some(&hand));
+            assert!(radius < 1.0, "delay {delay_s}: {radius}");
+        }
+        contact.clock.delay_s = 0.0;
+        for inertia in [0.5, 2.0] {
+            let radius = contact.with_inertia(inertia).radius(Some(&hand));
+            assert!(radius < 1.0, "inertia {inertia}: {radius}");
+        }
+    }
+}
+
+#[test]
+fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
+    let mut tally = campaign::Tally::default();
+    for index in 0..SAMPLE {
+        tally.take(&campaign::row(SEED, index).unwrap());
+    }
+    assert!(tally.wrong().is_empty(), "seed {SEED}\n{tally}");
+    assert!(tally.stable() >= SAMPLE as u32 / 8, "seed {SEED}\n{tally}");
+}
+
+/// Of the campaign's scenes.
+const SEED: u64 = 1;
+/// Runs: some seconds.
+const SAMPLE: u64 = 48;
