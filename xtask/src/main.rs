@@ -16,6 +16,7 @@ mod mutants;
 mod outcome;
 mod prove;
 mod sabotage;
+mod schema;
 mod setup;
 mod shell;
 mod test;
@@ -67,6 +68,12 @@ const COMMANDS: &[Command] = &[
         about: "all tests of all crates, documentation examples included",
         in_test: true,
         run: unit::run,
+    },
+    Command {
+        name: "schema",
+        about: "results obey the documented JSON schema, under Python's validator",
+        in_test: true,
+        run: schema::run,
     },
     Command {
         name: "doc",

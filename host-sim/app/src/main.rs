@@ -8,6 +8,7 @@ mod identify;
 mod monitor;
 mod out;
 mod port;
+mod report_options;
 mod run;
 mod scene_options;
 mod thesis;

@@ -1,32 +1,65 @@
 //! The words that a reader sees for laws, verdicts and the conditions of a run.
 
+use super::figure::Sign;
 use super::quantity::{grouped, plain};
 use touchstone_sim::run::record::{LawKind, Summary, Verdict};
 
+/// What is said of a law.
+pub struct LawWords {
+    /// Short name for people.
+    pub name: &'static str,
+    /// Name in scenes, on the command line and in results.
+    pub key: &'static str,
+    /// What it does, in a clause.
+    pub meaning: &'static str,
+}
+
+/// The words for a law. A law more is one arm more.
+pub fn law_words(law: LawKind) -> LawWords {
+    let (name, key, meaning) = match law {
+        LawKind::Spring => ("Spring", "spring", "force in proportion to the penetration"),
+        LawKind::SpringDamper => (
+            "Damped spring",
+            "spring-damper",
+            "a spring with virtual damping",
+        ),
+        LawKind::Tdpa => (
+            "TDPA",
+            "tdpa",
+            "time-domain passivity approach: a spring that damps once its observer counts a loss",
+        ),
+        LawKind::Fba => (
+            "FBA",
+            "fba",
+            "force bounding approach: a spring whose force the observed energy bounds",
+        ),
+        LawKind::Sfa => (
+            "Original SFA",
+            "sfa",
+            "successive force augmentation: a soft spring whose rest point is moved at each turn inwards",
+        ),
+        LawKind::SfaContinuous => (
+            "SFA, contin.",
+            "sfa-continuous",
+            "successive force augmentation at every tick inwards",
+        ),
+        LawKind::EnhancedSfa => (
+            "Enhanced SFA",
+            "enhanced-sfa",
+            "successive force augmentation through a virtual mass, its energy observed and bounded",
+        ),
+    };
+    LawWords { name, key, meaning }
+}
+
 /// A law's short name for people.
 pub fn law(law: LawKind) -> &'static str {
-    match law {
-        LawKind::Spring => "Spring",
-        LawKind::SpringDamper => "Damped spring",
-        LawKind::Tdpa => "TDPA",
-        LawKind::Fba => "FBA",
-        LawKind::Sfa => "Original SFA",
-        LawKind::SfaContinuous => "SFA, contin.",
-        LawKind::EnhancedSfa => "Enhanced SFA",
-    }
+    law_words(law).name
 }
 
 /// A law's name in scenes, on the command line and in results.
 pub fn law_key(law: LawKind) -> &'static str {
-    match law {
-        LawKind::Spring => "spring",
-        LawKind::SpringDamper => "spring-damper",
-        LawKind::Tdpa => "tdpa",
-        LawKind::Fba => "fba",
-        LawKind::Sfa => "sfa",
-        LawKind::SfaContinuous => "sfa-continuous",
-        LawKind::EnhancedSfa => "enhanced-sfa",
-    }
+    law_words(law).key
 }
 
 /// A law's place in tables: simplest first.
@@ -34,26 +67,41 @@ pub fn law_order(law: LawKind) -> usize {
     law as usize
 }
 
-/// A verdict in a word.
-pub fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Passive => "passive",
-        Verdict::Active => "active",
-        Verdict::LimitCycle => "limit cycle",
-        Verdict::Unstable => "unstable",
-    }
+/// What is said of a verdict, and how it is shown.
+pub struct VerdictWords {
+    /// In a word.
+    pub name: &'static str,
+    /// Name in results and of its style.
+    pub key: &'static str,
+    /// A sign, so that colour is never the only difference.
+    pub sign: &'static str,
+    /// The sign in a figure.
+    pub mark: Sign,
+    /// Colour in a terminal, ANSI.
+    pub ansi: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
 }
 
-/// What a verdict means.
-pub fn verdict_meaning(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Passive => "came to rest; the user never got out more energy than was put in",
-        Verdict::Active => {
-            "came to rest, but the device had at some time given the user more energy than it had got"
-        }
-        Verdict::LimitCycle => "keeps oscillating near the wall without growing",
-        Verdict::Unstable => "leaves the wall again and again, hits the torque limit, or grows",
-    }
+/// The words for a verdict. A verdict more is one arm more.
+#[rustfmt::skip]
+pub fn verdict_words(verdict: Verdict) -> VerdictWords {
+    let (name, key, sign, mark, ansi, meaning) = match verdict {
+        Verdict::Passive => ("passive", "passive", "✓", Sign::Dot, "32",
+            "came to rest; the user never got out more energy than was put in"),
+        Verdict::Active => ("active", "active", "△", Sign::Triangle, "33",
+            "came to rest, but the device had at some time given the user more energy than it had got"),
+        Verdict::LimitCycle => ("limit cycle", "limit-cycle", "≈", Sign::Waves, "35",
+            "keeps oscillating near the wall without growing"),
+        Verdict::Unstable => ("unstable", "unstable", "✕", Sign::Cross, "31",
+            "leaves the wall again and again, hits the torque limit, or grows"),
+    };
+    VerdictWords { name, key, sign, mark, ansi, meaning }
+}
+
+/// A verdict in a word.
+pub fn verdict(verdict: Verdict) -> &'static str {
+    verdict_words(verdict).name
 }
 
 /// What a run was made under, apart from the law and the desired stiffness. Runs of one table share it.
@@ -109,19 +157,23 @@ pub fn file_stem(summary: &Summary) -> String {
         format!("{}hz", summary.rate_hz),
         summary.number.clone(),
     ];
-    // A scene's name comes from a file and may hold anything, a path separator too.
+    parts
+        .map(|part| safe(&part))
+        .join("_")
+        .trim_start_matches(['.', '-'])
+        .to_owned()
+}
+
+/// `text` without what a file name cannot hold: a scene's name comes from a file and may hold anything, a path separator too.
+pub fn safe(text: &str) -> String {
     let safe = |c: char| {
-        if c.is_ascii_alphanumeric() || c == '.' || c == '-' {
+        if c.is_ascii_alphanumeric() || c == '.' || c == '-' || c == '_' {
             c
         } else {
             '-'
         }
     };
-    parts
-        .map(|part| part.chars().map(safe).collect::<String>())
-        .join("_")
-        .trim_start_matches(['.', '-'])
-        .to_owned()
+    text.chars().map(safe).collect()
 }
 
 #[cfg(test)]
