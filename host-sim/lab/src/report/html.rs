@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::matrix::{Matrix, matrices};
 use super::origin::Origin;
 use super::quantity::plain;
-use super::svg::escape;
+use super::svg::{escape, typeset};
 use super::view::View;
 use super::{Block, ReportInput, Section, compare, runs, summary};
 
@@ -75,7 +75,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
         page,
         "<p>{} {}</p>",
         escape(input.intro),
-        escape(&summary::compared(input, matrices))
+        typeset(&summary::compared(input, matrices))
     );
     for note in input.notes {
         let _ = writeln!(

@@ -209,7 +209,8 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
             Shape::Series(points.collect()),
         );
     }
-    let leaves = if angle != whole {
+    let beyond = |x: &f64| !(angle.min..=angle.max).contains(x);
+    let leaves = if other.trace.angle_rad.iter().any(beyond) {
         format!(" {} leaves the figure.", label::law(other.run.summary.law))
     } else {
         String::new()
@@ -231,7 +232,7 @@ pub fn alone(input: &ReportInput) -> Option<String> {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();
     let plots = css.split("/* plots */").nth(1).unwrap_or_default();
-    let (gap, head, foot) = (24, 34, 26);
+    let (gap, head, foot) = (24, 34, 40);
     let count = figures.len() as u32;
     let width = count * SIZE.width + (count + 1) * gap;
     let height = head + SIZE.height + foot + gap;
@@ -267,7 +268,12 @@ pub fn alone(input: &ReportInput) -> Option<String> {
             );
             x += 40 + 6 * name.chars().count() as u32;
         }
-        out.push_str("</g>\n");
+        let _ = writeln!(
+            out,
+            "</g><text x=\"{left}\" y=\"{}\">{}</text>",
+            y + 22,
+            escape(&figure.description)
+        );
     }
     out.push_str("</svg>\n");
     Some(out)
