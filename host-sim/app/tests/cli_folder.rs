@@ -110,7 +110,7 @@ fn a_run_is_made_again_from_its_folder() {
     for changes in [
         "",
         "--law fba --k-desired 2.5",
-        "--set device.inertia_kg_m2=1.7e-4 --set timing.duration_s=1.3",
+        "--set device.inertia_kg_m2=1.7e-4 --set timing.duration_s=5.3",
         "--set law.number=fixed16 --set encoder.counts_per_rev=16384",
     ] {
         assert_made_again(&here, &format!("run thesis-knob {changes}"));

@@ -312,6 +312,7 @@ mod tests {
         assert_eq!(single.matches("class=\"plot\"").count(), 6);
         for run in &mut runs {
             run.trace = None;
+            run.summary.k_displayed = Some(1.0);
         }
         let bare = page(&runs);
         assert_eq!(bare.matches("<li id=\"run-").count(), 3);

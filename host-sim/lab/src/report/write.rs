@@ -297,10 +297,10 @@ mod tests {
             "{error}"
         );
         assert_eq!(scratch.list(), before);
-        // The same command with one run less: its traces go, what is not ours stays.
+        // The same command with one run less: its three files go, and the picture of two runs; what is not ours stays.
         write(&input(&runs[1..]), &scratch.0).unwrap();
         let now = scratch.list();
-        assert_eq!(now.len(), before.len() - 3);
+        assert_eq!(now.len(), before.len() - 4);
         assert!(now.contains(&"traces/mine.csv".to_owned()));
         assert!(!now.iter().any(|file| file.contains("f64_2")));
         // Forced, the other command replaces them.
