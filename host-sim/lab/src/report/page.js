@@ -40,6 +40,7 @@
   };
   const show = (value, a) => {
     const step = (a.max - a.min) / 500;
+    if (Math.abs(value) < step / 2) value = 0;
     return value.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step))))).replace("-", "\u2212") + " " + a.unit;
   };
   // The height of a line at x, between its drawn points.

@@ -308,6 +308,7 @@ pub fn typeset(text: &str) -> String {
     text.strip_prefix('-')
         .map_or(text.clone(), |rest| format!("\u{2212}{rest}"))
         .replace("(-", "(\u{2212}")
+        .replace(" -", " \u{2212}")
 }
 
 /// Text made safe for HTML and SVG, in content and in attributes.
