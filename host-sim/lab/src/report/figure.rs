@@ -1,6 +1,6 @@
 //! A figure as data: axes with units, lines with what they stand for. Whoever draws chooses colours, dashes and pixels.
 //!
-//! All numbers are SI. [`super::svg`] is one renderer; the page's script, which reads the same lines as JSON, another.
+//! All numbers are SI. `svg.rs` is one renderer; the page's script, which reads the same lines as JSON, another.
 
 use serde::Serialize;
 

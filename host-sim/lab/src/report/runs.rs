@@ -186,9 +186,9 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
                 legend = this;
             }
             let id = format!("s{index}{}", kind.key());
-            let _ = write!(
+            let _ = writeln!(
                 strip,
-                "<figure><figcaption><a href=\"#{}\">{}</a>{}</figcaption>{}</figure>\n",
+                "<figure><figcaption><a href=\"#{}\">{}</a>{}</figcaption>{}</figure>",
                 run_id(*index),
                 label::law(summary.law),
                 badge(summary.verdict),

@@ -142,9 +142,9 @@ pub fn tables(page: &mut String, input: &ReportInput, origin: &Origin, matrices:
         return;
     }
     let names: Vec<&str> = others.iter().map(|m| m.distinction.as_str()).collect();
-    let _ = write!(
+    let _ = writeln!(
         page,
-        "<details id=\"others\"><summary><h2>{}</h2> <span class=\"note\">{}</span></summary>\n",
+        "<details id=\"others\"><summary><h2>{}</h2> <span class=\"note\">{}</span></summary>",
         if others.is_empty() {
             "Runs without figures"
         } else {
