@@ -20,6 +20,7 @@ mod outcome;
 mod packages;
 mod prove;
 mod sabotage;
+mod schema;
 mod setup;
 mod shell;
 mod step;
@@ -70,6 +71,13 @@ const STEPS: &[Step] = &[
         in_test: true,
         quick: Quick::Part(unit::QUICK, unit::LEFT_OUT),
         run: unit::run,
+    },
+    Step {
+        name: "schema",
+        about: "results obey the documented JSON schema, under Python's validator",
+        in_test: true,
+        quick: Quick::LeftOut,
+        run: schema::run,
     },
     Step {
         name: "doc",

@@ -13,6 +13,7 @@ mod monitor;
 mod number;
 mod out;
 mod port;
+mod report_options;
 mod run;
 mod scene_options;
 mod shell;

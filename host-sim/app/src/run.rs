@@ -2,13 +2,14 @@
 
 use super::expect::{self, Expectations};
 use super::out::{json, note, print, say, tell};
+use super::report_options::{ReportOptions, program};
 use super::{EXIT_CODES, SceneOptions, interrupt};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::report::{self, Colour, ReportInput, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
-use touchstone_sim::scene::Motion;
+use touchstone_sim::scene::{self, Motion};
 
 /// Options of `run`.
 #[derive(Debug, Clone, clap::Args)]
@@ -21,6 +22,8 @@ pub struct Options {
     /// Writes report, results and traces to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportOptions,
     /// Prints the scene with all its values and defaults, and runs nothing.
     #[arg(long)]
     print: bool,
@@ -53,29 +56,39 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if let Some(note) = motion.note() {
         note!("note: {note}");
     }
+    let command = super::command_line();
+    let files = options.report.files();
+    if let Some(folder) = &options.out {
+        report::check_folder(folder, &command, files.force)?;
+    }
     let runs = [run::run(&scene, options.out.is_some())?];
+    // A shipped scene is in the program, not in a file.
+    let mut inputs = vec![PathBuf::from(&options.scene)];
+    inputs.retain(|_| !scene::names().contains(&options.scene.as_str()));
+    let input = ReportInput {
+        title: &scene.name,
+        intro: &scene.description,
+        command: &command,
+        program: program(),
+        scenes: std::slice::from_ref(&scene),
+        inputs: &inputs,
+        files,
+        k_critical: Some(
+            2.0 * scene.law.device_damping_n_m_s_per_rad * f64::from(scene.timing.rate_hz),
+        ),
+        runs: &runs,
+        notes: &warnings,
+        ..ReportInput::default()
+    };
     let written = match &options.out {
-        Some(folder) => {
-            let input = ReportInput {
-                title: &scene.name,
-                intro: &scene.description,
-                command: &super::command_line(),
-                k_critical: Some(
-                    2.0 * scene.law.device_damping_n_m_s_per_rad * f64::from(scene.timing.rate_hz),
-                ),
-                runs: &runs,
-                notes: &warnings,
-                ..ReportInput::default()
-            };
-            Some(report::write(&input, folder)?)
-        }
+        Some(folder) => Some(report::write(&input, folder)?),
         None => None,
     };
     let checked = options
         .expectations
         .check(strict, runs.iter().map(|run| &run.summary));
     if json() {
-        let results = expect::results(&report::json::render(&runs, &[]), &checked);
+        let results = expect::results(&report::json::render(&input), &checked);
         print(format_args!("{results:#}\n"))?;
     } else {
         tell!("{}", table::render(&runs, Colour::detect()).trim_end());

@@ -2,6 +2,7 @@
 
 use super::expect::{self, Expectations};
 use super::out::{json, print, quiet, tell};
+use super::report_options::{ReportOptions, program};
 use super::{EXIT_CODES, interrupt};
 use crate::scene_options::{check, refuse_replaced};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -22,6 +23,8 @@ pub struct Options {
     /// Folder of the report.
     #[arg(long, value_name = "DIR", default_value = "touchstone-report")]
     out: PathBuf,
+    #[command(flatten)]
+    report: ReportOptions,
     /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
     /// encoder, which the comparison itself varies.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -38,6 +41,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             out: PathBuf::from("touchstone-report"),
+            report: ReportOptions::default(),
             sets: Vec::new(),
             strict_passive: false,
             expectations: Expectations::default(),
@@ -50,6 +54,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let started = Instant::now();
     options.expectations.validate(options.strict_passive)?;
     refuse_replaced("thesis", &options.sets, &REPLACED)?;
+    let command = super::command_line();
+    let files = options.report.files();
+    report::check_folder(&options.out, &command, files.force)?;
     let base = Scene::load("thesis-knob")?.with_overrides(&options.sets)?;
     let warnings = check(&base, options.strict_passive)?;
     let cells = thesis::cells(&base)?;
@@ -80,11 +87,15 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let k_critical = 2.0 * base.law.device_damping_n_m_s_per_rad * f64::from(base.timing.rate_hz);
     let section = claims_section(&claims);
     let row_notes = row_notes();
+    let scenes: Vec<Scene> = cells.into_iter().map(|cell| cell.scene).collect();
     let input = ReportInput {
         title: "Stiff virtual walls on a knob: five control laws",
-        intro: "The thesis' comparison in one degree of freedom (§5.1), simulated: a light touch, then a press of 0.1 N·m, held \
-                and released. Medium grip and 40,000 counts are plotted; the other grips and a 14-bit encoder follow as tables.",
-        command: &super::command_line(),
+        intro: "The thesis' comparison in one degree of freedom (§5.1), simulated: a light touch, then a press, held and released.",
+        command: &command,
+        program: program(),
+        scenes: &scenes,
+        inputs: &[],
+        files,
         k_critical: Some(k_critical),
         runs: &runs,
         notes: &warnings,
@@ -107,7 +118,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .filter(|run| run.law == LawKind::EnhancedSfa);
     let checked = options.expectations.check(options.strict_passive, enhanced);
     if json() {
-        let mut results = expect::results(&report::json::render(&runs, &[]), &checked);
+        let mut results = expect::results(&report::json::render(&input), &checked);
         results["claims"] = claims.iter().map(claim).collect();
         results["report"] = written.page.display().to_string().into();
         print(format_args!("{results:#}\n"))?;
@@ -195,15 +206,7 @@ fn claims_section(claims: &[claims::Claim]) -> Section {
 }
 
 fn row_notes() -> Vec<(f64, String)> {
-    let notes = [
-        "Fig. 5.2. Below k_v the enhanced law is a plain spring; original SFA needs an offset below zero and shows too much.",
-        "Fig. 5.3. The critical stiffness: what sampling shows unaided with this device and grip.",
-        "Fig. 5.4. Spring, TDPA and original SFA give energy away at every sample; FBA shows k_c instead.",
-        "Figs. 5.5 to 5.7. The equilibrium is pulled out of the wall until the displayed stiffness is k_de.",
-    ];
-    debug_assert_eq!(thesis::LAWS[4], LawKind::EnhancedSfa);
-    STIFFNESSES
-        .into_iter()
-        .zip(notes.map(str::to_owned))
-        .collect()
+    let notes =
+        ["5.2", "5.3", "5.4", "5.5 to 5.7"].map(|figure| format!("In the thesis: Fig. {figure}."));
+    STIFFNESSES.into_iter().zip(notes).collect()
 }

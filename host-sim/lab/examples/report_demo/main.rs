@@ -58,6 +58,7 @@ fn main() -> touchstone_sim::error::Result<()> {
         notes: &notes,
         row_notes: &row_notes,
         sections: &sections,
+        ..Default::default()
     };
     let single = ReportInput {
         title: "One run",
@@ -68,7 +69,7 @@ fn main() -> touchstone_sim::error::Result<()> {
     for (name, input) in [("matrix", matrix), ("single", single)] {
         print!("{}", report::table::render(input.runs, Colour::detect()));
         let start = Instant::now();
-        let page = report::html::render(&input, &[]);
+        let page = report::html::render(&input, &report::origin::Origin::default());
         let drawn = start.elapsed();
         let written = report::write(&input, &folder.join(name))?;
         println!(

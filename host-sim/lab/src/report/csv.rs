@@ -5,18 +5,18 @@ use std::io::{self, Write};
 use super::columns::{self, COLUMNS};
 use touchstone_sim::run::record::Trace;
 
-/// Writes `trace`. Every number has as many digits as it takes to read the very same `f64` back; what does not exist is `NaN`.
+/// Writes every `every`th tick of `trace`, from the first on. Every number has as many digits as it takes to read the very same `f64` back; what does not exist is `NaN`.
 ///
 /// # Errors
 /// What the system said when writing failed.
-pub fn write(out: impl Write, trace: &Trace) -> io::Result<()> {
+pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
     let mut csv = ::csv::Writer::from_writer(out);
     csv.write_record(COLUMNS.iter().map(|column| column.name))?;
     let values: Vec<&[f64]> = COLUMNS
         .iter()
         .map(|column| (column.values)(trace))
         .collect();
-    for row in 0..columns::len(trace) {
+    for row in (0..columns::len(trace)).step_by(every.max(1)) {
         for column in &values {
             csv.write_field(Decimal::new(column[row]).as_str())?;
         }
@@ -56,12 +56,26 @@ mod tests {
     use touchstone_control::LawKind;
 
     #[test]
+    fn every_third_tick_is_every_third_line() {
+        let trace = synthetic::run(LawKind::Tdpa, 5.0, 0.1).trace.unwrap();
+        let text = |every| {
+            let mut file = Vec::new();
+            write(&mut file, &trace, every).unwrap();
+            String::from_utf8(file).unwrap()
+        };
+        let (all, some) = (text(1), text(3));
+        let expected: Vec<&str> = all.lines().skip(1).step_by(3).collect();
+        assert_eq!(expected.len(), 34);
+        assert_eq!(some.lines().skip(1).collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
     fn reads_back_to_the_bit() {
         let mut trace = synthetic::run(LawKind::Spring, 5.0, 0.2).trace.unwrap();
         trace.force_n_m[3] = -f64::MIN_POSITIVE / 3.0;
         trace.force_n_m[4] = -f64::MAX;
         let mut file = Vec::new();
-        write(&mut file, &trace).unwrap();
+        write(&mut file, &trace, 1).unwrap();
         let mut csv = ::csv::Reader::from_reader(&file[..]);
         assert_eq!(
             csv.headers().unwrap(),

@@ -1,28 +1,43 @@
-//! The four plots of a run: position–force, energy, displayed stiffness, trajectories.
+//! The figures of a run, as data: position–force, force, positions, stiffness, hand, energies.
 
+use super::figure::{Axis, Figure, Range, Shape, Wall};
 use super::label;
-use super::svg::{Axis, Plot, Range, Size};
+use super::quantity::with_unit;
 use super::view::{Ranges, View};
 
-/// Which plot.
+/// Which figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Force against position, thesis Figs. 5.2–5.5.
     PositionForce,
-    /// Displayed stiffness against time, thesis Fig. 5.7.
-    Stiffness,
+    /// Force against time.
+    Force,
     /// Positions against time, thesis Fig. 5.6.
     Trajectory,
+    /// Displayed stiffness against time, thesis Fig. 5.7.
+    Stiffness,
+    /// The hand and its rest point against time.
+    Hand,
     /// Observed and true energy against time.
     Energy,
 }
 
 impl Kind {
-    /// All, in the order of the page.
-    pub const ALL: [Kind; 4] = [
+    /// All of a run, in the order of the page.
+    pub const ALL: [Kind; 6] = [
         Kind::PositionForce,
-        Kind::Stiffness,
+        Kind::Force,
         Kind::Trajectory,
+        Kind::Stiffness,
+        Kind::Hand,
+        Kind::Energy,
+    ];
+
+    /// Those that are drawn for all laws side by side: what differs between laws at a glance.
+    pub const SIDE_BY_SIDE: [Kind; 4] = [
+        Kind::PositionForce,
+        Kind::Trajectory,
+        Kind::Stiffness,
         Kind::Energy,
     ];
 
@@ -30,8 +45,10 @@ impl Kind {
     pub fn title(self) -> &'static str {
         match self {
             Kind::PositionForce => "Force against position",
+            Kind::Force => "Force",
+            Kind::Trajectory => "Positions at the wall",
             Kind::Stiffness => "Displayed stiffness",
-            Kind::Trajectory => "Trajectories",
+            Kind::Hand => "The hand",
             Kind::Energy => "Energy",
         }
     }
@@ -40,148 +57,139 @@ impl Kind {
     pub fn key(self) -> &'static str {
         match self {
             Kind::PositionForce => "f",
-            Kind::Stiffness => "k",
+            Kind::Force => "t",
             Kind::Trajectory => "x",
+            Kind::Stiffness => "k",
+            Kind::Hand => "h",
             Kind::Energy => "e",
         }
     }
 }
 
-/// Classes of lines with what they mean; a plot need not have all of them.
-pub fn legend(kind: Kind) -> &'static [(&'static str, &'static str)] {
-    match kind {
-        Kind::PositionForce => &[
-            ("in", "inbound"),
-            ("out", "outbound"),
-            ("ideal", "ideal, k_de·e"),
-            ("surf", "surface x_s"),
-        ],
-        Kind::Stiffness => &[
-            ("k", "|f|/e, hidden where e is below 2 counts"),
-            ("kde", "k_de"),
-            ("kc", "k_c"),
-        ],
-        Kind::Trajectory => &[
-            ("hip", "HIP"),
-            ("surf", "surface x_s"),
-            ("shift", "shifted surface"),
-            ("mass", "filter mass"),
-        ],
-        Kind::Energy => &[
-            ("true", "true, at the wall's port"),
-            ("user", "true, at the user's port"),
-            ("obs", "observed"),
-        ],
-    }
-}
-
 impl View<'_> {
-    /// Draws one plot into `out`. `detail` adds the lines that only matter to one run: offset, filter mass, device losses.
-    pub fn draw(
-        &self,
-        out: &mut String,
-        kind: Kind,
-        size: Size,
-        ranges: &Ranges,
-        detail: bool,
-        id: &str,
-    ) {
-        let plot = match kind {
-            Kind::PositionForce => self.position_force(size, ranges),
-            Kind::Stiffness => self.stiffness(size, ranges),
-            Kind::Trajectory => self.trajectory(size, ranges, detail),
-            Kind::Energy => self.energy(size, ranges, detail),
+    /// One figure. `detail` adds the lines that only matter to one run: offset, filter mass, device losses.
+    pub fn figure(&self, kind: Kind, ranges: &Ranges, detail: bool) -> Figure {
+        let mut figure = match kind {
+            Kind::PositionForce => self.position_force(ranges),
+            Kind::Force => self.force(ranges),
+            Kind::Trajectory => self.trajectory(ranges, detail),
+            Kind::Stiffness => self.stiffness(ranges),
+            Kind::Hand => self.hand(ranges),
+            Kind::Energy => self.energy(ranges, detail),
         };
         let summary = &self.run.summary;
-        let title = format!(
+        figure.title = format!(
             "{}: {}, k_de {} N·m/rad",
             kind.title(),
             label::law(summary.law),
             summary.k_desired
         );
-        plot.finish(out, id, &title, &self.description(kind));
+        figure.description = self.description(kind);
+        figure
     }
 
     fn description(&self, kind: Kind) -> String {
-        use super::quantity::with_unit;
         let s = &self.run.summary;
         let verdict = label::verdict(s.verdict);
-        match kind {
+        let found = match kind {
             Kind::PositionForce => {
-                let area = "Force is held between samples, so the area between inbound and outbound is the energy exchanged.";
-                format!(
-                    "{area} Largest force {}. Verdict: {verdict}.",
-                    with_unit(s.force_max, "N·m", 3)
-                )
+                "Force is held between samples, so the area between inbound and outbound is the energy exchanged.".to_owned()
             }
-            Kind::Stiffness => match s.k_displayed {
-                Some(k) => format!(
-                    "{} at the end of the hold. Verdict: {verdict}.",
-                    with_unit(k, "N·m/rad", 3)
-                ),
-                None => format!("Verdict: {verdict}."),
-            },
-            Kind::Trajectory => match s.limit_cycle_peak_to_peak {
-                Some(a) => format!(
-                    "Oscillation of {} peak to peak at the end. Verdict: {verdict}.",
-                    with_unit(a, "rad", 3)
-                ),
-                None => format!("Verdict: {verdict}."),
-            },
-            Kind::Energy => format!(
-                "Lowest true energy {}. Verdict: {verdict}.",
-                with_unit(s.energy_true_min, "J", 3)
-            ),
-        }
+            Kind::Force => format!("Largest force {}.", with_unit(s.force_max, "N·m", 3)),
+            Kind::Stiffness => s.k_displayed.map_or(String::new(), |k| {
+                format!("{} at the end of the hold.", with_unit(k, "N·m/rad", 3))
+            }),
+            Kind::Trajectory => s.limit_cycle_peak_to_peak.map_or(String::new(), |a| {
+                format!("Motion of {} peak to peak at the end.", with_unit(a, "rad", 3))
+            }),
+            Kind::Hand => {
+                let most = self.trace.hand_rad.iter().zip(&self.trace.angle_rad).map(|(hand, hip)| (hand - hip).abs());
+                let most = Range::of(most).max;
+                if most.is_finite() {
+                    format!("The fingertip pad gives by up to {}.", with_unit(most, "rad", 3))
+                } else {
+                    String::new()
+                }
+            }
+            Kind::Energy => format!("Lowest true energy {}.", with_unit(s.energy_true_min, "J", 3)),
+        };
+        format!("{found} Verdict: {verdict}.")
+            .trim_start()
+            .to_owned()
     }
 
-    fn time_axis(&self, ranges: &Ranges) -> Axis {
-        Axis::new("time", "s", ranges.time)
+    fn over(&self, ranges: &Ranges, title: &str, unit: &str, range: Range) -> Figure {
+        let time = Axis::new("time", "s", ranges.time);
+        Figure::new("", time, Axis::new(title, unit, range))
     }
 
-    fn position_force(&self, size: Size, ranges: &Ranges) -> Plot {
-        let x = Axis::new("HIP angle x", "rad", ranges.angle);
-        let mut plot = Plot::new(size, x, Axis::new("force f", "N·m", ranges.force));
+    fn series(&self, values: &[f64]) -> Shape {
+        let time = self.trace.time_s.iter().copied();
+        Shape::Series(time.zip(values.iter().copied()).collect())
+    }
+
+    fn position_force(&self, ranges: &Ranges) -> Figure {
+        let x = Axis::new("device angle x", "rad", ranges.angle);
+        let mut figure = Figure::new("", x, Axis::new("force f", "N·m", ranges.force));
         let end = ranges.angle.max;
         if !self.contact.is_empty() {
             let surface = self.surface();
-            plot.shade_from_x(surface, "wall");
-            plot.vertical("surf", "surface", surface);
-            plot.line(
-                "ideal",
-                "ideal",
-                (surface, 0.0),
-                (end, self.run.summary.k_desired * (end - surface)),
-            );
+            figure.wall = Some(Wall::RightOf(surface));
+            figure.line("surf", "surface x_s", Shape::Vertical(surface));
+            let top = self.run.summary.k_desired * (end - surface);
+            let ideal = vec![(surface, 0.0), (end, top)];
+            figure.line("ideal", "ideal, k_de·e", Shape::Path(vec![ideal]));
         }
-        plot.horizontal("zero", "zero", 0.0);
+        figure.line("zero", "", Shape::Horizontal(0.0));
         let hysteresis = self
             .shallow
             .max(0.004 * (ranges.angle.max - ranges.angle.min));
         let (inbound, outbound) = self.strokes(hysteresis);
-        plot.path("in", "inbound", &inbound);
-        plot.path("out", "outbound", &outbound);
-        plot
+        figure.line("in", "inbound", Shape::Path(inbound));
+        figure.line("out", "outbound", Shape::Path(outbound));
+        figure
     }
 
-    fn stiffness(&self, size: Size, ranges: &Ranges) -> Plot {
-        let y = Axis::new("displayed stiffness |f|/e", "N·m/rad", ranges.stiffness);
-        let mut plot = Plot::new(size, self.time_axis(ranges), y);
-        plot.horizontal("kde", "k_de", self.run.summary.k_desired);
+    fn force(&self, ranges: &Ranges) -> Figure {
+        let mut figure = self.over(ranges, "force", "N·m", ranges.force);
+        figure.line("zero", "", Shape::Horizontal(0.0));
+        let wanted = |i: usize| {
+            let e = self.trace.angle_rad[i] - self.trace.surface_rad[i];
+            (self.run.summary.k_desired * e).max(0.0)
+        };
+        let wanted: Vec<f64> = (0..self.trace.time_s.len()).map(wanted).collect();
+        figure.line("ideal", "ideal, k_de·e", self.series(&wanted));
+        figure.line("force", "force f", self.series(&self.trace.force_n_m));
+        figure
+    }
+
+    fn stiffness(&self, ranges: &Ranges) -> Figure {
+        let mut figure = self.over(
+            ranges,
+            "displayed stiffness |f|/e",
+            "N·m/rad",
+            ranges.stiffness,
+        );
+        let k_de = self.run.summary.k_desired;
+        figure.line("kde", "k_de", Shape::Horizontal(k_de));
         if let Some(k_c) = self.k_critical {
-            plot.horizontal("kc", "k_c", k_c);
+            figure.line("kc", "k_c", Shape::Horizontal(k_c));
         }
         let displayed: Vec<f64> = (0..self.trace.time_s.len())
             .map(|i| self.displayed(i))
             .collect();
-        plot.series("k", "|f|/e", self.over_time(&displayed));
-        plot
+        let name = match self.run.summary.encoder_counts_per_rev {
+            Some(_) => "|f|/e, hidden where e is below 2 counts",
+            None => "|f|/e, hidden where e is below a thousandth of the deepest",
+        };
+        figure.line("k", name, self.series(&displayed));
+        figure
     }
 
-    fn trajectory(&self, size: Size, ranges: &Ranges, detail: bool) -> Plot {
+    fn trajectory(&self, ranges: &Ranges, detail: bool) -> Figure {
         let trace = self.trace;
         let mut range = ranges.angle;
-        // The offset is zero for most laws and the mass is the HIP for most: a line on top of another only confuses.
+        // The offset is zero for most laws and the mass is the device for most: a line on top of another only confuses.
         let far = |a: &[f64], b: &[f64]| self.contact.clone().any(|i| (a[i] - b[i]).abs() > 1e-9);
         let shifted = detail && far(&trace.surface_shifted_rad, &trace.surface_rad);
         let mass = detail && far(&trace.mass_rad, &trace.angle_rad);
@@ -192,30 +200,47 @@ impl View<'_> {
         if mass {
             range = range.union(Range::of(self.contact.clone().map(|i| trace.mass_rad[i])));
         }
-        let mut plot = Plot::new(
-            size,
-            self.time_axis(ranges),
-            Axis::new("angle", "rad", range),
-        );
+        let mut figure = self.over(ranges, "angle", "rad", range);
         if !self.contact.is_empty() {
-            plot.shade_from_y(self.surface(), "wall");
+            figure.wall = Some(Wall::Above(self.surface()));
         }
-        plot.series("surf", "surface", self.over_time(&trace.surface_rad));
+        figure.line("surf", "surface x_s", self.series(&trace.surface_rad));
         if shifted {
-            plot.series(
-                "shift",
-                "shifted surface",
-                self.over_time(&trace.surface_shifted_rad),
-            );
+            let values = self.series(&trace.surface_shifted_rad);
+            figure.line("shift", "shifted surface", values);
         }
-        plot.series("hip", "HIP", self.over_time(&trace.angle_rad));
+        figure.line("hip", "device x", self.series(&trace.angle_rad));
         if mass {
-            plot.series("mass", "filter mass", self.over_time(&trace.mass_rad));
+            figure.line("mass", "filter mass", self.series(&trace.mass_rad));
         }
-        plot
+        figure
     }
 
-    fn energy(&self, size: Size, ranges: &Ranges, detail: bool) -> Plot {
+    fn hand(&self, ranges: &Ranges) -> Figure {
+        let trace = self.trace;
+        // A rest point deep in the wall is how a hand presses; it would squeeze device and hand into a line.
+        let near = Range::of(trace.hand_rad.iter().chain(&trace.angle_rad).copied());
+        let wide = near.padded(0.5, 0.5);
+        let rest = Range::of(trace.rest_rad.iter().copied());
+        let leaves = near.max > near.min && (rest.max > wide.max || rest.min < wide.min);
+        let all = near.union(rest);
+        let range = if leaves { all.within(wide) } else { all };
+        let mut figure = self.over(ranges, "angle", "rad", range.padded(0.05, 0.05));
+        if !self.contact.is_empty() {
+            figure.wall = Some(Wall::Above(self.surface()));
+        }
+        let name = if leaves {
+            "rest point, leaves the figure"
+        } else {
+            "rest point"
+        };
+        figure.line("rest", name, self.series(&trace.rest_rad));
+        figure.line("hand", "hand", self.series(&trace.hand_rad));
+        figure.line("hip", "device x", self.series(&trace.angle_rad));
+        figure
+    }
+
+    fn energy(&self, ranges: &Ranges, detail: bool) -> Figure {
         let trace = self.trace;
         let pairs = trace.energy_true_j.iter().zip(&trace.energy_device_loss_j);
         let user: Vec<f64> = pairs.map(|(wall, loss)| wall + loss).collect();
@@ -223,21 +248,19 @@ impl View<'_> {
         if detail {
             range = range.union(Range::of(user.iter().copied()).padded(0.0, 0.05));
         }
-        let mut plot = Plot::new(
-            size,
-            self.time_axis(ranges),
-            Axis::new("energy", "J", range),
-        );
-        plot.horizontal("zero", "zero", 0.0);
+        let mut figure = self.over(ranges, "energy", "J", range);
+        figure.line("zero", "", Shape::Horizontal(0.0));
         if detail {
-            plot.series("user", "at the user's port", self.over_time(&user));
+            figure.line("user", "true, at the user's port", self.series(&user));
         }
-        plot.series(
+        figure.line(
             "true",
-            "at the wall's port",
-            self.over_time(&trace.energy_true_j),
+            "true, at the wall's port",
+            self.series(&trace.energy_true_j),
         );
-        plot.series("obs", "observed", self.over_time(&trace.energy_observed_j));
-        plot
+        if trace.energy_observed_j.iter().any(|e| e.is_finite()) {
+            figure.line("obs", "observed", self.series(&trace.energy_observed_j));
+        }
+        figure
     }
 }

@@ -4,28 +4,31 @@ use std::fmt::Write;
 
 use rayon::prelude::*;
 
-use super::cell;
-use super::label;
 use super::matrix::{Matrix, matrices};
-use super::quantity::{plain, with_unit};
-use super::svg::escape;
-use super::{Block, ReportInput, TraceFiles};
-use touchstone_control::LawKind;
-use touchstone_sim::run::record::{Run, Verdict};
+use super::origin::Origin;
+use super::quantity::plain;
+use super::svg::{escape, typeset};
+use super::view::View;
+use super::{Block, ReportInput, Section, compare, runs, summary};
 
-/// The whole page. `files` are the trace files of each run, as links relative to the page; empty slice: no links.
-pub fn render(input: &ReportInput, files: &[Option<TraceFiles>]) -> String {
+/// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
+/// that lie beside the page; with the default, nothing leads to any.
+pub fn render(input: &ReportInput, origin: &Origin) -> String {
     let matrices = matrices(input.runs);
     let rows: Vec<(usize, usize)> = matrices
         .iter()
         .enumerate()
         .flat_map(|(m, matrix)| (0..matrix.stiffnesses.len()).map(move |r| (m, r)))
         .collect();
-    // A row of plots needs no other row: draw them on all cores, and put them together in order.
-    let rows: Vec<String> = rows
-        .into_par_iter()
-        .map(|(m, r)| cell::row(input, files, &matrices[m], m, r))
-        .collect();
+    let several = input.runs.len() > 1;
+    // A row of figures needs no other row: draw them on all cores, and put them together in order.
+    let rows: Vec<String> = if several {
+        rows.into_par_iter()
+            .map(|(m, r)| runs::row(input, origin, &matrices[m], m, r))
+            .collect()
+    } else {
+        vec![runs::alone(input, origin)]
+    };
 
     let mut page = String::with_capacity(64 * 1024 + rows.iter().map(String::len).sum::<usize>());
     let title = escape(input.title);
@@ -38,30 +41,26 @@ pub fn render(input: &ReportInput, files: &[Option<TraceFiles>]) -> String {
     );
     head(&mut page, input, &matrices);
     page.push_str("<main>\n");
-    for (index, matrix) in matrices.iter().enumerate() {
-        if input.runs.len() > 1 {
-            table(&mut page, input.runs, matrix, index);
-        }
+    summary::picture(&mut page, input);
+    if several {
+        summary::tables(&mut page, input, origin, &matrices);
     }
-    if input.runs.len() > 1 {
-        words(&mut page, input.runs);
+    let folded = input.sections.len() > 1 || several;
+    input
+        .sections
+        .iter()
+        .for_each(|section| write_section(&mut page, section, folded));
+    let figures = rows.iter().any(|row| !row.is_empty());
+    if several && figures {
+        page.push_str("<h2 id=\"figures\">Figures, by stiffness</h2>\n");
     }
-    for section in input.sections {
-        let _ = writeln!(
-            page,
-            "<section>\n<h2 id=\"{}\">{}</h2>",
-            anchor(&section.title),
-            escape(&section.title)
-        );
-        section
-            .body
-            .iter()
-            .for_each(|block| write_block(&mut page, block));
-        page.push_str("</section>\n");
+    if figures {
+        page.push_str("<p class=\"note js\">Under the pointer stand the numbers; dragging over a figure enlarges a part, a double click shows all again.</p>\n");
     }
     rows.iter().for_each(|row| page.push_str(row));
+    compare::section(&mut page, input, &matrices);
     page.push_str("</main>\n");
-    foot(&mut page, input, files);
+    foot(&mut page, input, origin);
     let _ = write!(
         page,
         "<script>\n{}</script>\n</body>\n</html>\n",
@@ -72,23 +71,12 @@ pub fn render(input: &ReportInput, files: &[Option<TraceFiles>]) -> String {
 
 fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let _ = writeln!(page, "<header>\n<h1>{}</h1>", escape(input.title));
-    if !input.intro.is_empty() {
-        let _ = writeln!(page, "<p>{}</p>", escape(input.intro));
-    }
-    if let [only] = matrices {
-        let _ = writeln!(
-            page,
-            "<p class=\"muted\">{}{}</p>",
-            escape(&only.condition.text()),
-            critical(input)
-        );
-    } else if input.k_critical.is_some() {
-        let _ = writeln!(
-            page,
-            "<p class=\"muted\">{}</p>",
-            critical(input).trim_start_matches(" · ")
-        );
-    }
+    let _ = writeln!(
+        page,
+        "<p>{} {}</p>",
+        escape(input.intro),
+        typeset(&summary::compared(input, matrices))
+    );
     for note in input.notes {
         let _ = writeln!(
             page,
@@ -96,37 +84,32 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
             escape(note)
         );
     }
-    if !input.command.is_empty() {
-        let _ = writeln!(
-            page,
-            "<p class=\"muted\">Regenerate with</p>\n<pre>{}</pre>",
-            escape(input.command)
-        );
-    }
+    summary::words(page, input);
     page.push_str("</header>\n");
     let mut links: Vec<(String, String)> = Vec::new();
     if input.runs.len() > 1 {
         links.push(("verdicts-0".to_owned(), "Verdicts".to_owned()));
     }
-    links.extend(
-        input
-            .sections
-            .iter()
-            .map(|section| (anchor(&section.title), escape(&section.title))),
-    );
-    for (index, matrix) in matrices.iter().enumerate() {
-        for (row, k) in matrix.stiffnesses.iter().enumerate() {
-            // Where tables differ in their conditions, a bare stiffness would stand there several times.
-            let which = if row == 0 && !matrix.distinction.is_empty() {
-                format!("{}: ", escape(&matrix.distinction))
-            } else {
-                String::new()
-            };
-            links.push((
-                cell::row_id(index, row),
-                format!("{which}k<sub>de</sub> {}", plain(*k)),
-            ));
+    if matrices.len() > 1 {
+        links.push(("others".to_owned(), "Other conditions".to_owned()));
+    }
+    for section in input.sections {
+        links.push((anchor(&section.title), escape(&section.title)));
+    }
+    let traced = |matrix: &Matrix, row: usize| {
+        let mut members = matrix.row(row);
+        members.any(|i| View::new(&input.runs[i], None).is_some())
+    };
+    if input.runs.len() > 1 {
+        for (index, matrix) in matrices.iter().enumerate() {
+            for row in (0..matrix.stiffnesses.len()).filter(|&row| traced(matrix, row)) {
+                let k = plain(matrix.stiffnesses[row]);
+                links.push((runs::row_id(index, row), format!("k<sub>de</sub> {k}")));
+            }
         }
+    }
+    if input.runs.iter().filter(|run| run.trace.is_some()).count() > 1 {
+        links.push(("compare".to_owned(), "Two runs".to_owned()));
     }
     if links.len() > 1 {
         page.push_str("<nav aria-label=\"Sections\">");
@@ -137,96 +120,24 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     }
 }
 
-fn critical(input: &ReportInput) -> String {
-    match input.k_critical {
-        Some(k) => format!(
-            " · critical stiffness k<sub>c</sub> = {}",
-            with_unit(k, "N·m/rad", 3)
-        ),
-        None => String::new(),
-    }
-}
-
-fn table(page: &mut String, runs: &[Run], matrix: &Matrix, index: usize) {
-    let distinction = if matrix.distinction.is_empty() {
-        String::new()
+/// A caller's section.
+fn write_section(page: &mut String, section: &Section, folded: bool) {
+    let (id, title) = (anchor(&section.title), escape(&section.title));
+    let end = if folded {
+        let _ = writeln!(
+            page,
+            "<details id=\"{id}\"><summary><h2>{title}</h2></summary>"
+        );
+        "</details>\n"
     } else {
-        format!(": {}", matrix.distinction)
+        let _ = writeln!(page, "<section>\n<h2 id=\"{id}\">{title}</h2>");
+        "</section>\n"
     };
-    let _ = write!(
-        page,
-        "<section>\n<h2 id=\"verdicts-{index}\">Verdicts{}</h2>\n<table class=\"matrix\" role=\"table\">\n\
-         <caption>Verdict; stiffness displayed at the end of the hold; limit cycle there, peak to peak. \
-         Each cell leads to its plots.</caption>\n<thead role=\"rowgroup\"><tr role=\"row\"><th scope=\"col\" role=\"columnheader\">k<sub>de</sub> (N·m/rad)</th>",
-        escape(&distinction)
-    );
-    // The roles repeat what the elements mean: a narrow window lays the table out as lists, and browsers then forget it.
-    for law in &matrix.laws {
-        let _ = write!(
-            page,
-            "<th scope=\"col\" role=\"columnheader\">{}</th>",
-            label::law(*law)
-        );
-    }
-    page.push_str("</tr></thead>\n<tbody role=\"rowgroup\">\n");
-    for (row, k) in matrix.stiffnesses.iter().enumerate() {
-        let _ = write!(
-            page,
-            "<tr role=\"row\"><th scope=\"row\" role=\"rowheader\"><a href=\"#{}\"><span class=\"narrow\">k<sub>de</sub> = </span>{}<span class=\"narrow\"> N·m/rad</span></a></th>",
-            cell::row_id(index, row),
-            plain(*k)
-        );
-        for (column, law) in matrix.laws.iter().enumerate() {
-            page.push_str("<td role=\"cell\">");
-            for &run in &matrix.cells[row][column] {
-                matrix_cell(page, &runs[run], run, *law);
-            }
-            page.push_str("</td>");
-        }
-        page.push_str("</tr>\n");
-    }
-    page.push_str("</tbody>\n</table>\n</section>\n");
-}
-
-fn matrix_cell(page: &mut String, run: &Run, index: usize, law: LawKind) {
-    let s = &run.summary;
-    let stiffness = s
-        .k_displayed
-        .map_or("not held".to_owned(), |k| with_unit(k, "N·m/rad", 3));
-    let cycle = s.limit_cycle_peak_to_peak.map_or("–".to_owned(), |a| {
-        format!("{} p–p", with_unit(a, "rad", 2))
-    });
-    let _ = write!(
-        page,
-        "<a class=\"cell {}\" href=\"#{}\"><span class=\"law\">{}</span><b>{}</b><span>{}</span><span class=\"muted\">{}</span></a>",
-        cell::verdict_class(s.verdict),
-        cell::run_id(index),
-        label::law(law),
-        cell::verdict_words(s.verdict),
-        cell::typeset(&stiffness),
-        cell::typeset(&cycle),
-    );
-}
-
-fn words(page: &mut String, runs: &[Run]) {
-    page.push_str("<dl class=\"words\">");
-    for verdict in [
-        Verdict::Passive,
-        Verdict::Active,
-        Verdict::LimitCycle,
-        Verdict::Unstable,
-        Verdict::NoContact,
-    ] {
-        if runs.iter().any(|run| run.summary.verdict == verdict) {
-            let _ = write!(
-                page,
-                "<dt>{}</dt><dd>{}</dd>",
-                cell::badge(verdict),
-                label::verdict_meaning(verdict)
-            );
-        }
-    }
-    page.push_str("</dl>\n");
+    section
+        .body
+        .iter()
+        .for_each(|block| write_block(page, block));
+    page.push_str(end);
 }
 
 fn write_block(page: &mut String, block: &Block) {
@@ -260,23 +171,42 @@ fn write_block(page: &mut String, block: &Block) {
     }
 }
 
-fn foot(page: &mut String, input: &ReportInput, files: &[Option<TraceFiles>]) {
+fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
     page.push_str("<footer>\n");
-    if !files.is_empty() {
-        page.push_str(
-            "<p>All numbers, with their units: <a href=\"results.json\">results.json</a>. \
-             Every sample, as CSV and as Parquet: folder <code>traces</code>.</p>\n",
+    if !input.command.is_empty() {
+        let _ = writeln!(
+            page,
+            "<p>This report again:</p>\n<pre>{}</pre>",
+            escape(input.command)
         );
     }
-    let count = if input.runs.len() == 1 {
-        "1 run".to_owned()
-    } else {
-        format!("{} runs", input.runs.len())
+    if !origin.runs.is_empty() {
+        let csv = origin.runs.iter().any(|run| run.csv.is_some());
+        let every = match input.files.every {
+            0 | 1 => "Every tick".to_owned(),
+            every => format!("One tick in {every}"),
+        };
+        let _ = writeln!(
+            page,
+            "<p>All numbers, with their units: <a href=\"results.json\">results.json</a>. {every}, as {}: folder <code>traces</code>.{}</p>",
+            if csv { "CSV and as Parquet" } else { "Parquet" },
+            if origin.runs.iter().any(|run| run.scene.is_some()) {
+                " Any run alone, from this folder: <code>touchstone run SCENE --out plots/NAME</code>, with its scene."
+            } else {
+                ""
+            }
+        );
+    }
+    let program = &input.program;
+    let commit = match (program.commit, program.modified) {
+        (Some(commit), false) => format!(", commit {commit}"),
+        (Some(commit), true) => format!(", commit {commit} with changes"),
+        (None, _) => String::new(),
     };
     let _ = writeln!(
         page,
-        "<p>{count} · Touchstone {}</p>\n</footer>",
-        env!("CARGO_PKG_VERSION")
+        "<p>Touchstone {}{commit}</p>\n</footer>",
+        program.version
     );
 }
 
@@ -298,7 +228,9 @@ fn anchor(title: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Section, synthetic};
+    use crate::report::synthetic;
+    use touchstone_control::LawKind;
+    use touchstone_sim::run::record::Run;
 
     fn runs(seconds: f64) -> Vec<Run> {
         let laws = [LawKind::Spring, LawKind::Tdpa, LawKind::EnhancedSfa];
@@ -318,7 +250,7 @@ mod tests {
             sections: &sections,
             ..Default::default()
         };
-        render(&input, &[])
+        render(&input, &Origin::default())
     }
 
     /// Values of an attribute, in order.
@@ -340,10 +272,11 @@ mod tests {
         for label in values(&page, "aria-labelledby=\"").flat_map(str::split_whitespace) {
             assert!(distinct.contains(label), "{label}");
         }
-        // Three laws: four kinds side by side, and four for each run.
-        assert_eq!(page.matches("class=\"plot\"").count(), 24);
+        // Two in the picture; three laws: four kinds side by side, and six for each run.
+        assert_eq!(page.matches("class=\"plot\"").count(), 2 + 12 + 18);
         for tag in [
-            "svg", "figure", "article", "section", "table", "tr", "ul", "dl", "div", "span", "a",
+            "svg", "figure", "article", "section", "details", "summary", "table", "tr", "ul", "dl",
+            "div", "span", "a",
         ] {
             let opened = page.matches(&format!("<{tag} ")).count()
                 + page.matches(&format!("<{tag}>")).count();
@@ -377,14 +310,17 @@ mod tests {
         let mut runs = runs(0.5);
         let single = page(&runs[..1]);
         assert!(!single.contains("verdicts-0") && single.contains("class=\"alone\""));
-        assert_eq!(single.matches("class=\"plot\"").count(), 4);
+        assert_eq!(single.matches("class=\"plot\"").count(), 6);
         for run in &mut runs {
             run.trace = None;
+            run.summary.k_displayed = Some(1.0);
         }
         let bare = page(&runs);
-        assert_eq!(bare.matches("No trace was kept").count(), 3);
-        assert!(bare.contains("<td role=\"cell\">") && !bare.contains("class=\"plot\""));
-        assert!(page(&[]).contains("0 runs"));
+        assert_eq!(bare.matches("<li id=\"run-").count(), 3);
+        // What the laws show needs no trace.
+        assert_eq!(bare.matches("class=\"plot\"").count(), 1);
+        assert!(page(&runs[..1]).contains("No trace was kept"));
+        assert!(page(&[]).contains("Nothing was run"));
     }
 
     #[test]

@@ -3,39 +3,33 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
-use super::TraceFiles;
-use touchstone_sim::run::record::{Run, Summary};
+use super::ReportInput;
+use super::columns::COLUMNS;
+use super::measures::{MEASURES, SETTINGS};
+use super::origin::{Input, Origin, Program, RunFiles, SCHEMA_VERSION};
+use touchstone_sim::run::record::Summary;
 
 /// Unit of every numeric field of a run. `1` marks a plain count.
-pub const UNITS: &[(&str, &str)] = &[
-    ("k_desired", "N·m/rad"),
-    ("encoder_counts_per_rev", "1/rev"),
-    ("rate_hz", "Hz"),
-    ("k_displayed", "N·m/rad"),
-    ("rate_hardness", "N·m/rad"),
-    ("peak_penetration_ratio", "1"),
-    ("ripple_rms_n_m", "N·m"),
-    ("ripple_above_50_hz_rms_n_m", "N·m"),
-    ("release_speed_rad_per_s", "rad/s"),
-    ("release_excursion_rad", "rad"),
-    ("energy_out_worst_window_j", "J"),
-    ("energy_out_wall_worst_window_j", "J"),
-    ("settle_from_ramp_end_s", "s"),
-    ("limit_cycle_peak_to_peak", "rad"),
-    ("energy_true_min", "J"),
-    ("energy_user_min", "J"),
-    ("energy_out", "J"),
-    ("energy_observed_min", "J"),
-    ("settle_time", "s"),
-    ("penetration_max", "rad"),
-    ("force_max", "N·m"),
-    ("ticks", "1"),
-    ("contact_ticks", "1"),
-];
+pub fn units() -> BTreeMap<&'static str, &'static str> {
+    let settings = SETTINGS.iter().map(|(field, unit, _)| (*field, *unit));
+    settings
+        .chain(MEASURES.iter().map(|m| (m.field, m.unit)))
+        .collect()
+}
 
 #[derive(Serialize)]
 struct Results<'a> {
+    schema_version: u32,
+    program: Program,
+    command: &'a str,
+    inputs: &'a [Input],
+    /// Only where files were written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trace_every: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    files: Option<&'a [String]>,
     units: BTreeMap<&'static str, &'static str>,
     runs: Vec<Entry<'a>>,
 }
@@ -45,26 +39,49 @@ struct Entry<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
     #[serde(skip_serializing_if = "Option::is_none")]
+    scene_file: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene_sha256: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     trace_csv: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     trace_parquet: Option<&'a str>,
 }
 
-/// The text of `results.json`, also what `--json` prints. `files` are the trace files of each run, if they were written.
+/// What `--json` prints: as [`written`], without files.
+pub fn render(input: &ReportInput) -> String {
+    text(input, &Origin::default(), None)
+}
+
+/// The text of `results.json`; `files` are all that the report's folder holds.
 ///
 /// A field that does not apply is `null`; so is a number that is not finite, for JSON has no other way to say so.
-pub fn render(runs: &[Run], files: &[Option<TraceFiles>]) -> String {
+pub fn written(input: &ReportInput, origin: &Origin, files: &[String]) -> String {
+    text(input, origin, Some(files))
+}
+
+fn text(input: &ReportInput, origin: &Origin, files: Option<&[String]>) -> String {
+    let none = RunFiles::default();
     let results = Results {
-        units: UNITS.iter().copied().collect(),
-        runs: runs
+        schema_version: SCHEMA_VERSION,
+        program: input.program,
+        command: input.command,
+        inputs: &origin.inputs,
+        trace_every: files.map(|_| input.files.every.max(1)),
+        files,
+        units: units(),
+        runs: input
+            .runs
             .iter()
             .enumerate()
             .map(|(index, run)| {
-                let files = files.get(index).and_then(Option::as_ref);
+                let files = origin.runs.get(index).unwrap_or(&none);
                 Entry {
                     summary: &run.summary,
-                    trace_csv: files.map(|files| files.csv.as_str()),
-                    trace_parquet: files.map(|files| files.parquet.as_str()),
+                    scene_file: files.scene.as_ref().map(|scene| scene.path.as_str()),
+                    scene_sha256: files.scene.as_ref().map(|scene| scene.sha256.as_str()),
+                    trace_csv: files.csv.as_deref(),
+                    trace_parquet: files.parquet.as_deref(),
                 }
             })
             .collect(),
@@ -75,13 +92,67 @@ pub fn render(runs: &[Run], files: &[Option<TraceFiles>]) -> String {
     text
 }
 
+/// What a trace's file says of where it is from: keys and values.
+pub fn trace_origin(
+    input: &ReportInput,
+    inputs: &[Input],
+    files: &RunFiles,
+) -> Vec<(&'static str, String)> {
+    let json = |value: Value| value.to_string();
+    let mut more = vec![
+        ("schema_version", SCHEMA_VERSION.to_string()),
+        ("program", json(json!(input.program))),
+        ("command", input.command.to_owned()),
+        ("inputs", json(json!(inputs))),
+        ("trace_every", input.files.every.max(1).to_string()),
+    ];
+    if let Some(scene) = &files.scene {
+        more.push(("scene_toml", scene.text.clone()));
+        more.push(("scene_sha256", scene.sha256.clone()));
+    }
+    more
+}
+
+/// The sidecar of a CSV file, in the W3C's vocabulary for tabular data: columns with meaning and unit, and where it is from.
+pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
+    let columns: Vec<Value> = COLUMNS
+        .iter()
+        .map(|c| {
+            json!({"name": c.name, "titles": c.name, "datatype": "number",
+                   "dc:description": c.meaning, "schema:unitText": c.unit})
+        })
+        .collect();
+    let notes: serde_json::Map<String, Value> = origin
+        .iter()
+        .map(|(key, value)| {
+            // What is JSON already, and only that, is not quoted once more.
+            let value = match *key {
+                "schema_version" | "program" | "inputs" | "trace_every" => {
+                    serde_json::from_str(value).unwrap_or_default()
+                }
+                _ => Value::from(value.as_str()),
+            };
+            ((*key).to_owned(), value)
+        })
+        .collect();
+    let name = csv.rsplit('/').next().unwrap_or(csv);
+    let sidecar = json!({
+        "@context": "http://www.w3.org/ns/csvw",
+        "url": name,
+        "tableSchema": {"columns": columns},
+        "notes": [notes],
+    });
+    let mut text = serde_json::to_string_pretty(&sidecar).expect("string keys only");
+    text.push('\n');
+    text
+}
+
 #[cfg(test)]
 mod tests {
-    use serde_json::Value;
-
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
+    use touchstone_sim::run::record::Run;
 
     /// A run in which no field is `None`.
     fn complete() -> Run {
@@ -106,13 +177,20 @@ mod tests {
         run
     }
 
+    fn input(runs: &[Run]) -> ReportInput<'_> {
+        ReportInput {
+            runs,
+            ..Default::default()
+        }
+    }
+
     fn parse(text: &str) -> Value {
         serde_json::from_str(text).unwrap()
     }
 
     #[test]
     fn every_number_has_a_unit_and_every_unit_a_number() {
-        let results = parse(&render(&[complete()], &[]));
+        let results = parse(&render(&input(&[complete()])));
         let run = results["runs"][0].as_object().unwrap();
         let units = results["units"].as_object().unwrap();
         assert!(
@@ -129,7 +207,7 @@ mod tests {
 
     #[test]
     fn names_are_those_of_the_interface() {
-        let results = parse(&render(&[complete()], &[]));
+        let results = parse(&render(&input(&[complete()])));
         let run = results["runs"][0].as_object().unwrap();
         let promised = [
             "law",
@@ -162,14 +240,22 @@ mod tests {
         let mut run = complete();
         run.summary.settle_time = None;
         run.summary.energy_true_min = f64::NEG_INFINITY;
-        let files = TraceFiles {
-            csv: "traces/a.csv".to_owned(),
-            parquet: "traces/a.parquet".to_owned(),
+        let files = RunFiles {
+            parquet: Some("traces/a.parquet".to_owned()),
+            ..Default::default()
         };
-        let results = parse(&render(&[run], &[Some(files)]));
+        let origin = Origin {
+            runs: vec![files],
+            ..Default::default()
+        };
+        let results = parse(&written(&input(&[run]), &origin, &[]));
         assert!(results["runs"][0]["settle_time"].is_null());
         assert!(results["runs"][0]["energy_true_min"].is_null());
         assert_eq!(results["runs"][0]["trace_parquet"], "traces/a.parquet");
-        assert_eq!(parse(&render(&[], &[]))["runs"], Value::Array(Vec::new()));
+        assert!(results["runs"][0].get("trace_csv").is_none());
+        assert_eq!(
+            parse(&render(&input(&[])))["runs"],
+            Value::Array(Vec::new())
+        );
     }
 }

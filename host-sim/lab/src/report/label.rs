@@ -1,36 +1,95 @@
 //! The words that a reader sees for laws, verdicts and the conditions of a run.
 
+use super::figure::Sign;
 use super::quantity::{grouped, plain};
 use touchstone_control::{Choice, LawKind};
 use touchstone_sim::run::record::{Summary, Verdict};
 
+/// What is said of a law.
+pub struct LawWords {
+    /// Short name for people.
+    pub name: &'static str,
+    /// What it does, in a clause.
+    pub meaning: &'static str,
+}
+
+/// The words for a law. A law more is one arm more.
+pub fn law_words(law: LawKind) -> LawWords {
+    let (name, meaning) = match law {
+        LawKind::Spring => ("Spring", "force in proportion to the penetration"),
+        LawKind::SpringDamper => ("Damped spring", "a spring with virtual damping"),
+        LawKind::Tdpa => (
+            "TDPA",
+            "time-domain passivity approach: a spring that damps once its observer counts a loss",
+        ),
+        LawKind::Fba => (
+            "FBA",
+            "force bounding approach: a spring whose force the observed energy bounds",
+        ),
+        LawKind::Sfa => (
+            "Original SFA",
+            "successive force augmentation: a soft spring whose rest point is moved at each turn inwards",
+        ),
+        LawKind::SfaContinuous => (
+            "SFA, contin.",
+            "successive force augmentation at every tick inwards",
+        ),
+        LawKind::EnhancedSfa => (
+            "Enhanced SFA",
+            "successive force augmentation through a virtual mass, its energy observed and bounded",
+        ),
+    };
+    LawWords { name, meaning }
+}
+
 /// A law's short name for people.
 pub fn law(law: LawKind) -> &'static str {
-    match law {
-        LawKind::Spring => "Spring",
-        LawKind::SpringDamper => "Damped spring",
-        LawKind::Tdpa => "TDPA",
-        LawKind::Fba => "FBA",
-        LawKind::Sfa => "Original SFA",
-        LawKind::SfaContinuous => "SFA, contin.",
-        LawKind::EnhancedSfa => "Enhanced SFA",
+    law_words(law).name
+}
+
+/// A law's place in tables: simplest first.
+pub fn law_order(law: LawKind) -> usize {
+    law as usize
+}
+
+/// What is said of a verdict, and how it is shown.
+pub struct VerdictWords {
+    /// In a word.
+    pub name: &'static str,
+    /// Name in results and of its style.
+    pub key: &'static str,
+    /// A sign, so that colour is never the only difference.
+    pub sign: &'static str,
+    /// The sign in a figure.
+    pub mark: Sign,
+    /// Colour in a terminal, ANSI.
+    pub ansi: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// The words for a verdict. A verdict more is one arm more.
+pub fn verdict_words(verdict: Verdict) -> VerdictWords {
+    let (name, sign, mark, ansi) = match verdict {
+        Verdict::Passive => ("passive", "✓", Sign::Dot, "32"),
+        Verdict::Active => ("active", "△", Sign::Triangle, "33"),
+        Verdict::LimitCycle => ("limit cycle", "≈", Sign::Waves, "35"),
+        Verdict::Unstable => ("unstable", "✕", Sign::Cross, "31"),
+        Verdict::NoContact => ("no contact", "–", Sign::Ring, "2"),
+    };
+    VerdictWords {
+        name,
+        key: verdict.name(),
+        sign,
+        mark,
+        ansi,
+        meaning: verdict.meaning(),
     }
 }
 
 /// A verdict in a word.
 pub fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Passive => "passive",
-        Verdict::Active => "active",
-        Verdict::LimitCycle => "limit cycle",
-        Verdict::Unstable => "unstable",
-        Verdict::NoContact => "no contact",
-    }
-}
-
-/// What a verdict means.
-pub fn verdict_meaning(verdict: Verdict) -> &'static str {
-    verdict.meaning()
+    verdict_words(verdict).name
 }
 
 /// What a run was made under, apart from the law and the desired stiffness. Runs of one table share it.
@@ -86,19 +145,23 @@ pub fn file_stem(summary: &Summary) -> String {
         format!("{}hz", summary.rate_hz),
         summary.number.clone(),
     ];
-    // A scene's name comes from a file and may hold anything, a path separator too.
+    parts
+        .map(|part| safe(&part))
+        .join("_")
+        .trim_start_matches(['.', '-'])
+        .to_owned()
+}
+
+/// `text` without what a file name cannot hold: a scene's name comes from a file and may hold anything, a path separator too.
+pub fn safe(text: &str) -> String {
     let safe = |c: char| {
-        if c.is_ascii_alphanumeric() || c == '.' || c == '-' {
+        if c.is_ascii_alphanumeric() || c == '.' || c == '-' || c == '_' {
             c
         } else {
             '-'
         }
     };
-    parts
-        .map(|part| part.chars().map(safe).collect::<String>())
-        .join("_")
-        .trim_start_matches(['.', '-'])
-        .to_owned()
+    text.chars().map(safe).collect()
 }
 
 #[cfg(test)]

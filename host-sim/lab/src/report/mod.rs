@@ -1,22 +1,31 @@
-//! What a person or a script reads after a run: terminal table, `index.html`, `results.json`, traces as CSV and Parquet.
+//! What a person or a script reads after a run: terminal table, `index.html`, `summary.svg`, `results.json`, traces as CSV and
+//! Parquet, scenes with every value.
 //!
-//! [`ReportInput`] goes in; [`write::write`] makes the whole folder, [`table::render`] what the terminal shows, and
+//! [`ReportInput`] goes in; [`write::write`] makes the whole folder, from which every run can be made again, [`table::render`] what the terminal shows, and
 //! [`json::render`] what `--json` prints. All numbers are in SI units; only what people read is scaled by prefixes.
 
-mod cell;
 pub mod columns;
+mod compare;
 #[cfg(test)]
 mod contrast;
 pub mod csv;
 mod decimate;
+pub mod figure;
 mod figures;
 pub mod html;
 pub mod json;
 mod label;
 mod matrix;
+pub mod measures;
+pub mod origin;
 pub mod parquet;
+mod picture;
+mod previous;
 mod quantity;
+mod runs;
+pub mod schema;
 pub mod staging;
+mod summary;
 mod svg;
 pub mod table;
 mod view;
@@ -27,10 +36,14 @@ pub mod write;
 #[path = "../../examples/report_demo/synthetic.rs"]
 mod synthetic;
 
+pub use origin::Program;
+pub use previous::check as check_folder;
 pub use table::Colour;
 pub use write::{Written, write};
 
+use std::path::PathBuf;
 use touchstone_sim::run::record::Run;
+use touchstone_sim::scene::Scene;
 
 /// What a report is made of. Everything but the runs may be left empty: `ReportInput { title, command, runs, ..Default::default() }`.
 ///
@@ -45,15 +58,23 @@ pub struct ReportInput<'a> {
     pub intro: &'a str,
     /// The command line that makes this report again.
     pub command: &'a str,
+    /// The program that ran.
+    pub program: Program,
+    /// The scene of each run, in their order; empty where there is none to write out.
+    pub scenes: &'a [Scene],
+    /// Files that the scenes were read from; recordings are found in the scenes.
+    pub inputs: &'a [PathBuf],
+    /// What is written.
+    pub files: FileOptions,
     /// Critical stiffness `k_c` of device and rate, N·m/rad, drawn beside the displayed stiffness.
     pub k_critical: Option<f64>,
     /// The runs.
     pub runs: &'a [Run],
     /// Warnings that a reader must know, such as settings beyond a passivity bound.
     pub notes: &'a [String],
-    /// Text below the heading of a stiffness: `k_de` in N·m/rad, and what to look at there.
+    /// Where to read on a stiffness: `k_de` in N·m/rad, and a reference such as a figure of the thesis.
     pub row_notes: &'a [(f64, String)],
-    /// Further sections, between the verdicts and the plots.
+    /// Further sections, folded, between the tables and the plots.
     pub sections: &'a [Section],
 }
 
@@ -82,11 +103,13 @@ pub enum Block {
     },
 }
 
-/// Where the trace of a run lies, relative to the report's folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TraceFiles {
-    /// CSV file.
-    pub csv: String,
-    /// Parquet file.
-    pub parquet: String,
+/// What [`write::write`] writes, and over what.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FileOptions {
+    /// Parquet alone.
+    pub no_csv: bool,
+    /// Of the ticks, each so-manieth is written into traces; 0 and 1 both mean all.
+    pub every: usize,
+    /// Replaces what another command left in the folder.
+    pub force: bool,
 }

@@ -22,12 +22,19 @@ const GROUP: usize = 60_000;
 /// Writes the trace of `run`.
 ///
 /// File metadata: `scene`, `law`, `summary` (the run of `results.json`), `units` (column to unit), `columns` (column to
-/// meaning); the last three are JSON. What does not exist is NaN, not null: columns stay plain vectors.
+/// meaning), then `more`; `summary`, `units` and `columns` are JSON. What does not exist is NaN, not null: columns stay plain
+/// vectors. Of the ticks, every `every`th is written, from the first on.
 ///
 /// # Errors
 /// What the system said when writing failed.
-pub fn write(out: impl Write + Send, run: &Run, trace: &Trace) -> io::Result<()> {
-    write_file(out, run, trace).map_err(|error| match error {
+pub fn write(
+    out: impl Write + Send,
+    run: &Run,
+    trace: &Trace,
+    every: usize,
+    more: &[(&str, String)],
+) -> io::Result<()> {
+    write_file(out, run, trace, every.max(1), more).map_err(|error| match error {
         // The system's own error is wrapped; its kind is what decides on the advice given to the user.
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {
             Ok(error) => *error,
@@ -37,7 +44,13 @@ pub fn write(out: impl Write + Send, run: &Run, trace: &Trace) -> io::Result<()>
     })
 }
 
-fn write_file(out: impl Write + Send, run: &Run, trace: &Trace) -> Result<(), ParquetError> {
+fn write_file(
+    out: impl Write + Send,
+    run: &Run,
+    trace: &Trace,
+    every: usize,
+    more: &[(&str, String)],
+) -> Result<(), ParquetError> {
     let fields = COLUMNS
         .iter()
         .map(|column| {
@@ -51,19 +64,26 @@ fn write_file(out: impl Write + Send, run: &Run, trace: &Trace) -> Result<(), Pa
     let schema = Type::group_type_builder("trace")
         .with_fields(fields)
         .build()?;
-    let mut file = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties(run)))?;
+    let mut file =
+        SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties(run, more)))?;
     let len = columns::len(trace);
     // An empty trace still has its columns, so it gets no group and stays readable.
-    for start in (0..len).step_by(GROUP) {
-        let end = len.min(start + GROUP);
+    for start in (0..len).step_by(GROUP * every) {
+        let end = len.min(start + GROUP * every);
         let mut group = file.next_row_group()?;
         for column in COLUMNS {
             let mut writer = group.next_column()?.expect("as many columns as the schema");
-            writer.typed::<DoubleType>().write_batch(
-                &(column.values)(trace)[start..end],
-                None,
-                None,
-            )?;
+            let values = &(column.values)(trace)[start..end];
+            let thinned: Vec<f64>;
+            let values = if every == 1 {
+                values
+            } else {
+                thinned = values.iter().copied().step_by(every).collect();
+                &thinned
+            };
+            writer
+                .typed::<DoubleType>()
+                .write_batch(values, None, None)?;
             writer.close()?;
         }
         group.close()?;
@@ -72,7 +92,7 @@ fn write_file(out: impl Write + Send, run: &Run, trace: &Trace) -> Result<(), Pa
     Ok(())
 }
 
-fn properties(run: &Run) -> WriterProperties {
+fn properties(run: &Run, more: &[(&str, String)]) -> WriterProperties {
     let map = |value: fn(&columns::Column) -> &'static str| {
         let map: serde_json::Map<_, _> = COLUMNS
             .iter()
@@ -99,6 +119,7 @@ fn properties(run: &Run) -> WriterProperties {
         .set_key_value_metadata(Some(
             entries
                 .into_iter()
+                .chain(more.iter().cloned())
                 .map(|(key, value)| KeyValue::new(key.to_owned(), value))
                 .collect(),
         ))
@@ -124,6 +145,8 @@ mod tests {
             File::create(&path).unwrap(),
             run,
             run.trace.as_ref().unwrap(),
+            1,
+            &[("command", "touchstone".to_owned())],
         )
         .unwrap();
         let file = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
@@ -175,6 +198,7 @@ mod tests {
         assert_eq!(groups, 1);
         let value = |key: &str| meta.iter().find(|pair| pair.0 == key).unwrap().1.clone();
         assert_eq!(value("law"), "tdpa");
+        assert_eq!(value("command"), "touchstone");
         assert_eq!(value("scene"), run.summary.scene);
         let units: serde_json::Value = serde_json::from_str(&value("units")).unwrap();
         assert_eq!(units["force_n_m"], "N·m");
@@ -209,7 +233,7 @@ mod tests {
             }
         }
         let run = synthetic::run(LawKind::Spring, 1.0, 0.01);
-        let error = write(Full, &run, run.trace.as_ref().unwrap()).unwrap_err();
+        let error = write(Full, &run, run.trace.as_ref().unwrap(), 1, &[]).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
     }
 }

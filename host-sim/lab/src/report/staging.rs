@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use touchstone_sim::error::Error;
+
 /// How the folders' names begin; the number of the process follows.
 const PREFIX: &str = ".touchstone-report-";
 /// The locked file in it.
@@ -87,8 +89,8 @@ impl Staging {
         Ok(staging)
     }
 
-    /// Moves `files` to the target.
-    pub fn publish(mut self, files: &[PathBuf]) -> io::Result<()> {
+    /// Moves `files` to the target, then removes the `stale` ones there.
+    pub fn publish(mut self, files: &[PathBuf], stale: &[PathBuf]) -> io::Result<()> {
         // Held to the end: whoever interrupts waits, for a report moved half-way would be worse than one that is there.
         let mut present = present();
         self.lock = None;
@@ -113,6 +115,13 @@ impl Staging {
         }
         for file in files {
             fs::rename(self.path.join(file), self.target.join(file))?;
+        }
+        for file in stale {
+            // One that is gone already is what was wanted; a folder that holds other files stays.
+            let _ = fs::remove_file(self.target.join(file));
+            if let Some(parent) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
+                let _ = fs::remove_dir(self.target.join(parent));
+            }
         }
         Ok(())
     }
@@ -223,5 +232,29 @@ fn ended(path: &Path) -> Option<bool> {
         }
         Err(TryLockError::WouldBlock) => Some(false),
         Err(TryLockError::Error(_)) => None,
+    }
+}
+
+/// The error for the user: one line, with the remedy.
+pub fn io_error(folder: &Path, error: &io::Error) -> Error {
+    use io::ErrorKind::*;
+    let problem = match error.kind() {
+        NotADirectory => "is not a folder, or lies inside a file".to_owned(),
+        // The first line only: errors are one line.
+        _ => format!(
+            "cannot write the report: {}",
+            error.to_string().lines().next().unwrap_or_default()
+        ),
+    };
+    let fix = match error.kind() {
+        PermissionDenied | ReadOnlyFilesystem => "give --out a folder that you may write to",
+        StorageFull | QuotaExceeded => "free some space or give --out a folder on another disk",
+        IsADirectory => "rename that folder or give --out another one",
+        _ => "give --out another folder",
+    };
+    Error::Io {
+        path: folder.to_owned(),
+        problem,
+        fix: fix.to_owned(),
     }
 }

@@ -1,4 +1,4 @@
-//! A small plot writer for inline SVG.
+//! Draws a [`Figure`] as inline SVG.
 //!
 //! Why not a plotting library: the drawing must follow the reader's light or dark theme, so every mark needs a CSS class instead
 //! of a colour; strokes and dashes must keep their width when a plot is scaled to a phone or a wide screen; and a page of 160
@@ -8,6 +8,7 @@
 use std::fmt::Write;
 
 use super::decimate;
+use super::figure::{Axis, Figure, Line, Shape, Sign, Wall};
 use super::quantity::{Scale, scale_for, ticks};
 
 /// Drawing steps to a nominal pixel: lines are written in whole steps.
@@ -31,161 +32,89 @@ const BOTTOM: u32 = 35;
 /// A line of more points than this is drawn with a finer stroke.
 const DENSE: usize = 700;
 
-/// One linear axis.
-#[derive(Debug, Clone)]
-pub struct Axis {
-    /// Title without the unit.
-    title: String,
-    /// Unit with prefix.
-    scale: Scale,
-    /// Ends in the SI unit.
-    min: f64,
-    max: f64,
-}
-
-impl Axis {
-    /// An axis over `range` (SI); the prefix of `unit` is chosen for its larger end.
-    pub fn new(title: &str, unit: &str, range: Range) -> Self {
-        let range = range.or_unit();
-        let scale = scale_for(range.min.abs().max(range.max.abs()), unit);
-        Axis {
-            title: title.to_owned(),
-            scale,
-            min: range.min,
-            max: range.max,
-        }
-    }
-
-    /// Where `value` (SI) lies, 0 at the lower end, 1 at the upper.
-    fn place(&self, value: f64) -> f64 {
-        (value - self.min) / (self.max - self.min)
-    }
-
-    fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
-        let factor = self.scale.factor;
-        let marks = ticks(self.min / factor, self.max / factor, wanted);
-        marks
-            .into_iter()
-            .map(|(value, label)| (self.place(value * factor), label))
-            .collect()
-    }
-
-    /// Ends in the shown unit, and the unit, for the read-out script.
-    fn attributes(&self, name: char) -> String {
-        let (min, max) = (self.min / self.scale.factor, self.max / self.scale.factor);
-        format!(r#"data-{name}="{min:.6} {max:.6} {}""#, self.scale.unit)
-    }
-}
-
-/// An interval that grows by what it is shown. Empty until the first finite value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// Lower end.
-    pub min: f64,
-    /// Upper end.
-    pub max: f64,
-}
-
-impl Range {
-    /// Nothing yet.
-    pub const EMPTY: Range = Range {
-        min: f64::INFINITY,
-        max: f64::NEG_INFINITY,
+/// Draws `figure` as `<svg>`. `id` is unique in the page; title and description are read out instead of the drawing.
+pub fn draw(figure: &Figure, size: Size, id: &str) -> String {
+    let mut plot = Plot {
+        size,
+        figure,
+        x: scale_of(&figure.x),
+        y: scale_of(&figure.y),
+        marks: String::new(),
     };
-
-    /// The smallest interval with all finite `values`.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        values.into_iter().fold(Range::EMPTY, Range::with)
+    for line in &figure.lines {
+        plot.line(line);
     }
+    plot.finish(id)
+}
 
-    /// Also with `value`, if it is finite.
-    pub fn with(self, value: f64) -> Self {
-        if value.is_finite() {
-            Range {
-                min: self.min.min(value),
-                max: self.max.max(value),
-            }
-        } else {
-            self
-        }
+/// Explains the lines of a figure that have a name.
+pub fn legend(figure: &Figure) -> String {
+    let mut out = String::from("<ul class=\"legend\">");
+    let drawn = |line: &&Line| !line.name.is_empty() && !is_empty(&line.shape);
+    for Line { role, name, .. } in figure.lines.iter().filter(drawn) {
+        let _ = write!(
+            out,
+            "<li><svg viewBox=\"0 0 26 8\" aria-hidden=\"true\"><path class=\"{role}\" d=\"M1 4H25\"/></svg>{}</li>",
+            typeset(name)
+        );
     }
+    out + "</ul>"
+}
 
-    /// Both.
-    pub fn union(self, other: Range) -> Self {
-        Range {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
-    /// The part inside `limits`; `limits` is not empty.
-    pub fn within(self, limits: Range) -> Self {
-        Range {
-            min: self.min.max(limits.min),
-            max: self.max.min(limits.max),
-        }
-    }
-
-    /// Wider by these shares of its width.
-    pub fn padded(self, below: f64, above: f64) -> Self {
-        let width = self.max - self.min;
-        Range {
-            min: self.min - below * width,
-            max: self.max + above * width,
-        }
-    }
-
-    /// Itself, or something that can be drawn if it is empty or a single value.
-    fn or_unit(self) -> Self {
-        if self.min < self.max && (self.max - self.min).is_finite() {
-            // Narrower than an f64 can divide, ticks and places would be NaN.
-            let least = self.min.abs().max(self.max.abs()) * 1e-9;
-            if self.max - self.min > least {
-                self
-            } else {
-                Range {
-                    min: self.min - least,
-                    max: self.max + least,
-                }
-            }
-        } else if self.min == self.max {
-            let half = if self.min == 0.0 {
-                1.0
-            } else {
-                self.min.abs() * 0.1
-            };
-            Range {
-                min: self.min - half,
-                max: self.max + half,
-            }
-        } else {
-            Range { min: 0.0, max: 1.0 }
-        }
+fn is_empty(shape: &Shape) -> bool {
+    match shape {
+        Shape::Series(points) => points.is_empty(),
+        Shape::Path(stretches) => stretches.is_empty(),
+        Shape::Signs(signs) => signs.is_empty(),
+        Shape::Horizontal(_) | Shape::Vertical(_) => false,
     }
 }
 
-/// A plot under construction.
-pub struct Plot {
+fn scale_of(axis: &Axis) -> Scale {
+    if axis.marks.is_some() {
+        return scale_for(1.0, &axis.unit);
+    }
+    scale_for(axis.range.min.abs().max(axis.range.max.abs()), &axis.unit)
+}
+
+/// Marks of an axis: places from 0 to 1, and labels.
+fn marks(axis: &Axis, scale: &Scale, wanted: usize) -> Vec<(f64, String)> {
+    if let Some(marks) = &axis.marks {
+        let place = |(value, label): &(f64, String)| (axis.place(*value), escape(label));
+        return marks.iter().map(place).collect();
+    }
+    let factor = scale.factor;
+    ticks(axis.range.min / factor, axis.range.max / factor, wanted)
+        .into_iter()
+        .map(|(value, label)| (axis.place(value * factor), label))
+        .collect()
+}
+
+/// Title of an axis with its unit.
+fn axis_title(axis: &Axis, scale: &Scale) -> String {
+    if scale.unit.is_empty() {
+        escape(&axis.title)
+    } else {
+        format!("{} ({})", escape(&axis.title), scale.unit)
+    }
+}
+
+/// Ends in the shown unit, and the unit, for the read-out script.
+fn attributes(axis: &Axis, scale: &Scale, name: char) -> String {
+    let (min, max) = (axis.range.min / scale.factor, axis.range.max / scale.factor);
+    format!(r#"data-{name}="{min:.6} {max:.6} {}""#, scale.unit)
+}
+
+/// A figure that is being drawn.
+struct Plot<'a> {
     size: Size,
-    x: Axis,
-    y: Axis,
-    /// What is behind the grid, then what is before it.
-    behind: String,
+    figure: &'a Figure,
+    x: Scale,
+    y: Scale,
     marks: String,
 }
 
-impl Plot {
-    /// An empty plot.
-    pub fn new(size: Size, x: Axis, y: Axis) -> Self {
-        Plot {
-            size,
-            x,
-            y,
-            behind: String::new(),
-            marks: String::new(),
-        }
-    }
-
+impl Plot<'_> {
     fn area(&self) -> (f64, f64) {
         (
             f64::from(self.size.width - LEFT - RIGHT),
@@ -198,68 +127,66 @@ impl Plot {
         let (width, height) = self.area();
         let near = |place: f64| place.clamp(-30.0, 30.0);
         (
-            near(self.x.place(x)) * width * FINE,
-            (1.0 - near(self.y.place(y))) * height * FINE,
+            near(self.figure.x.place(x)) * width * FINE,
+            (1.0 - near(self.figure.y.place(y))) * height * FINE,
         )
     }
 
-    /// Shades everything from `x` (SI) to the upper end of the axis.
-    pub fn shade_from_x(&mut self, x: f64, class: &str) {
+    /// The wall's inside.
+    fn wall(&self) -> String {
         let (width, height) = self.area();
-        let left = self.fine(x, 0.0).0.clamp(0.0, width * FINE);
-        let wide = width * FINE - left;
-        let tall = height * FINE;
-        let _ = write!(
-            self.behind,
-            r#"<rect class="{class}" x="{left:.0}" width="{wide:.0}" height="{tall:.0}"/>"#
-        );
-    }
-
-    /// Shades everything from `y` (SI) to the upper end of the axis.
-    pub fn shade_from_y(&mut self, y: f64, class: &str) {
-        let (width, height) = self.area();
-        let (wide, tall) = (width * FINE, self.fine(0.0, y).1.clamp(0.0, height * FINE));
-        let _ = write!(
-            self.behind,
-            r#"<rect class="{class}" width="{wide:.0}" height="{tall:.0}"/>"#
-        );
-    }
-
-    /// A straight line between two places (SI).
-    pub fn line(&mut self, class: &str, name: &str, from: (f64, f64), to: (f64, f64)) {
-        let (from, to) = (self.fine(from.0, from.1), self.fine(to.0, to.1));
-        self.write_path(class, name, &decimate::path(vec![vec![from, to]]));
-    }
-
-    /// A horizontal line across the plot.
-    pub fn horizontal(&mut self, class: &str, name: &str, y: f64) {
-        self.line(class, name, (self.x.min, y), (self.x.max, y));
-    }
-
-    /// A vertical line across the plot.
-    pub fn vertical(&mut self, class: &str, name: &str, x: f64) {
-        self.line(class, name, (x, self.y.min), (x, self.y.max));
-    }
-
-    /// A time series (SI); NaN makes a gap.
-    pub fn series(&mut self, class: &str, name: &str, points: impl Iterator<Item = (f64, f64)>) {
-        let lines = decimate::series(points.map(|(x, y)| {
-            if y.is_finite() {
-                self.fine(x, y)
-            } else {
-                (x, f64::NAN)
+        let (width, height) = (width * FINE, height * FINE);
+        match self.figure.wall {
+            Some(Wall::RightOf(x)) => {
+                let left = self.fine(x, 0.0).0.clamp(0.0, width);
+                let wide = width - left;
+                format!(
+                    r#"<rect class="wall" x="{left:.0}" width="{wide:.0}" height="{height:.0}"/>"#
+                )
             }
-        }));
-        self.write_path(class, name, &lines);
+            Some(Wall::Above(y)) => {
+                let tall = self.fine(0.0, y).1.clamp(0.0, height);
+                format!(r#"<rect class="wall" width="{width:.0}" height="{tall:.0}"/>"#)
+            }
+            None => String::new(),
+        }
     }
 
-    /// A path that may turn back, in stretches (SI).
-    pub fn path(&mut self, class: &str, name: &str, stretches: &[Vec<(f64, f64)>]) {
-        let fine = stretches
-            .iter()
-            .map(|s| s.iter().map(|&(x, y)| self.fine(x, y)).collect())
-            .collect();
-        self.write_path(class, name, &decimate::path(fine));
+    fn line(&mut self, line: &Line) {
+        let (x, y) = (self.figure.x.range, self.figure.y.range);
+        let straight = |from: (f64, f64), to: (f64, f64)| {
+            let (from, to) = (self.fine(from.0, from.1), self.fine(to.0, to.1));
+            decimate::path(vec![vec![from, to]])
+        };
+        let stretches = match &line.shape {
+            Shape::Horizontal(at) => straight((x.min, *at), (x.max, *at)),
+            Shape::Vertical(at) => straight((*at, y.min), (*at, y.max)),
+            Shape::Series(points) => decimate::series(points.iter().map(|&(x, y)| {
+                if y.is_finite() {
+                    self.fine(x, y)
+                } else {
+                    (x, f64::NAN)
+                }
+            })),
+            Shape::Path(stretches) => {
+                let fine = |s: &Vec<(f64, f64)>| s.iter().map(|&(x, y)| self.fine(x, y)).collect();
+                decimate::path(stretches.iter().map(fine).collect())
+            }
+            Shape::Signs(signs) => {
+                for &(x, y, sign) in signs {
+                    let (x, y) = self.fine(x, y);
+                    let _ = write!(
+                        self.marks,
+                        r#"<path class="sign {} {}" d="M{x:.0} {y:.0}{}"/>"#,
+                        line.role,
+                        sign_class(sign),
+                        sign_path(sign)
+                    );
+                }
+                return;
+            }
+        };
+        self.write_path(line.role, &line.name, &stretches);
     }
 
     fn write_path(&mut self, class: &str, name: &str, stretches: &[Vec<decimate::Point>]) {
@@ -270,6 +197,7 @@ impl Plot {
         // An oscillation that fills an area is drawn finer, or its strokes run together.
         let dense = stretches.iter().map(Vec::len).sum::<usize>() > DENSE;
         let dense = if dense { " data-dense" } else { "" };
+        let name = escape(name);
         let _ = write!(out, r#"<path class="{class}" data-n="{name}"{dense} d=""#);
         for stretch in stretches {
             let mut pen = stretch[0];
@@ -293,30 +221,28 @@ impl Plot {
         out.push_str("\"/>");
     }
 
-    /// The finished `<svg>`. `id` is unique in the page, `title` and `description` are read out instead of the drawing.
-    pub fn finish(self, out: &mut String, id: &str, title: &str, description: &str) {
+    fn finish(self, id: &str) -> String {
         let Size { width, height } = self.size;
         let (wide, tall) = self.area();
         let (right, bottom) = (f64::from(LEFT) + wide, f64::from(TOP) + tall);
-        let _ = write!(
-            out,
+        let mut out = format!(
             r#"<svg class="plot" viewBox="0 0 {width} {height}" role="img" aria-labelledby="{id}-t {id}-d" {} {}><title id="{id}-t">{}</title><desc id="{id}-d">{}</desc>"#,
-            self.x.attributes('x'),
-            self.y.attributes('y'),
-            escape(title),
-            escape(description),
+            attributes(&self.figure.x, &self.x, 'x'),
+            attributes(&self.figure.y, &self.y, 'y'),
+            escape(&self.figure.title),
+            escape(&self.figure.description),
         );
-        let inner = |out: &mut String, content: &str| {
+        let inner = |out: &mut String, class: &str, content: &str| {
             let _ = write!(
                 out,
-                r#"<svg x="{LEFT}" y="{TOP}" width="{wide}" height="{tall}" viewBox="0 0 {:.0} {:.0}" preserveAspectRatio="none">{content}</svg>"#,
+                r#"<svg class="{class}" x="{LEFT}" y="{TOP}" width="{wide}" height="{tall}" viewBox="0 0 {:.0} {:.0}" preserveAspectRatio="none">{content}</svg>"#,
                 wide * FINE,
                 tall * FINE
             );
         };
-        inner(out, &self.behind);
+        inner(&mut out, "behind", &self.wall());
         let (mut grid, mut labels) = (String::new(), String::new());
-        for (place, label) in self.x.ticks((wide / 48.0) as usize) {
+        for (place, label) in marks(&self.figure.x, &self.x, (wide / 48.0) as usize) {
             let x = f64::from(LEFT) + place * wide;
             let _ = write!(grid, "M{x:.1} {TOP}V{bottom}");
             // A label at the very end of the axis stays inside the drawing.
@@ -327,7 +253,7 @@ impl Plot {
                 bottom + 14.5
             );
         }
-        for (place, label) in self.y.ticks((tall / 34.0) as usize) {
+        for (place, label) in marks(&self.figure.y, &self.y, (tall / 34.0) as usize) {
             let y = f64::from(TOP) + (1.0 - place) * tall;
             let _ = write!(grid, "M{LEFT} {y:.1}H{right}");
             let _ = write!(
@@ -338,17 +264,51 @@ impl Plot {
             );
         }
         let _ = write!(out, r#"<path class="grid" d="{grid}"/>"#);
-        inner(out, &self.marks);
+        inner(&mut out, "lines", &self.marks);
         let _ = write!(
             out,
-            r#"<path class="axis" d="M{LEFT} {TOP}V{bottom}H{right}"/>{labels}<text x="2" y="11" class="at">{} ({})</text><text x="{right}" y="{}" class="at te">{} ({})</text></svg>"#,
-            escape(&self.y.title),
-            self.y.scale.unit,
+            r#"<path class="axis" d="M{LEFT} {TOP}V{bottom}H{right}"/><g class="labels">{labels}</g><text x="2" y="11" class="at">{}</text><text x="{right}" y="{}" class="at te">{}</text></svg>"#,
+            axis_title(&self.figure.y, &self.y),
             height - 5,
-            escape(&self.x.title),
-            self.x.scale.unit,
+            axis_title(&self.figure.x, &self.x),
         );
+        out
     }
+}
+
+/// The style of a sign: that of the verdict it stands for.
+fn sign_class(sign: Sign) -> &'static str {
+    match sign {
+        Sign::Dot => "dot",
+        _ => "open",
+    }
+}
+
+/// A sign around the pen, in fine steps.
+fn sign_path(sign: Sign) -> &'static str {
+    match sign {
+        Sign::Dot => "m-38 0a38 38 0 1 0 76 0a38 38 0 1 0 -76 0z",
+        Sign::Ring => "m-40 0a40 40 0 1 0 80 0a40 40 0 1 0 -80 0z",
+        Sign::Triangle => "m0 -46l44 78h-88z",
+        Sign::Waves => "m-52 -8q26 -46 52 0t52 0m-104 34q26 -46 52 0t52 0",
+        Sign::Cross => "m-38 -38l76 76m0 -76l-76 76",
+    }
+}
+
+/// Text of ours for the page: escaped, symbols with their subscripts, numbers with a true minus sign.
+pub fn typeset(text: &str) -> String {
+    let mut text = escape(text);
+    for (plain, subscript) in [
+        ("k_de", "k<sub>de</sub>"),
+        ("k_c", "k<sub>c</sub>"),
+        ("x_s", "x<sub>s</sub>"),
+    ] {
+        text = text.replace(plain, subscript);
+    }
+    text.strip_prefix('-')
+        .map_or(text.clone(), |rest| format!("\u{2212}{rest}"))
+        .replace("(-", "(\u{2212}")
+        .replace(" -", " \u{2212}")
 }
 
 /// Text made safe for HTML and SVG, in content and in attributes.
@@ -370,27 +330,26 @@ pub fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::figure::Range;
 
     const SIZE: Size = Size {
         width: 250,
         height: 155,
     };
 
-    fn plot(y: Range) -> Plot {
+    fn figure(y: Range) -> Figure {
         let time = Axis::new("time", "s", Range { min: 0.0, max: 2.0 });
-        Plot::new(SIZE, time, Axis::new("force", "N·m", y))
+        let mut figure = Figure::new("a < b", time, Axis::new("force", "N·m", y));
+        figure.description = "d".to_owned();
+        figure
     }
 
     #[test]
     fn lines_are_short_relative_integers() {
-        let mut plot = plot(Range { min: 0.0, max: 0.1 });
-        plot.series(
-            "l",
-            "force",
-            [(0.0, 0.0), (1.0, 0.1), (2.0, 0.05)].into_iter(),
-        );
-        let mut out = String::new();
-        plot.finish(&mut out, "p", "a < b", "d");
+        let mut figure = figure(Range { min: 0.0, max: 0.1 });
+        let points = vec![(0.0, 0.0), (1.0, 0.1), (2.0, 0.05)];
+        figure.line("l", "force", Shape::Series(points));
+        let out = draw(&figure, SIZE, "p");
         assert!(out.contains(r#"d="M0 1000l1000-1000 1000 500""#), "{out}");
         assert!(out.contains("<title id=\"p-t\">a &lt; b</title>"), "{out}");
         assert!(
@@ -418,15 +377,11 @@ mod tests {
             Range::of([f64::NAN]),
             hair,
         ] {
-            let mut plot = plot(range);
-            plot.series(
-                "l",
-                "n",
-                [(0.0, 1e300), (1.0, f64::NAN), (2.0, f64::NEG_INFINITY)].into_iter(),
-            );
-            plot.horizontal("h", "n", 0.0);
-            let mut out = String::new();
-            plot.finish(&mut out, "p", "t", "d");
+            let mut figure = figure(range);
+            let points = vec![(0.0, 1e300), (1.0, f64::NAN), (2.0, f64::NEG_INFINITY)];
+            figure.line("l", "n", Shape::Series(points));
+            figure.line("h", "n", Shape::Horizontal(0.0));
+            let out = draw(&figure, SIZE, "p");
             assert!(
                 !out.contains("NaN") && !out.contains("inf"),
                 "{range:?}: {out}"

@@ -2,9 +2,9 @@
 
 use std::io::IsTerminal;
 
-use super::cell::facts;
 use super::label;
 use super::matrix::{Matrix, matrices};
+use super::measures::facts;
 use super::quantity::{plain, scale_for, significant};
 use touchstone_sim::run::record::{Run, Summary, Verdict};
 
@@ -40,13 +40,7 @@ impl Colour {
     /// `text`, padded to `width` columns, in the colour of `verdict`. Padding comes first: escape codes have no width.
     fn verdict(self, text: &str, width: usize, verdict: Verdict) -> String {
         let padded = format!("{text:<width$}");
-        let code = match verdict {
-            Verdict::Passive => "32",
-            Verdict::Active => "33",
-            Verdict::LimitCycle => "35",
-            Verdict::Unstable => "31",
-            Verdict::NoContact => "2",
-        };
+        let code = label::verdict_words(verdict).ansi;
         match self {
             Colour::Never => padded,
             Colour::Always => format!("\x1b[{code}m{padded}\x1b[0m"),

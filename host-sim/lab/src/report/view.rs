@@ -1,6 +1,6 @@
 //! What the plots show of one run: where it touches the wall, its displayed stiffness, its path, and axes that suit it.
 
-use super::svg::Range;
+use super::figure::Range;
 use touchstone_sim::run::record::{Run, Trace};
 
 /// Stretches of a path of (angle, force), rad and N·m.
@@ -160,15 +160,6 @@ impl<'a> View<'a> {
             },
             energy: energy.padded(0.06, 0.08),
         }
-    }
-
-    /// `values` against time.
-    pub fn over_time<'b>(&'b self, values: &'b [f64]) -> impl Iterator<Item = (f64, f64)> + 'b {
-        self.trace
-            .time_s
-            .iter()
-            .copied()
-            .zip(values.iter().copied())
     }
 
     /// The path of (angle, force), parted where the motion turns by more than `hysteresis` (rad).

@@ -1,15 +1,15 @@
-//! Writes a report's folder: everything is prepared aside and moved into place at the end, so that nothing is half-written.
+//! Writes a report's folder, from which every run in it can be made again.
 
-use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::staging::Staging;
-use super::{ReportInput, TraceFiles, csv, html, json, label, parquet};
-use touchstone_sim::error::{Error, Result};
+use super::origin::Origin;
+use super::staging::{Staging, io_error};
+use super::{ReportInput, csv, html, json, parquet, picture, previous};
+use touchstone_sim::error::Result;
 
 /// What was written.
 #[derive(Debug, Clone)]
@@ -22,116 +22,112 @@ pub struct Written {
     pub bytes: u64,
 }
 
-/// Writes `index.html`, `results.json` and `traces/*.csv`, `traces/*.parquet` for every run with a trace into `folder`.
+/// Writes into `folder`: `index.html`, `summary.svg`, `results.json`; of every run the scene with all its values (`scene.toml`,
+/// or `scenes/*.toml` where there are several), recordings that move the hand as `inputs/*`; of every run with a trace
+/// `traces/*.parquet`, and `traces/*.csv` with what is known of it beside as `*.csv-metadata.json`.
 ///
-/// A folder that does not exist is made and appears complete or not at all. In one that exists, files of the same names are
-/// replaced, each in one step and `index.html` last; every other file there is left alone.
+/// A folder that does not exist is made and appears complete or not at all. In one that holds the results of the same
+/// command, these are replaced, each file in one step, and what the former results listed and the new ones do not have is removed.
+/// Every other file there is left alone, and never overwritten unless [`super::FileOptions::force`] says so.
 ///
 /// # Errors
-/// [`Error::Io`], on one line and with the fix, if `folder` is a file or cannot be written; then no file in it has changed.
+/// [`touchstone_sim::error::Error::Io`], on one line and with the fix, if `folder` is a file, holds the results of another
+/// command, or cannot be written, or if an input can no longer be read; then no file in it has changed.
 pub fn write(input: &ReportInput, folder: &Path) -> Result<Written> {
-    let names = trace_files(input);
+    let origin = Origin::of(input)?;
+    let names = names(input, &origin);
+    let stale = previous::stale(folder, input.command, input.files.force, &names)?;
+    let files: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
     let staging = Staging::new(folder).map_err(|error| io_error(folder, &error))?;
     let root = &staging.path.clone();
-    let prepare = || -> io::Result<Vec<PathBuf>> {
-        let mut files = write_traces(root, input, &names)?;
-        for (name, text) in [
-            ("results.json", json::render(input.runs, &names)),
-            ("index.html", html::render(input, &names)),
-        ] {
-            fs::write(root.join(name), text)?;
-            files.push(PathBuf::from(name));
+    let prepare = || -> io::Result<u64> {
+        for dir in files.iter().filter_map(|file| file.parent()) {
+            fs::create_dir_all(root.join(dir))?;
         }
-        Ok(files)
-    };
-    let moved = prepare().and_then(|files| {
-        let bytes = files
+        write_traces(root, input, &origin)?;
+        for scene in origin.runs.iter().filter_map(|run| run.scene.as_ref()) {
+            fs::write(root.join(&scene.path), &scene.text)?;
+        }
+        for read in &origin.inputs {
+            if let Some(copy) = &read.copy {
+                fs::write(root.join(copy), &read.content)?;
+            }
+        }
+        if let Some(picture) = picture::alone(input) {
+            fs::write(root.join(PICTURE), picture)?;
+        }
+        fs::write(root.join(RESULTS), json::written(input, &origin, &names))?;
+        fs::write(root.join(PAGE), html::render(input, &origin))?;
+        files
             .iter()
             .map(|file| fs::metadata(root.join(file)).map(|meta| meta.len()))
-            .sum::<io::Result<u64>>()?;
-        staging.publish(&files)?;
-        Ok((files, bytes))
-    });
-    let (files, bytes) = moved.map_err(|error| io_error(folder, &error))?;
+            .sum()
+    };
+    let bytes = prepare()
+        .and_then(|bytes| staging.publish(&files, &stale).map(|()| bytes))
+        .map_err(|error| io_error(folder, &error))?;
     Ok(Written {
-        page: folder.join("index.html"),
+        page: folder.join(PAGE),
         files,
         bytes,
     })
 }
 
-/// Names of the trace files, one pair for each run with a trace, no two alike.
-fn trace_files(input: &ReportInput) -> Vec<Option<TraceFiles>> {
-    let mut taken = HashSet::new();
-    let name = |run: &touchstone_sim::run::record::Run| {
-        run.trace.as_ref()?;
-        let stem = label::file_stem(&run.summary);
-        // Compared without case: some file systems do.
-        let mut unique = stem.clone();
-        let mut repeat = 2;
-        while !taken.insert(unique.to_lowercase()) {
-            unique = format!("{stem}_{repeat}");
-            repeat += 1;
+const PICTURE: &str = "summary.svg";
+const RESULTS: &str = "results.json";
+const PAGE: &str = "index.html";
+
+/// What stands beside a CSV file.
+fn sidecar(csv: &str) -> String {
+    format!("{csv}-metadata.json")
+}
+
+/// All files of the report, the page last: it is what the others belong to.
+fn names(input: &ReportInput, origin: &Origin) -> Vec<String> {
+    let mut names = Vec::new();
+    for run in &origin.runs {
+        if let Some(csv) = &run.csv {
+            names.extend([csv.clone(), sidecar(csv)]);
         }
-        Some(TraceFiles {
-            csv: format!("traces/{unique}.csv"),
-            parquet: format!("traces/{unique}.parquet"),
-        })
-    };
-    input.runs.iter().map(name).collect()
+        names.extend(run.parquet.clone());
+    }
+    for scene in origin.runs.iter().filter_map(|run| run.scene.as_ref()) {
+        if !names.contains(&scene.path) {
+            names.push(scene.path.clone());
+        }
+    }
+    names.extend(origin.inputs.iter().filter_map(|read| read.copy.clone()));
+    if picture::has(input) {
+        names.push(PICTURE.to_owned());
+    }
+    names.extend([RESULTS, PAGE].map(str::to_owned));
+    names
 }
 
-fn write_traces(
-    root: &Path,
-    input: &ReportInput,
-    names: &[Option<TraceFiles>],
-) -> io::Result<Vec<PathBuf>> {
-    let jobs: Vec<_> = input
+fn write_traces(root: &Path, input: &ReportInput, origin: &Origin) -> io::Result<()> {
+    let every = input.files.every.max(1);
+    input
         .runs
-        .iter()
-        .zip(names)
-        .filter_map(|(run, names)| Some((run, run.trace.as_ref()?, names.as_ref()?)))
-        .collect();
-    if jobs.is_empty() {
-        return Ok(Vec::new());
-    }
-    fs::create_dir(root.join("traces"))?;
-    jobs.par_iter()
-        .try_for_each(|(run, trace, names)| -> io::Result<()> {
-            let mut file = BufWriter::new(File::create(root.join(&names.csv))?);
-            csv::write(&mut file, trace)?;
-            file.flush()?;
-            let mut file = BufWriter::new(File::create(root.join(&names.parquet))?);
-            parquet::write(&mut file, run, trace)?;
-            file.flush()
-        })?;
-    Ok(jobs
-        .iter()
-        .flat_map(|(_, _, names)| [PathBuf::from(&names.csv), PathBuf::from(&names.parquet)])
-        .collect())
-}
-
-fn io_error(folder: &Path, error: &io::Error) -> Error {
-    use io::ErrorKind::*;
-    let problem = match error.kind() {
-        NotADirectory => "is not a folder, or lies inside a file".to_owned(),
-        // The first line only: errors are one line.
-        _ => format!(
-            "cannot write the report: {}",
-            error.to_string().lines().next().unwrap_or_default()
-        ),
-    };
-    let fix = match error.kind() {
-        PermissionDenied | ReadOnlyFilesystem => "give --out a folder that you may write to",
-        StorageFull | QuotaExceeded => "free some space or give --out a folder on another disk",
-        IsADirectory => "rename that folder or give --out another one",
-        _ => "give --out another folder",
-    };
-    Error::Io {
-        path: folder.to_owned(),
-        problem,
-        fix: fix.to_owned(),
-    }
+        .par_iter()
+        .zip(&origin.runs)
+        .try_for_each(|(run, files)| -> io::Result<()> {
+            let Some(trace) = &run.trace else {
+                return Ok(());
+            };
+            let from = json::trace_origin(input, &origin.inputs, files);
+            if let Some(name) = &files.csv {
+                let mut file = BufWriter::new(File::create(root.join(name))?);
+                csv::write(&mut file, trace, every)?;
+                file.flush()?;
+                fs::write(root.join(sidecar(name)), json::sidecar(name, &from))?;
+            }
+            if let Some(name) = &files.parquet {
+                let mut file = BufWriter::new(File::create(root.join(name))?);
+                parquet::write(&mut file, run, trace, every, &from)?;
+                file.flush()?;
+            }
+            Ok(())
+        })
 }
 
 #[cfg(test)]
@@ -188,13 +184,16 @@ mod tests {
         runs
     }
 
-    const FILES: [&str; 7] = [
+    const FILES: [&str; 10] = [
         "index.html",
         "results.json",
+        "summary.svg",
         "traces",
         "traces/synthetic_spring_k1_medium_16384cpr_1000hz_f64.csv",
+        "traces/synthetic_spring_k1_medium_16384cpr_1000hz_f64.csv-metadata.json",
         "traces/synthetic_spring_k1_medium_16384cpr_1000hz_f64.parquet",
         "traces/synthetic_spring_k1_medium_16384cpr_1000hz_f64_2.csv",
+        "traces/synthetic_spring_k1_medium_16384cpr_1000hz_f64_2.csv-metadata.json",
         "traces/synthetic_spring_k1_medium_16384cpr_1000hz_f64_2.parquet",
     ];
 
@@ -215,7 +214,7 @@ mod tests {
         let mut expected = vec!["a".to_owned(), "a/b".to_owned()];
         expected.extend(FILES.map(|file| format!("a/b/{file}")));
         assert_eq!(scratch.list(), expected);
-        assert_eq!(written.files.len(), 6);
+        assert_eq!(written.files.len(), 9);
         assert!(written.bytes > 10_000);
         // What results.json and the page name exists.
         let json: serde_json::Value =
@@ -239,9 +238,16 @@ mod tests {
         fs::write(scratch.0.join("notes.txt"), "keep").unwrap();
         fs::write(scratch.0.join("index.html"), "old").unwrap();
         let runs = runs();
-        for _ in 0..2 {
-            write(&input(&runs), &scratch.0).unwrap();
-        }
+        // A page that no results list is not ours to replace.
+        let error = write(&input(&runs), &scratch.0).unwrap_err().to_string();
+        assert!(
+            error.contains("index.html") && error.contains("--force"),
+            "{error}"
+        );
+        let mut forced = input(&runs);
+        forced.files.force = true;
+        write(&forced, &scratch.0).unwrap();
+        write(&input(&runs), &scratch.0).unwrap();
         let mut expected: Vec<String> = FILES.map(str::to_owned).into();
         expected.extend(["notes.txt".to_owned(), "traces/mine.csv".to_owned()]);
         expected.sort();
@@ -273,5 +279,47 @@ mod tests {
             assert!(!text.contains('\n'), "{text}");
             assert_eq!(scratch.list(), before, "{bad}");
         }
+    }
+
+    #[test]
+    fn results_of_another_command_stay_and_stale_files_of_the_same_go() {
+        let scratch = Scratch::new("again");
+        let runs = runs();
+        write(&input(&runs), &scratch.0).unwrap();
+        fs::write(scratch.0.join("traces/mine.csv"), "keep").unwrap();
+        let before = scratch.list();
+        let other = ReportInput {
+            command: "touchstone run tap",
+            ..input(&runs)
+        };
+        let error = write(&other, &scratch.0).unwrap_err().to_string();
+        assert!(
+            error.contains("`touchstone`") && error.contains("--force"),
+            "{error}"
+        );
+        assert_eq!(scratch.list(), before);
+        // The same command with one run less: its three files go, and the picture of two runs; what is not ours stays.
+        write(&input(&runs[1..]), &scratch.0).unwrap();
+        let now = scratch.list();
+        assert_eq!(now.len(), before.len() - 4);
+        assert!(now.contains(&"traces/mine.csv".to_owned()));
+        assert!(!now.iter().any(|file| file.contains("f64_2")));
+        // Forced, the other command replaces them.
+        let mut forced = other;
+        forced.files.force = true;
+        forced.files.no_csv = true;
+        write(&forced, &scratch.0).unwrap();
+        let now = scratch.list();
+        assert!(now.contains(&"traces/mine.csv".to_owned()));
+        assert!(!now.iter().any(|file| file.contains("f64.csv")), "{now:?}");
+        // A results.json that names files elsewhere cannot make us remove them.
+        fs::create_dir(scratch.0.join("r")).unwrap();
+        let evil = r#"{"command":"touchstone","files":["../notes.txt","/x"]}"#;
+        fs::write(scratch.0.join("r/results.json"), evil).unwrap();
+        fs::write(scratch.0.join("notes.txt"), "keep").unwrap();
+        let mut forced = input(&runs);
+        forced.files.force = true;
+        write(&forced, &scratch.0.join("r")).unwrap();
+        assert!(scratch.0.join("notes.txt").is_file());
     }
 }

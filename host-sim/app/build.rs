@@ -1,0 +1,61 @@
+//! Tells the program which commit it was built from. Outside a checkout of this repository it knows none, and says so.
+
+use std::path::Path;
+use std::process::Command;
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let (commit, modified) = checkout().or_else(packaged).unwrap_or_default();
+    println!("cargo::rustc-env=TOUCHSTONE_COMMIT={commit}");
+    println!("cargo::rustc-env=TOUCHSTONE_MODIFIED={modified}");
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
+}
+
+/// Commit of the checkout, and whether what the program is made of differs from it.
+fn checkout() -> Option<(String, bool)> {
+    // A package that was unpacked inside somebody else's checkout is no part of it.
+    git(&["ls-files", "--error-unmatch", "build.rs"])?;
+    let commit = git(&["rev-parse", "HEAD"])?;
+    let root = git(&["rev-parse", "--show-toplevel"])?;
+    let sources = [
+        "control",
+        "drive",
+        "protocol",
+        "host-sim",
+        "scenes",
+        "Cargo.toml",
+        "Cargo.lock",
+    ];
+    let mut status = vec![
+        "-C",
+        &root,
+        "status",
+        "--porcelain",
+        "--untracked-files=no",
+        "--",
+    ];
+    status.extend(sources);
+    let modified = !git(&status)?.is_empty();
+    // A commit or a change of branch writes HEAD or its log. A path that is not there would make every build run this again.
+    let mut watched: Vec<String> = ["HEAD", "logs/HEAD"]
+        .iter()
+        .filter_map(|file| git(&["rev-parse", "--git-path", file]))
+        .collect();
+    watched.extend(sources.iter().map(|source| format!("{root}/{source}")));
+    for path in watched.iter().filter(|path| Path::new(path).exists()) {
+        println!("cargo::rerun-if-changed={path}");
+    }
+    Some((commit, modified))
+}
+
+/// What `cargo package` wrote down.
+fn packaged() -> Option<(String, bool)> {
+    let text = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
+    let commit = text.split("\"sha1\"").nth(1)?.split('"').nth(1)?;
+    Some((commit.to_owned(), text.contains("\"dirty\": true")))
+}

@@ -1,0 +1,38 @@
+//! Options of every command that writes a report.
+
+use touchstone_lab::report::{FileOptions, Program};
+
+/// What a report's folder gets.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct ReportOptions {
+    /// Writes traces as Parquet alone, a tenth of the size.
+    #[arg(long)]
+    no_csv: bool,
+    /// Writes each Nth tick into traces; the figures show all.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    /// Replaces what another command left in the folder.
+    #[arg(long)]
+    force: bool,
+}
+
+impl ReportOptions {
+    /// For the report.
+    pub fn files(&self) -> FileOptions {
+        FileOptions {
+            no_csv: self.no_csv,
+            every: self.every as usize,
+            force: self.force,
+        }
+    }
+}
+
+/// This program, with the commit that it was built from.
+pub fn program() -> Program {
+    Program {
+        version: env!("CARGO_PKG_VERSION"),
+        commit: Some(env!("TOUCHSTONE_COMMIT")).filter(|commit| !commit.is_empty()),
+        modified: env!("TOUCHSTONE_MODIFIED") == "true",
+        ..Program::default()
+    }
+}

@@ -1,0 +1,261 @@
+//! The program from outside: a report's folder tells what it was made from, and every run in it can be made again.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-folder-{test}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn run_in(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_touchstone"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+#[track_caller]
+fn done(folder: &Path, arguments: &str) {
+    let output = run_in(folder, arguments);
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{err}");
+}
+
+#[track_caller]
+fn refused(folder: &Path, arguments: &str) -> String {
+    let output = run_in(folder, arguments);
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{err}");
+    assert_eq!(err.lines().count(), 1, "{err}");
+    err
+}
+
+fn results(folder: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.join("results.json")).unwrap()).unwrap()
+}
+
+/// What the documented schema says of each of `instances`, under Python's validator, which shares no code with the program.
+fn valid(here: &Path, instances: &[Value]) -> Vec<bool> {
+    const PROGRAM: &str = "
+import json, jsonschema, sys
+schema = json.load(open(sys.argv[1]))
+jsonschema.Draft202012Validator.check_schema(schema)
+validator = jsonschema.Draft202012Validator(schema)
+for instance in json.load(open(sys.argv[2])):
+    print(validator.is_valid(instance))
+    for error in validator.iter_errors(instance):
+        print(error.message, file=sys.stderr)
+";
+    let schema = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../docs/schema/results.schema.json"
+    );
+    let file = here.join("instances.json");
+    std::fs::write(&file, Value::from(instances).to_string()).unwrap();
+    let output = Command::new("python3")
+        .args(["-c", PROGRAM, schema])
+        .arg(&file)
+        .output()
+        .unwrap();
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{err}");
+    let out = String::from_utf8(output.stdout).unwrap();
+    let said: Vec<bool> = out.lines().map(|line| line == "True").collect();
+    assert_eq!(said.len(), instances.len(), "{err}");
+    println!("{err}");
+    said
+}
+
+/// The bytes of a Parquet file before its footer, which holds the command: all pages of all columns.
+fn pages(file: &[u8]) -> &[u8] {
+    let end = file.len() - 8;
+    let footer = u32::from_le_bytes(file[end..end + 4].try_into().unwrap()) as usize;
+    &file[..end - footer]
+}
+
+/// Makes `first`, makes it again from its folder alone, and compares.
+#[track_caller]
+fn assert_made_again(here: &Path, first: &str) {
+    done(here, &format!("{first} --out a"));
+    // Nothing but the folder is left, and it has been moved.
+    std::fs::rename(here.join("a"), here.join("kept")).unwrap();
+    let _ = std::fs::remove_file(here.join("motion.csv"));
+    done(here, "run kept/scene.toml --out b");
+    let (a, b) = (results(&here.join("kept")), results(&here.join("b")));
+    assert_eq!(a["runs"], b["runs"]);
+    let read = |folder: &str, name: &Value| {
+        std::fs::read(here.join(folder).join(name.as_str().unwrap())).unwrap()
+    };
+    let run = &a["runs"][0];
+    for file in ["trace_csv", "scene_file"] {
+        let (a, b) = (read("kept", &run[file]), read("b", &run[file]));
+        assert!(a == b && a.len() > 1000, "{file}");
+    }
+    let parquet = &run["trace_parquet"];
+    let (a, b) = (read("kept", parquet), read("b", parquet));
+    assert!(pages(&a) == pages(&b) && pages(&a).len() > 1000);
+    let _ = std::fs::remove_dir_all(here.join("kept"));
+    let _ = std::fs::remove_dir_all(here.join("b"));
+}
+
+#[test]
+fn a_run_is_made_again_from_its_folder() {
+    let here = folder("again");
+    for changes in [
+        "",
+        "--law fba --k-desired 2.5",
+        "--set device.inertia_kg_m2=1.7e-4 --set timing.duration_s=5.3",
+        "--set law.number=fixed16 --set encoder.counts_per_rev=16384",
+    ] {
+        assert_made_again(&here, &format!("run thesis-knob {changes}"));
+    }
+    let rows: String = (0..400)
+        .map(|i| {
+            let t = f64::from(i) * 0.005;
+            format!("{t},{}\n", 0.1 * (6.0 * t).sin())
+        })
+        .collect();
+    std::fs::write(here.join("motion.csv"), format!("time_s,angle_rad\n{rows}")).unwrap();
+    assert_made_again(&here, "run tap --operator-motion motion.csv");
+}
+
+#[test]
+fn a_cell_of_the_comparison_is_made_again_and_the_comparison_repeats() {
+    let here = folder("cells");
+    done(&here, "thesis --no-csv --out report");
+    let first = results(&here.join("report"));
+    let runs = first["runs"].as_array().unwrap();
+    // Every run has a scene of its own, and the page names the command for those without figures.
+    let page = std::fs::read_to_string(here.join("report/index.html")).unwrap();
+    let mut scenes = std::collections::HashSet::new();
+    for run in runs {
+        let scene = run["scene_file"].as_str().unwrap();
+        assert!(scenes.insert(scene));
+        if run["trace_parquet"].is_null() {
+            assert!(page.contains(&format!("touchstone run {scene} --out plots/")));
+        }
+        assert!(run.get("trace_csv").is_none());
+    }
+    for index in [3, 20, 47, 104] {
+        let scene = runs[index]["scene_file"].as_str().unwrap();
+        done(&here, &format!("run report/{scene} --out cell --force"));
+        let again = results(&here.join("cell"));
+        for (field, value) in again["runs"][0].as_object().unwrap() {
+            if !field.starts_with("trace_") && field != "scene_file" {
+                assert_eq!(value, &runs[index][field], "{index}: {field}");
+            }
+        }
+    }
+    // The main job, repeated into the same folder.
+    done(&here, "thesis --no-csv --out report");
+    assert_eq!(first, results(&here.join("report")));
+}
+
+#[test]
+fn results_of_another_command_are_not_overwritten() {
+    let here = folder("other");
+    done(&here, "run tap --out out");
+    done(&here, "run tap --out out");
+    let before = results(&here.join("out"));
+    let err = refused(&here, "run tap --law fba --out out");
+    assert!(
+        err.contains("touchstone run tap --out out") && err.contains("--force"),
+        "{err}"
+    );
+    assert_eq!(before, results(&here.join("out")));
+    done(&here, "run tap --law fba --out out --force");
+    let after = results(&here.join("out"));
+    assert_eq!(after["runs"][0]["law"], "fba");
+    // Nothing of the former is left among the latter.
+    let traces = std::fs::read_dir(here.join("out/traces")).unwrap();
+    for file in traces {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        assert!(name.contains("_fba_"), "{name}");
+    }
+}
+
+#[test]
+fn the_folder_says_where_it_is_from() {
+    let here = folder("origin");
+    done(&here, "run tap --out first");
+    std::fs::copy(here.join("first/scene.toml"), here.join("mine.toml")).unwrap();
+    done(&here, "run mine.toml --every 5 --out out");
+    let json = results(&here.join("out"));
+    assert_eq!(json["schema_version"], 1);
+    assert_eq!(
+        json["command"],
+        "touchstone run mine.toml --every 5 --out out"
+    );
+    assert_eq!(json["trace_every"], 5);
+    assert_eq!(json["inputs"][0]["path"], "mine.toml");
+    // The scene is canonical, so what was read and what is written have one hash.
+    let run = &json["runs"][0];
+    assert_eq!(json["inputs"][0]["sha256"], run["scene_sha256"]);
+    for file in json["files"].as_array().unwrap() {
+        assert!(here.join("out").join(file.as_str().unwrap()).is_file());
+    }
+    let csv = run["trace_csv"].as_str().unwrap();
+    let text = std::fs::read_to_string(here.join("out").join(csv)).unwrap();
+    let ticks = run["ticks"].as_u64().unwrap();
+    assert_eq!(text.lines().count() as u64, 1 + ticks.div_ceil(5));
+    let sidecar = here.join(format!("out/{csv}-metadata.json"));
+    let sidecar: Value = serde_json::from_slice(&std::fs::read(sidecar).unwrap()).unwrap();
+    let notes = &sidecar["notes"][0];
+    assert_eq!(notes["trace_every"], 5);
+    assert_eq!(notes["command"], json["command"]);
+    assert_eq!(notes["scene_sha256"], run["scene_sha256"]);
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let columns = sidecar["tableSchema"]["columns"].as_array().unwrap();
+    assert_eq!(
+        header,
+        columns.iter().map(|c| &c["name"]).collect::<Vec<_>>()
+    );
+    // The same is in the Parquet file's footer, as text.
+    let parquet = here
+        .join("out")
+        .join(run["trace_parquet"].as_str().unwrap());
+    let parquet = std::fs::read(parquet).unwrap();
+    let footer = String::from_utf8_lossy(&parquet[pages(&parquet).len()..]).into_owned();
+    for words in [
+        json["command"].as_str().unwrap(),
+        "schema_version",
+        "[operator",
+    ] {
+        assert!(footer.contains(words), "{words}");
+    }
+}
+
+#[test]
+#[ignore = "needs Python's jsonschema: cargo xtask schema"]
+fn results_obey_the_documented_schema_and_it_refuses_others() {
+    let here = folder("schema");
+    done(&here, "thesis --no-csv --out report");
+    done(&here, "run free-release --out free");
+    let printed = run_in(&here, "run tap --json").stdout;
+    let printed: Value = serde_json::from_slice(&printed).unwrap();
+    let written = results(&here.join("free"));
+    let good = [printed, written.clone(), results(&here.join("report"))];
+    assert_eq!(valid(&here, &good), [true; 3]);
+
+    let spoilt = |change: fn(&mut Value)| {
+        let mut json = written.clone();
+        change(&mut json);
+        json
+    };
+    let bad = [
+        spoilt(|json| json["runs"][0]["verdict"] = "fine".into()),
+        spoilt(|json| json["runs"][0]["force_max"] = "0.1".into()),
+        spoilt(|json| json["runs"][0]["more"] = 1.into()),
+        spoilt(|json| json["runs"][0]["scene_sha256"] = "abc".into()),
+        spoilt(|json| json["units"]["force_max"] = "N".into()),
+        spoilt(|json| json["schema_version"] = 2.into()),
+        spoilt(|json| json["files"][0] = json["files"][1].clone()),
+    ];
+    assert_eq!(valid(&here, &bad), [false; 7]);
+}

@@ -1,0 +1,135 @@
+//! What is measured of a run, named once for table, page, `results.json` and its schema. A measure more is one row more.
+
+use super::quantity::{grouped, significant, with_unit};
+use touchstone_sim::run::record::Summary;
+
+/// One measure.
+pub struct Measure {
+    /// Name in `results.json`: the field of [`Summary`].
+    pub field: &'static str,
+    /// Name for people.
+    pub words: &'static str,
+    /// SI unit; `1` is a plain count.
+    pub unit: &'static str,
+    /// Meaning, in the schema.
+    pub meaning: &'static str,
+    /// Its number; `None` where it does not apply.
+    pub value: fn(&Summary) -> Option<f64>,
+    /// The number as people read it.
+    pub shown: fn(&Summary, f64) -> String,
+}
+
+macro_rules! measures {
+    ($($field:ident, $words:literal, $unit:literal, $meaning:literal, $value:expr, $shown:expr;)*) => {
+        /// Every measure, in the order in which people read them.
+        pub const MEASURES: &[Measure] = &[$(Measure {
+            field: stringify!($field),
+            words: $words,
+            unit: $unit,
+            meaning: $meaning,
+            value: $value,
+            shown: $shown,
+        }),*];
+    };
+}
+
+measures! {
+    k_displayed, "displayed stiffness", "N·m/rad",
+        "mean force over mean penetration at the end of the hold; null without a hold or where the wall was lost",
+        |s| s.k_displayed, of_desired;
+    rate_hardness, "rate-hardness", "N·m/rad",
+        "steepest rise of the force over the velocity at first touch (thesis (1.5)), of true force and true motion",
+        |s| s.rate_hardness, of_desired;
+    peak_penetration_ratio, "deepest penetration over F/k_de", "1",
+        "deepest true penetration over that of a wall of the desired stiffness under the same push; 1 is ideal",
+        |s| s.peak_penetration_ratio, |_, x| significant(x, 3);
+    settle_from_ramp_end_s, "settled after the ramp", "s",
+        "from the end of the press' ramp until force over penetration stays within 5 % of the desired stiffness; 0 where it had settled before",
+        |s| s.settle_from_ramp_end_s, |_, x| with_unit(x, "s", 3);
+    ripple_rms_n_m, "ripple, tick to tick", "N·m",
+        "rms difference of the force from tick to tick in contact",
+        |s| s.ripple_rms_n_m, |_, x| with_unit(x, "N·m", 2);
+    ripple_above_50_hz_rms_n_m, "ripple above 50 Hz", "N·m",
+        "rms of what the force has above 50 Hz in contact",
+        |s| s.ripple_above_50_hz_rms_n_m, |_, x| with_unit(x, "N·m", 2);
+    release_speed_rad_per_s, "fastest outward after release", "rad/s",
+        "largest outward speed after the hand has let go",
+        |s| s.release_speed_rad_per_s, |_, x| with_unit(x, "rad/s", 3);
+    release_excursion_rad, "thrown out by", "rad",
+        "largest distance outside the wall after the hand has let go",
+        |s| s.release_excursion_rad, |_, x| with_unit(x, "rad", 3);
+    energy_out_worst_window_j, "given to the hand, worst window", "J",
+        "most energy that the hand got out of the device in any window of time: wall, device's losses and device's motion",
+        |s| Some(s.energy_out_worst_window_j), |_, x| with_unit(x, "J", 3);
+    energy_out_wall_worst_window_j, "given by the wall, worst window", "J",
+        "most energy that the wall's port gave in any window of time",
+        |s| Some(s.energy_out_wall_worst_window_j), |_, x| with_unit(x, "J", 3);
+    limit_cycle_peak_to_peak, "limit cycle, peak to peak", "rad",
+        "largest motion of the device in the last quarter of a hold",
+        |s| s.limit_cycle_peak_to_peak, in_counts;
+    settle_time, "settled after", "s",
+        "from the first touch until force over penetration stays within 5 % of the desired stiffness",
+        |s| s.settle_time, |_, x| with_unit(x, "s", 3);
+    penetration_max, "deepest penetration", "rad",
+        "deepest true penetration of the wall; null for a run that left all numbers",
+        |s| s.penetration_max.is_finite().then_some(s.penetration_max), |_, x| with_unit(x, "rad", 3);
+    energy_out, "given to the user from the start", "J",
+        "most that the user's port ever gave beyond what it had taken from the start on",
+        |s| Some(s.energy_out), |_, x| with_unit(x, "J", 3);
+    force_max, "largest force", "N·m",
+        "largest force command",
+        |s| Some(s.force_max), |_, x| with_unit(x, "N·m", 3);
+    energy_true_min, "lowest energy, wall's port", "J",
+        "lowest true energy of the wall's port; negative: the wall gave energy away",
+        |s| Some(s.energy_true_min), |_, x| with_unit(x, "J", 3);
+    energy_user_min, "at the user's port", "J",
+        "lowest true energy of the user's port: the wall's and what the device dissipated",
+        |s| Some(s.energy_user_min), |_, x| with_unit(x, "J", 3);
+    energy_observed_min, "as observed", "J",
+        "lowest energy that the law's own observer reported; null for a law without one",
+        |s| s.energy_observed_min, |_, x| with_unit(x, "J", 3);
+    contact_ticks, "in contact", "1",
+        "ticks with a force from the wall",
+        |s| Some(s.contact_ticks as f64), |s, x| format!("{} of {} ticks", grouped(x), grouped(s.ticks as f64));
+}
+
+/// Numbers that a run was made under: field, unit, meaning.
+pub const SETTINGS: &[(&str, &str, &str)] = &[
+    ("k_desired", "N·m/rad", "desired stiffness k_de of the wall"),
+    (
+        "encoder_counts_per_rev",
+        "1/rev",
+        "counts of the encoder a revolution; null for an exact position",
+    ),
+    ("rate_hz", "Hz", "control rate"),
+    ("ticks", "1", "ticks that were simulated"),
+];
+
+/// What a run came to, in words and rounded numbers; `results.json` has all digits.
+pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
+    let fact = |m: &Measure| (m.value)(s).map(|value| (m.words, (m.shown)(s, value)));
+    MEASURES.iter().filter_map(fact).collect()
+}
+
+fn of_desired(s: &Summary, k: f64) -> String {
+    format!(
+        "{} ({} % of k_de)",
+        with_unit(k, "N·m/rad", 3),
+        significant(100.0 * k / s.k_desired, 3)
+    )
+}
+
+fn in_counts(s: &Summary, angle: f64) -> String {
+    let counts = s
+        .encoder_counts_per_rev
+        .map(|per_rev| angle / std::f64::consts::TAU * per_rev);
+    let counts = counts.map_or(String::new(), |c| {
+        let c = if c < 0.05 {
+            "0".into()
+        } else {
+            significant(c, 2)
+        };
+        format!(" ({c} counts)")
+    });
+    with_unit(angle, "rad", 3) + &counts
+}

@@ -1,0 +1,316 @@
+//! What a report was made from, so that it can be made again: program, command, scenes with every value, inputs with their hashes.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::{ReportInput, label};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::{MotionSpec, Scene};
+
+/// Version of the layout of `results.json` and of the traces' metadata. It rises when a reader of the former could be misled.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The program that ran.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Program {
+    /// Its name.
+    pub name: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Commit that it was built from; `None` where it was not built in a checkout.
+    pub commit: Option<&'static str>,
+    /// Whether files of the checkout differed from that commit.
+    pub modified: bool,
+}
+
+impl Default for Program {
+    fn default() -> Self {
+        Program {
+            name: "touchstone",
+            version: env!("CARGO_PKG_VERSION"),
+            commit: None,
+            modified: false,
+        }
+    }
+}
+
+/// A file that was read.
+#[derive(Debug, Clone, Serialize)]
+pub struct Input {
+    /// As the user named it.
+    pub path: PathBuf,
+    /// Hash of its bytes, hexadecimal.
+    pub sha256: String,
+    /// Its length.
+    pub bytes: usize,
+    /// Where a copy lies, relative to the report's folder; a scene needs none, it is written out.
+    pub copy: Option<String>,
+    /// Its bytes, where they are to be copied.
+    #[serde(skip)]
+    pub content: Vec<u8>,
+}
+
+/// The files that belong to one run, relative to the report's folder.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RunFiles {
+    /// Tells the run from the others of the report, and from runs of other scenes.
+    pub name: String,
+    /// The scene with every value.
+    pub scene: Option<SceneFile>,
+    /// Trace as CSV.
+    pub csv: Option<String>,
+    /// Trace as Parquet.
+    pub parquet: Option<String>,
+}
+
+/// A scene that was written out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneFile {
+    /// Path, relative to the report's folder.
+    pub path: String,
+    /// Its text.
+    pub text: String,
+    /// Hash of its text, hexadecimal.
+    pub sha256: String,
+}
+
+/// Everything that is kept beside the results.
+#[derive(Debug, Clone, Default)]
+pub struct Origin {
+    /// Files that were read.
+    pub inputs: Vec<Input>,
+    /// One entry for each run.
+    pub runs: Vec<RunFiles>,
+}
+
+/// Hash of `bytes`, hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    use std::fmt::Write;
+    Sha256::digest(bytes)
+        .iter()
+        .fold(String::with_capacity(64), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
+}
+
+impl Origin {
+    /// Reads and hashes the inputs, names every run and writes out its scene.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where an input cannot be read any more.
+    pub fn of(input: &ReportInput) -> Result<Origin> {
+        let mut inputs = Vec::new();
+        for path in input.inputs {
+            inputs.push(read(path, None)?);
+        }
+        // Recordings go into the folder: a scene that names a file elsewhere could not be run again.
+        let mut copies: HashMap<PathBuf, String> = HashMap::new();
+        for scene in input.scenes {
+            if let MotionSpec::Recorded(spec) = &scene.operator.motion
+                && !copies.contains_key(&spec.file)
+            {
+                let name = spec.file.file_name().unwrap_or_default();
+                let mut copy = format!("inputs/{}", name.to_string_lossy());
+                if copies.values().any(|taken| *taken == copy) {
+                    copy = format!("inputs/{}-{}", copies.len(), name.to_string_lossy());
+                }
+                inputs.push(read(&spec.file, Some(copy.clone()))?);
+                copies.insert(spec.file.clone(), copy);
+            }
+        }
+        let alone = |texts: &[String]| texts.windows(2).all(|pair| pair[0] == pair[1]);
+        let texts = written_out(input.scenes, &copies, "");
+        let one = alone(&texts);
+        let texts = if one {
+            texts
+        } else {
+            written_out(input.scenes, &copies, "../")
+        };
+        let stems = stems(input);
+        let mut taken = HashSet::new();
+        let mut scenes: HashMap<&str, String> = HashMap::new();
+        let name = |(index, run): (usize, &touchstone_sim::run::record::Run)| {
+            let text = texts.get(index);
+            let sha256 = text.map(|text| self::sha256(text.as_bytes()));
+            // The first digits of the scene's hash: whatever differs, a trace of another scene has another name.
+            let stem = match &sha256 {
+                Some(sha256) => format!("{}_{}", stems[index], &sha256[..8]),
+                None => stems[index].clone(),
+            };
+            let mut name = stem.clone();
+            // Compared without case: some file systems do.
+            for repeat in 2.. {
+                if taken.insert(name.to_lowercase()) {
+                    break;
+                }
+                name = format!("{stem}_{repeat}");
+            }
+            let scene = text.zip(sha256).map(|(text, sha256)| {
+                let path = scenes.entry(text).or_insert_with(|| {
+                    if one {
+                        "scene.toml".to_owned()
+                    } else {
+                        format!("scenes/{name}.toml")
+                    }
+                });
+                SceneFile {
+                    path: path.clone(),
+                    text: text.clone(),
+                    sha256,
+                }
+            });
+            let trace = run.trace.is_some();
+            let csv = trace && !input.files.no_csv;
+            RunFiles {
+                scene,
+                csv: csv.then(|| format!("traces/{name}.csv")),
+                parquet: trace.then(|| format!("traces/{name}.parquet")),
+                name,
+            }
+        };
+        let runs = input.runs.iter().enumerate().map(name).collect();
+        Ok(Origin { inputs, runs })
+    }
+}
+
+fn read(path: &Path, copy: Option<String>) -> Result<Input> {
+    let content = std::fs::read(path).map_err(|error| Error::Io {
+        path: path.to_owned(),
+        problem: error.to_string(),
+        fix: "leave the file where it is until the report is written".to_owned(),
+    })?;
+    Ok(Input {
+        path: path.to_owned(),
+        sha256: sha256(&content),
+        bytes: content.len(),
+        content: if copy.is_some() { content } else { Vec::new() },
+        copy,
+    })
+}
+
+/// The scenes' texts; `up` leads from a scene's folder to the report's.
+fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) -> Vec<String> {
+    let text = |scene: &Scene| {
+        let mut scene = scene.clone();
+        if let MotionSpec::Recorded(spec) = &mut scene.operator.motion
+            && let Some(copy) = copies.get(&spec.file)
+        {
+            spec.file = PathBuf::from(format!("{up}{copy}"));
+        }
+        scene.to_toml()
+    };
+    scenes.iter().map(text).collect()
+}
+
+/// Names of the runs by their conditions; where several share one, what differs between their scenes is added.
+fn stems(input: &ReportInput) -> Vec<String> {
+    let mut stems: Vec<String> = input
+        .runs
+        .iter()
+        .map(|run| label::file_stem(&run.summary))
+        .collect();
+    if input.scenes.len() != stems.len() {
+        return stems;
+    }
+    let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (index, stem) in stems.iter().enumerate() {
+        groups.entry(stem.clone()).or_default().push(index);
+    }
+    for members in groups.values().filter(|members| members.len() > 1) {
+        let leaves: Vec<BTreeMap<String, String>> = members
+            .iter()
+            .map(|&index| {
+                let mut leaves = BTreeMap::new();
+                let value = serde_json::to_value(&input.scenes[index]).unwrap_or_default();
+                flatten(&value, "", &mut leaves);
+                leaves
+            })
+            .collect();
+        let paths: HashSet<&String> = leaves.iter().flat_map(BTreeMap::keys).collect();
+        let mut differing: Vec<&String> = paths
+            .into_iter()
+            .filter(|path| leaves.iter().any(|l| l.get(*path) != leaves[0].get(*path)))
+            .filter(|path| *path != "description")
+            .collect();
+        differing.sort();
+        for (&index, leaves) in members.iter().zip(&leaves) {
+            for path in &differing {
+                let name = path.rsplit('.').next().unwrap_or(path);
+                let value = leaves.get(*path).map_or("none", String::as_str);
+                stems[index] += &format!("_{}", label::safe(&format!("{name}-{value}")));
+            }
+        }
+    }
+    stems
+}
+
+/// The values of a scene by their dotted paths.
+fn flatten(value: &Value, path: &str, leaves: &mut BTreeMap<String, String>) {
+    match value {
+        Value::Object(map) => {
+            for (name, value) in map {
+                let dot = if path.is_empty() { "" } else { "." };
+                flatten(value, &format!("{path}{dot}{name}"), leaves);
+            }
+        }
+        Value::String(text) => {
+            leaves.insert(path.to_owned(), text.clone());
+        }
+        value => {
+            leaves.insert(path.to_owned(), value.to_string());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::synthetic;
+    use touchstone_control::LawKind;
+    use touchstone_sim::run::record::Run;
+
+    #[test]
+    fn the_hash_is_that_of_the_standard() {
+        // FIPS 180-2, appendix B.1.
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(sha256(b"abc"), abc);
+    }
+
+    #[test]
+    fn runs_that_differ_in_one_field_have_names_that_say_so() {
+        let base = Scene::load("tap").unwrap();
+        let heavy = base.with_overrides(&["device.inertia_kg_m2=3e-4"]).unwrap();
+        let runs: Vec<Run> = [0, 1, 2]
+            .map(|_| synthetic::run(LawKind::Spring, 1.0, 0.01))
+            .into();
+        let scenes = [base.clone(), heavy, base];
+        let input = ReportInput {
+            runs: &runs,
+            scenes: &scenes,
+            ..Default::default()
+        };
+        let origin = Origin::of(&input).unwrap();
+        let [a, b, c] = &origin.runs[..] else {
+            panic!("three runs");
+        };
+        assert!(b.name.contains("inertia_kg_m2-0.0003"), "{}", b.name);
+        assert!(!a.name.contains("0.0003") && c.name == format!("{}_2", a.name));
+        let path = |run: &RunFiles| run.scene.as_ref().unwrap().path.clone();
+        assert_eq!(path(a), path(c));
+        assert_ne!(path(a), path(b));
+        assert_eq!(path(a), format!("scenes/{}.toml", a.name));
+
+        let single = ReportInput {
+            runs: &runs[..1],
+            scenes: &scenes[..1],
+            ..Default::default()
+        };
+        let origin = Origin::of(&single).unwrap();
+        assert_eq!(path(&origin.runs[0]), "scene.toml");
+    }
+}

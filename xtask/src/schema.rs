@@ -1,0 +1,21 @@
+//! `cargo xtask schema`: what the program writes obeys the documented JSON schema, under a validator of another make (Python's).
+
+use std::process::Command;
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+pub fn run(_: &[String]) -> Outcome {
+    let found = Command::new("python3")
+        .args(["-c", "import jsonschema"])
+        .output()
+        .is_ok_and(|output| output.status.success());
+    if !found {
+        return Outcome::NotRun("python3 has no jsonschema; `pip install jsonschema`".to_owned());
+    }
+    let mut command = shell::cargo_locked("test");
+    command
+        .args(["--package", "touchstone", "--test", "cli_folder"])
+        .args(["--", "--ignored"]);
+    shell::run(&mut command)
+}
