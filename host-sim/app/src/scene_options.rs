@@ -46,7 +46,7 @@ impl SceneOptions {
 
 /// Checks the scene's law; prints what leaves a passivity bound, or refuses it.
 pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
-    runner::wall(scene)?;
+    runner::plan::control(scene)?;
     let mut said = Vec::new();
     for (warning, message) in runner::warnings(scene)? {
         if strict {
