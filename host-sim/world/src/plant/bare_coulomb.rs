@@ -31,8 +31,8 @@ impl BareCoulomb {
         let Coulomb { kinetic, breakaway } = device.required_friction()?;
         Ok(Self {
             sliding,
-            kinetic: kinetic,
-            breakaway: breakaway,
+            kinetic,
+            breakaway,
         })
     }
 

@@ -115,8 +115,8 @@ impl HeldCoulomb {
 
         Ok(Self {
             sliding,
-            kinetic: kinetic,
-            breakaway: breakaway,
+            kinetic,
+            breakaway,
             slide_guard: curvature_guard(matrix![1.0, 0.0, 0.0, 0.0, 0.0], &m, interval_s),
             stuck: columns(&(stuck_rates * flow_integral(&stuck, interval_s))),
             stuck_loss: columns(&quadratic_integral(&stuck, &stuck_viscous, interval_s)),
