@@ -32,6 +32,8 @@ use traced::Traced;
 pub use tick::{Recorder, Tick};
 
 /// The loop itself: these ticks from where the plant stands; gives where it ends. Time is an integer; nothing drifts.
+// Inlined, the state stays in registers; behind a call it would be written back in every tick.
+#[inline(always)]
 pub fn cycle<C: Crossing>(
     crossing: &mut C,
     mut state: C::State,
