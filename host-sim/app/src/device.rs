@@ -1,6 +1,5 @@
 //! `touchstone device`: commands, state, fault, and the second before the fault.
 
-use super::config::settings;
 use super::out::{self, say, tell};
 use super::port::PortOption;
 use clap::Subcommand;
@@ -102,7 +101,7 @@ fn calibration_limit(settings: &DeviceSettings) -> Duration {
 
 /// Waits for the end of a calibration.
 fn calibrated(client: &mut Client) -> Result<()> {
-    let limit = calibration_limit(&settings(client)?);
+    let limit = calibration_limit(&client.settings()?);
     let until = Instant::now() + limit;
     loop {
         let status = status_of(client)?;

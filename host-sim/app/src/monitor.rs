@@ -1,6 +1,5 @@
 //! `touchstone monitor`: what a device measures and does, live; every control tick as CSV.
 
-use super::config;
 use super::device::{name_of, page};
 use super::number;
 use super::out::{self, is_read, print, say, tell};
@@ -50,7 +49,7 @@ pub fn main(options: &Options) -> Result<()> {
         )
     })?;
     let mut client = options.port.connect()?;
-    let settings = config::settings(&mut client)?;
+    let settings = client.settings()?;
     let mut table = match &options.csv {
         Some(path) => Some(Table::new(path, settings.timing.rate_hz)?),
         None => None,

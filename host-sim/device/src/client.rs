@@ -7,7 +7,8 @@ use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::reply::version_of_hello;
 use touchstone_protocol::settings::KeyError;
 use touchstone_protocol::{
-    FromDevice, Identity, PROTOCOL_VERSION, Phase, Refusal, Reply, Request, Telemetry, ToDevice,
+    DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Phase, Refusal, Reply, Request,
+    Telemetry, ToDevice,
 };
 use touchstone_sim::error::{Error, Result};
 
@@ -193,6 +194,17 @@ impl Client {
                 format!("no answer{damaged}"),
                 "look with `touchstone device status`",
             ),
+        }
+    }
+
+    /// All settings of the device.
+    ///
+    /// # Errors
+    /// As [`Client::ask`].
+    pub fn settings(&mut self) -> Result<DeviceSettings> {
+        match self.ask(&Request::GetAll)? {
+            Reply::Settings(settings) => Ok(settings),
+            other => Err(self.odd(&other)),
         }
     }
 

@@ -91,9 +91,9 @@ pub fn main(options: &Options) -> Result<()> {
         }
         Action::Defaults => {
             let mut client = connect()?;
-            let before = settings(&mut client)?;
+            let before = client.settings()?;
             client.tell(&Request::Defaults)?;
-            let after = settings(&mut client)?;
+            let after = client.settings()?;
             changed(&before, &after)
         }
         Action::Save => {
@@ -107,14 +107,6 @@ pub fn main(options: &Options) -> Result<()> {
             )
         }
         Action::Schema => schema(),
-    }
-}
-
-/// All settings of the device.
-pub fn settings(client: &mut Client) -> Result<DeviceSettings> {
-    match client.ask(&Request::GetAll)? {
-        Reply::Settings(settings) => Ok(settings),
-        other => Err(client.odd(&other)),
     }
 }
 
@@ -163,7 +155,7 @@ fn select(paths: &[String]) -> Result<Vec<&'static Field>> {
 }
 
 fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
-    let settings = settings(client)?;
+    let settings = client.settings()?;
     let entry = |field: &&Field| {
         serde_json::json!({
             "path": field.path,
@@ -184,7 +176,7 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
 }
 
 fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
-    let before = settings(client)?;
+    let before = client.settings()?;
     let mut after = before.clone();
     after
         .set(field.path, bytes)
@@ -204,7 +196,7 @@ fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
 }
 
 fn export(client: &mut Client, file: Option<&Path>) -> Result<()> {
-    let text = toml_file::write(&settings(client)?, client.identity());
+    let text = toml_file::write(&client.settings()?, client.identity());
     let Some(file) = file else {
         return print(format_args!("{text}"));
     };
@@ -231,7 +223,7 @@ fn without_path(invalid: &SettingsError, path: &str) -> String {
 }
 
 fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result<()> {
-    let before = settings(client)?;
+    let before = client.settings()?;
     let (after, lines) = toml_file::read(text, file, &before)?;
     if let Err(invalid) = checked(&after, client.identity().board) {
         return Err(Error::File {

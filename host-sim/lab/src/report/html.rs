@@ -9,7 +9,7 @@ use super::origin::Origin;
 use super::quantity::plain;
 use super::svg::{escape, typeset};
 use super::view::View;
-use super::{Block, ReportInput, Section, compare, runs, summary};
+use super::{Block, ReportInput, Section, anchor, compare, runs, summary};
 
 /// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
 /// that lie beside the page; with the default, nothing leads to any.
@@ -104,7 +104,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
         for (index, matrix) in matrices.iter().enumerate() {
             for row in (0..matrix.stiffnesses.len()).filter(|&row| traced(matrix, row)) {
                 let k = plain(matrix.stiffnesses[row]);
-                links.push((runs::row_id(index, row), format!("k<sub>de</sub> {k}")));
+                links.push((anchor::row_id(index, row), format!("k<sub>de</sub> {k}")));
             }
         }
     }

@@ -4,6 +4,7 @@
 //! [`ReportInput`] goes in; [`write::write`] makes the whole folder, from which every run can be made again, [`table::render`] what the terminal shows, and
 //! [`json::render`] what `--json` prints. All numbers are in SI units; only what people read is scaled by prefixes.
 
+mod anchor;
 pub mod columns;
 mod compare;
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::ReportInput;
+use super::anchor::{row_id, run_id};
 use super::figure::Range;
 use super::figures::Kind;
 use super::label;
@@ -30,16 +31,6 @@ const LARGE: Size = Size {
     width: 480,
     height: 270,
 };
-
-/// Identifier of a row of a matrix.
-pub fn row_id(matrix: usize, row: usize) -> String {
-    format!("m{matrix}-k{row}")
-}
-
-/// Identifier of a run's figures.
-pub fn run_id(index: usize) -> String {
-    format!("run-{index}")
-}
 
 /// The only run of a report, unfolded.
 pub fn alone(input: &ReportInput, origin: &Origin) -> String {

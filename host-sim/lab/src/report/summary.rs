@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use super::ReportInput;
+use super::anchor::{row_id, run_id};
 use super::label;
 use super::matrix::Matrix;
 use super::origin::Origin;
 use super::picture;
 use super::quantity::{plain, with_unit};
-use super::runs::{row_id, run_id};
 use super::svg::{self, escape, typeset};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Verdict};

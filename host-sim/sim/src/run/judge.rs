@@ -4,9 +4,9 @@ use super::measure::{
     DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple, Settle, Settled,
     WorstWindow,
 };
-use super::record::Verdict;
 use super::terms::Terms;
 use super::tick::{Recorder, Tick};
+use super::verdict::Verdict;
 
 /// Two numbers whose range is wanted.
 #[derive(Debug, Clone, Copy)]

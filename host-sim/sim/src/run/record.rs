@@ -2,25 +2,10 @@
 
 use super::judge::Judge;
 pub use super::measure::DynamicStiffness;
+pub use super::verdict::Verdict;
 use crate::scene::Scene;
 use serde::Serialize;
 use touchstone_control::LawKind;
-
-/// How a run ended. The order is from good to bad.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Came to rest; the user never got more energy out of the device than was put in.
-    Passive,
-    /// Came to rest, but at some time the device had given the user more energy than it had got.
-    Active,
-    /// Keeps oscillating without growing beyond the wall's neighbourhood.
-    LimitCycle,
-    /// Leaves the wall again and again, hits the torque limit, or grows without bound.
-    Unstable,
-    /// The wall was never touched: nothing was shown, good or bad. Last, so that it does not pass for a wall that holds.
-    NoContact,
-}
 
 /// One run in numbers, all SI. `None` stands for "does not apply", e.g. no hold in the scene.
 #[derive(Debug, Clone, Serialize)]
@@ -88,6 +73,12 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// The run's verdict by its name.
+    #[must_use]
+    pub const fn verdict_name(&self) -> &'static str {
+        self.verdict.name()
+    }
+
     /// The numbers of a judged run.
     #[must_use]
     pub fn of(scene: &Scene, judge: &Judge) -> Self {

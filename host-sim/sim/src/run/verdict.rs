@@ -1,6 +1,22 @@
-//! The words for how a run ended: their names in options and results, and what each means. They stand here and nowhere else.
+//! How a run ended, and the words for it: names in options and results, and what each means. They stand here and nowhere else.
 
-use super::record::{Summary, Verdict};
+use serde::Serialize;
+
+/// How a run ended. The order is from good to bad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Came to rest; the user never got more energy out of the device than was put in.
+    Passive,
+    /// Came to rest, but at some time the device had given the user more energy than it had got.
+    Active,
+    /// Keeps oscillating without growing beyond the wall's neighbourhood.
+    LimitCycle,
+    /// Leaves the wall again and again, hits the torque limit, or grows without bound.
+    Unstable,
+    /// The wall was never touched: nothing was shown, good or bad. Last, so that it does not pass for a wall that holds.
+    NoContact,
+}
 
 /// Name of a run in which the wall never pushed: nothing is known of the wall then, least of all that it is passive.
 pub const NO_CONTACT: &str = "no-contact";
@@ -50,14 +66,6 @@ impl Verdict {
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         WORDS[self.place()].1
-    }
-}
-
-impl Summary {
-    /// The run's verdict by its name.
-    #[must_use]
-    pub const fn verdict_name(&self) -> &'static str {
-        self.verdict.name()
     }
 }
 
