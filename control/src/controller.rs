@@ -154,12 +154,19 @@ impl<N: Number> AnyLaw<N> {
             .saturating_add(filter.stiffness)
             .saturating_add(derived.filter_damping_per_tick)
             .saturating_add(derived.ground_damping_per_tick);
-        // Twice the sum must fit, or the sum of products in the drive could saturate.
-        stiffness(
-            Field::FilterMass,
-            total.saturating_mul(Si::const_from_int(2)),
-        )?;
-        let total = stiffness(Field::FilterMass, total)?;
+        // Twice the sum must fit, or the sum of products in the drive could saturate; its largest part is what to mend.
+        let (blamed, _) = [
+            (Field::FilterStiffness, filter.stiffness),
+            (Field::FilterDamping, derived.filter_damping_per_tick),
+            (Field::FilterGroundDamping, derived.ground_damping_per_tick),
+        ]
+        .into_iter()
+        .fold(
+            (Field::FilterMass, derived.mass_per_tick2),
+            |largest, part| if part.1 > largest.1 { part } else { largest },
+        );
+        stiffness(blamed, total.saturating_mul(Si::const_from_int(2)))?;
+        let total = stiffness(blamed, total)?;
         // In a narrow format a soft coupling can round to nothing, and the mass would have nothing that moves it.
         let coupling = stiffness(Field::FilterStiffness, filter.stiffness)?;
         if coupling == Stiffness::zero() {

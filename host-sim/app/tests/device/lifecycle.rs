@@ -9,7 +9,7 @@ fn a_device_is_calibrated_armed_disarmed_and_stopped() {
     let device = Fake::new();
     let status = device.run(&["device", "status"]).done();
     for part in [
-        "nucleo-g474re, firmware 0.1.0 (0000000000001234), protocol 1",
+        "nucleo-g474re, firmware 0.1.0 (0000000000001234), protocol 2",
         "state     boot",
         "after: power on",
         "as after a restart",

@@ -13,7 +13,7 @@ fn json_and_silence_go_with_every_command() {
     let schema = run(&["config", "schema", "--json"]).ended(0).json();
     assert!(schema[0]["path"].is_string() && schema[0].get("unit").is_some());
     let found = run_in(&here, &["identify", "--steps", "2", "--json"]).ended(0);
-    assert!(found.json()["damping"].is_f64() && found.err.is_empty());
+    assert!(found.json()["damping_n_m_s_per_rad"]["value"].is_f64() && found.err.is_empty());
     // What is missing depends on the machine; that it is counted does not.
     let doctor = run_in(&here, &["doctor", "--json", "--port", "tcp:127.0.0.1:9"]).ended(1);
     let doctor = doctor.json();

@@ -174,7 +174,11 @@ fn the_comparison_asks_it_of_the_enhanced_law() {
     // Three grips, two encoders, four stiffnesses and one beyond.
     assert_eq!(text.matches("<testcase ").count(), 30);
     assert!(!text.contains("tdpa"), "{text}");
-    let said = run_in(&here, &["thesis", "--quiet", "--min-stiffness", "4"]).ended(3);
+    let said = run_in(
+        &here,
+        &["thesis", "--quiet", "--force", "--min-stiffness", "4"],
+    )
+    .ended(3);
     // 0.5, 1 and 2.5 N·m/rad show less.
     assert_eq!(said.err.lines().count(), 18, "{}", said.err);
 }

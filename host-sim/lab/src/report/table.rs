@@ -285,7 +285,8 @@ k_de  Spring    Enhanced SFA
             "{text}"
         );
         assert!(
-            text.contains("\n  verdict                     active\n"),
+            text.lines()
+                .any(|line| line.trim_start().starts_with("verdict ") && line.ends_with(" active")),
             "{text}"
         );
         assert_eq!(render(&[], Colour::Never), "no runs\n");
