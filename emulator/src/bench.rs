@@ -1,10 +1,9 @@
 //! A device on the bench: the machine, the desktop's end of its port, and the steps of a person at it.
 
-use touchstone_world::plant::Hand;
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
-use touchstone_protocol::settings::{Decimal, DeviceSettings};
 use touchstone_protocol::{DeviceCommand, Fault, Phase, Refusal, Reply, Request, Status};
+use touchstone_world::plant::Hand;
 
 use crate::board::{Board, Encoder};
 use crate::chip::{Chip, ResetCause};

@@ -4,8 +4,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use touchstone_world::plant::MEDIUM;
 use touchstone_protocol::Phase;
+use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::elf::Program;

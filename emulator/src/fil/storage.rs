@@ -64,7 +64,7 @@ pub fn power_cuts(program: &Program, setup: &Setup, at_most: u64) -> Result<u64,
         }
         let k = k_of(&mut bench)?;
         if k != old && k != new {
-            return Err(said(format!("k_desired is {}", k.0)));
+            return Err(said(format!("k_desired is {k}")));
         }
     }
     Ok(at_most)
