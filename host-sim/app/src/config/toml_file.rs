@@ -11,7 +11,7 @@ use touchstone_protocol::settings::fields::{FIELDS, Field, Kind, field};
 use touchstone_protocol::{DeviceSettings, Identity};
 use touchstone_sim::error::{Error, Result};
 
-/// First words and last line of what [`write`] makes: a file with the one and without the other was cut.
+/// First words and last line of what [`write()`] makes: a file with the one and without the other was cut.
 const BEGIN: &str = "# Settings of ";
 const END: &str = "# End of the settings.";
 
