@@ -1,10 +1,10 @@
 //! A device on the bench: the machine, the desktop's end of its port, and the steps of a person at it.
 
-use touchstone_world::plant::Hand;
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::settings::{Decimal, DeviceSettings};
 use touchstone_protocol::{DeviceCommand, Fault, Phase, Refusal, Reply, Request, Status};
+use touchstone_world::plant::Hand;
 
 use crate::board::{Board, Encoder};
 use crate::chip::{Chip, ResetCause};
@@ -76,7 +76,7 @@ impl Bench {
         let until = self.now() + cycles;
         let ran = self.machine.run_until(until);
         let sent = std::mem::take(&mut self.machine.chip_mut().link().sent);
-        self.link.take(&sent);
+        self.link.receive(&sent);
         ran.map_err(|halt| {
             let text = format!("halted: {halt:?}");
             self.halted = Some(halt);

@@ -1,10 +1,10 @@
 //! What the program costs: instructions and table cycles of the law, of the control interrupt, of the current loop; the stack.
 
-use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::settings::{Decimal, DeviceSettings};
 use touchstone_protocol::{DeviceCommand, Phase, Request};
+use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
 use crate::board::{Board, Encoder};

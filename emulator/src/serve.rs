@@ -4,8 +4,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use touchstone_world::plant::MEDIUM;
 use touchstone_protocol::Phase;
+use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::elf::Program;
@@ -55,7 +55,7 @@ pub fn serve(
         let ran = bench.machine.run_until(until);
         let sent = std::mem::take(&mut bench.machine.chip_mut().link().sent);
         // Looked at on its way, for the hand.
-        bench.link.take(&sent);
+        bench.link.receive(&sent);
         let excess = bench.link.telemetry.len().saturating_sub(10);
         bench.link.telemetry.drain(..excess);
         ran.map_err(|halt| format!("the machine halted: {halt:?}"))?;

@@ -1,9 +1,9 @@
 //! Carries out injections, one after the other on the same device: each begins with the recovery from the one before.
 
-use touchstone_world::plant::MEDIUM;
 use touchstone_control::Si;
 use touchstone_protocol::settings::Decimal;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
+use touchstone_world::plant::MEDIUM;
 
 use super::fault::Fault;
 use super::list::{Expect, Injection, When};

@@ -1,10 +1,10 @@
 //! The thesis' press, played by a hand on the emulated device, and its forces compared with the law on this machine.
 
-use touchstone_world::plant::MEDIUM;
 use touchstone_control::{Controller, CountScale, Fixed32, Si};
-use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Telemetry};
 use touchstone_drive::Settings;
 use touchstone_protocol::settings::Decimal;
+use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Telemetry};
+use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS};
 
