@@ -139,7 +139,7 @@ impl fmt::Display for SettingsError {
     }
 }
 
-/// A passivity bound that the settings leave.
+/// A passivity bound that the settings violate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Warning {
     /// `k_v > k_c`: the soft spring itself needs more damping than the device has.
@@ -274,7 +274,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The passivity bounds that these settings leave, for the law they choose.
+    /// The passivity bounds that these settings violate, for the law they choose.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let derived = self.derived();
         let half = const { Si::lit("0.5") };

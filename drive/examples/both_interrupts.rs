@@ -43,7 +43,7 @@ pub fn started(device: &mut Device, flags: &ResetFlags) {
 #[inline(never)]
 pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> ControlOutput {
     let output = device.tick(input);
-    ring.take(&output.record);
+    ring.push(&output.record);
     output
 }
 

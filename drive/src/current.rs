@@ -73,9 +73,9 @@ pub struct CurrentSample {
     pub command: CurrentCommand,
 }
 
-/// What the bridge does.
+/// What the bridge is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bridge {
+pub enum BridgeCommand {
     /// All six switches open.
     Off,
     /// Compare values of phases A, B, C.
@@ -86,7 +86,7 @@ pub enum Bridge {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CurrentOutput {
     /// For the timer.
-    pub bridge: Bridge,
+    pub bridge: BridgeCommand,
     /// A control tick is due: pend its interrupt.
     pub pend_control: bool,
     /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
@@ -305,7 +305,7 @@ impl CurrentLoop {
                     self.tripped = false;
                 }
                 self.rest(sample);
-                Bridge::Off
+                BridgeCommand::Off
             }
             CurrentMode::Drive => {
                 self.sums = OffsetSums::EMPTY;
@@ -359,11 +359,11 @@ impl CurrentLoop {
     }
 
     /// A period with the bridge on, unless something is wrong.
-    fn drive(&mut self, sample: &CurrentSample) -> Bridge {
+    fn drive(&mut self, sample: &CurrentSample) -> BridgeCommand {
         let config = self.config;
         let command = &sample.command;
         let Some(offsets) = self.report.offsets else {
-            return Bridge::Off;
+            return BridgeCommand::Off;
         };
         let amps = |code: u16, offset: u16| {
             let difference = (i32::from(code) << OFFSET_BITS) - i32::from(offset);
@@ -405,7 +405,7 @@ impl CurrentLoop {
             self.q.reset();
             self.report.current = Dq::ZERO;
             self.report.voltage = Dq::ZERO;
-            return Bridge::Off;
+            return BridgeCommand::Off;
         }
 
         let moved = |periods: u32| {
@@ -439,7 +439,7 @@ impl CurrentLoop {
         self.report.voltage = voltage;
         let acts = moved(self.age.saturating_add(ACTS_AFTER_PERIODS));
         let vector = Rotation::of(command.angle.plus(acts)).back(voltage);
-        Bridge::On(config.modulator.duties(vector, self.report.bus))
+        BridgeCommand::On(config.modulator.duties(vector, self.report.bus))
     }
 }
 

@@ -13,13 +13,12 @@ use crate::calibration::{Alignment, Calibration, Progress};
 use crate::command::{DacCode, Drive, DriveCommand, Rotor};
 use crate::config::{Config, Configs};
 use crate::current::{CurrentCommand, CurrentConfig, CurrentReport};
-use crate::encoder::EncoderReading;
 use crate::hardware::Hardware;
+use crate::input::ControlInput;
 use crate::record::Record;
 use crate::reset::ResetReason;
 use crate::supervisor::power::Power;
 use crate::supervisor::{Found, Supervisor};
-use crate::timing::TickTiming;
 use crate::units::clamp_i32;
 use fixed::types::I8F24;
 use touchstone_control::law::Contact;
@@ -29,23 +28,6 @@ use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, Outputs, State,
 };
-
-/// What the firmware read for a control tick.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ControlInput {
-    /// The encoder.
-    pub encoder: EncoderReading,
-    /// The current loop's mailbox; the default for a board without one.
-    pub current: CurrentReport,
-    /// What a person or the desktop asks for, if anything.
-    pub command: Option<Command>,
-    /// The hardware break has pulled since [`ControlOutput::clear_latches`] was last given.
-    pub hardware_break: bool,
-    /// The gate driver reports an error.
-    pub gate_driver_error: bool,
-    /// Cycles.
-    pub timing: TickTiming,
-}
 
 /// What the firmware does after a control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -220,9 +202,9 @@ impl Device {
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
             || input.command == Some(Command::Calibrate);
         let driven = before == State::Armed && self.record.law_ran;
-        let verdict = self
-            .supervisor
-            .look(&self.configs.now().supervisor, input, watched, driven);
+        let verdict =
+            self.supervisor
+                .inspect(&self.configs.now().supervisor, input, watched, driven);
 
         let refused = (self.settings_refused && watched).then_some((FaultCode::SettingsInvalid, 0));
         let found = self.reported.take().or(verdict.fault).or(refused);
@@ -238,7 +220,7 @@ impl Device {
         };
         let accepted = input
             .command
-            .map(|command| found.is_none() && Machine::at(before).take(Event::Command(command)));
+            .map(|command| found.is_none() && Machine::at(before).handle(Event::Command(command)));
         let calibrated = matches!(progress, Some(Progress::Done(_)));
         let fault = found.map(|(code, value)| Context { code, tick, value });
         let outputs = self.machine.tick(fault, calibrated, input.command);
@@ -422,8 +404,9 @@ fn law_tick(law: &mut Controller<Fixed32>, penetration: Position<Fixed32>) -> Fo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::encoder::EncoderKind;
+    use crate::encoder::{EncoderKind, EncoderReading};
     use crate::hardware::IHM08M1;
+    use crate::timing::TickTiming;
 
     #[test]
     fn the_present_position_becomes_zero_while_nothing_may_move() {

@@ -32,6 +32,7 @@ pub mod device;
 pub mod encoder;
 pub mod exchange;
 pub mod hardware;
+pub mod input;
 pub mod mailbox;
 pub mod modulation;
 pub mod pi;
@@ -52,12 +53,13 @@ pub use calibration::{Calibration, Reason};
 pub use command::{DacCode, DriveCommand};
 pub use config::Config;
 pub use current::{
-    Bridge, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentOutput, CurrentReport,
-    CurrentSample, Trip,
+    BridgeCommand, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentOutput,
+    CurrentReport, CurrentSample, Trip,
 };
-pub use device::{ControlInput, ControlOutput, Device};
+pub use device::{ControlOutput, Device};
 pub use encoder::{EncoderError, EncoderKind, EncoderReading};
 pub use hardware::Hardware;
+pub use input::ControlInput;
 pub use record::Record;
 pub use reset::{ResetFlags, ResetReason};
 pub use ring::{CompactRecord, Ring};

@@ -140,7 +140,7 @@ impl Ring {
     }
 
     /// Takes a tick; the tick of a fault is kept whatever its number is, and is the last one.
-    pub fn take(&mut self, record: &Record) {
+    pub fn push(&mut self, record: &Record) {
         if self.frozen {
             return;
         }
@@ -148,12 +148,12 @@ impl Ring {
         let fault = matches!(record.state, State::Fault(_));
         if self.since > self.skipped || fault {
             self.since = 0;
-            self.push(CompactRecord::of(record).to_bytes());
+            self.append(CompactRecord::of(record).to_bytes());
         }
         self.frozen = fault;
     }
 
-    fn push(&mut self, bytes: [u8; BYTES]) {
+    fn append(&mut self, bytes: [u8; BYTES]) {
         if let Some(place) = self.records.get_mut(self.next) {
             *place = bytes;
         }
@@ -266,7 +266,7 @@ mod tests {
         let mut ring = Ring::new(1_000);
         assert!(ring.is_empty() && ring.get(0).is_none());
         for tick in 1..=2_345 {
-            ring.take(&record(tick));
+            ring.push(&record(tick));
         }
         assert_eq!(ring.len(), RECORDS);
         assert_eq!(ticks(&ring), (1_346..=2_345).collect::<Vec<u16>>());
@@ -283,7 +283,7 @@ mod tests {
             value: 1,
         });
         for tick in 1..=40 {
-            ring.take(&Record {
+            ring.push(&Record {
                 state: if tick >= 25 { fault } else { State::Armed },
                 ..record(tick)
             });
@@ -293,7 +293,7 @@ mod tests {
         ring.thaw();
         assert!(ring.is_empty() && !ring.is_frozen());
         for tick in 41..=50 {
-            ring.take(&record(tick));
+            ring.push(&record(tick));
         }
         assert_eq!(ticks(&ring), [50]);
     }

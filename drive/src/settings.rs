@@ -1,4 +1,4 @@
-//! What a board's power stage leaves of the ranges of [`DeviceSettings`], and what the settings leave each other.
+//! What a board's power stage allows of the ranges of [`DeviceSettings`], and the bounds that settings set each other.
 
 use crate::hardware::Hardware;
 use touchstone_control::Si;

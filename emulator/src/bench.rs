@@ -75,7 +75,7 @@ impl Bench {
         let until = self.now() + cycles;
         let ran = self.machine.run_until(until);
         let sent = std::mem::take(&mut self.machine.chip_mut().link().sent);
-        self.link.take(&sent);
+        self.link.receive(&sent);
         ran.map_err(|halt| {
             let text = format!("halted: {halt:?}");
             self.halted = Some(halt);

@@ -18,8 +18,8 @@ pub struct Link {
 }
 
 impl Link {
-    /// Takes what the device has sent.
-    pub fn take(&mut self, bytes: &[u8]) {
+    /// Decodes what the device has sent.
+    pub fn receive(&mut self, bytes: &[u8]) {
         self.bytes += bytes.len() as u64;
         for byte in bytes {
             let Some(Ok(payload)) = self.decoder.push(*byte) else {

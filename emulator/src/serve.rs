@@ -55,7 +55,7 @@ pub fn serve(
         let ran = bench.machine.run_until(until);
         let sent = std::mem::take(&mut bench.machine.chip_mut().link().sent);
         // Looked at on its way, for the hand.
-        bench.link.take(&sent);
+        bench.link.receive(&sent);
         let excess = bench.link.telemetry.len().saturating_sub(10);
         bench.link.telemetry.drain(..excess);
         ran.map_err(|halt| format!("the machine halted: {halt:?}"))?;

@@ -122,7 +122,7 @@ impl Control {
             ring.thaw();
             self.clear_latches();
         }
-        ring.take(&output.record);
+        ring.push(&output.record);
         self.send(&output.record);
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }

@@ -10,7 +10,7 @@ use cortex_m::peripheral::NVIC;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use touchstone_drive::exchange::{CommandBox, ReportBox};
-use touchstone_drive::{Bridge, CurrentConfig, CurrentLoop, CurrentSample};
+use touchstone_drive::{BridgeCommand, CurrentConfig, CurrentLoop, CurrentSample};
 
 use crate::control::{CONTROL, Readings};
 use crate::shared::{Owned, Slot, raise};
@@ -92,11 +92,11 @@ fn ADC1_2() {
         command: COMMAND.get(),
     });
     match output.bridge {
-        Bridge::Off => {
+        BridgeCommand::Off => {
             pwm::outputs_off();
             SWITCHED_ON.store(false, Relaxed);
         }
-        Bridge::On(duty) => {
+        BridgeCommand::On(duty) => {
             pwm::set_duty(duty);
             // Once, and not in every period: a break that comes and goes between the look at it above and here has switched off,
             // and would be undone (the emulator found it, with a break of 2 us). After the one time it is looked at again.

@@ -4,7 +4,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use touchstone_drive::config::Config;
 use touchstone_drive::{CompactRecord, wire};
-use touchstone_protocol::session::{Device, FlashError};
+use touchstone_protocol::session::{Backend, FlashError};
 use touchstone_protocol::settings::{DeviceSettings, SettingsError};
 use touchstone_protocol::{
     Command, Counters, DeviceCommand, Fault, FaultCode, Identity, PROTOCOL_VERSION, Phase,
@@ -84,7 +84,7 @@ impl Thread {
     }
 }
 
-impl Device for Thread {
+impl Backend for Thread {
     fn identity(&self) -> Identity {
         Identity {
             protocol_version: PROTOCOL_VERSION,

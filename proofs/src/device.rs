@@ -119,7 +119,7 @@ property! {
         let before = any_state(s);
         let event = any_event(s);
         let mut machine = Machine::at(before);
-        let _ = machine.take(event);
+        let _ = machine.handle(event);
         if let State::Fault(first) = before {
             assert!(machine.state() == before || (machine.state() == State::Stopped && event == Event::Command(Command::Stop)));
             assert!(machine.fault() == Some(first) || machine.state() == State::Stopped);
@@ -140,7 +140,7 @@ property! {
         let before = any_state(s);
         let event = any_event(s);
         let mut machine = Machine::at(before);
-        let changed = machine.take(event);
+        let changed = machine.handle(event);
         let after = machine.state();
         // No short circuits: the compiler would split the check in two, one of them unreachable.
         cover!(s, changed & (after == State::Armed), "armed");

@@ -206,8 +206,8 @@ impl Machine {
         }
     }
 
-    /// Takes one event. Returns whether it had an effect, so that a command that is not allowed can be answered so.
-    pub fn take(&mut self, event: Event) -> bool {
+    /// Handles one event. Returns whether it had an effect, so that a command that is not allowed can be answered so.
+    pub fn handle(&mut self, event: Event) -> bool {
         let next = match (self.state, event) {
             // The first cause stays.
             (State::Fault(context), Event::Fault(_)) => State::Fault(context),
@@ -235,7 +235,7 @@ impl Machine {
     ) -> Outputs {
         if let Some(context) = fault {
             // A stop in the tick of a fault would hide the fault: it has to be asked for again.
-            self.take(Event::Fault(context));
+            self.handle(Event::Fault(context));
             return self.outputs();
         }
         // Both meet the state that the tick began with: a command does not count on a calibration that ends in the same
@@ -243,10 +243,10 @@ impl Machine {
         // the device in the very tick in which the calibration ended.)
         let calibrating = self.state == State::Calibrating;
         if let Some(command) = command {
-            self.take(Event::Command(command));
+            self.handle(Event::Command(command));
         }
         if calibrated && calibrating {
-            self.take(Event::Calibrated);
+            self.handle(Event::Calibrated);
         }
         self.outputs()
     }

@@ -1,6 +1,6 @@
-//! The device's side of the talk: what a request does to the settings, and what is passed on.
+//! The device's side of the conversation: what a request does to the settings, and what is passed on.
 //!
-//! The firmware and the fake device of the tests run this very code; only [`Device`] differs.
+//! The firmware and the fake device of the tests run this very code; only [`Backend`] differs.
 
 use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
@@ -9,8 +9,8 @@ use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
 
-/// What the talk needs of the device around it.
-pub trait Device {
+/// What a session needs of the device behind it.
+pub trait Backend {
     /// Who it is.
     fn identity(&self) -> Identity;
     /// State of the fault machine.
@@ -75,7 +75,7 @@ impl Session {
         &mut self,
         payload: &[u8],
         decode_errors: u32,
-        device: &mut impl Device,
+        device: &mut impl Backend,
     ) -> Option<FromDevice> {
         let message: Option<ToDevice<'_>> = frame::message(payload);
         if let Some(ToDevice { id, request }) = &message {
@@ -100,7 +100,7 @@ impl Session {
         &mut self,
         request: &Request<'_>,
         decode_errors: u32,
-        device: &mut impl Device,
+        device: &mut impl Backend,
     ) -> Result<Reply, Refusal> {
         match request {
             Request::Set { .. }
@@ -122,7 +122,7 @@ impl Session {
         &self,
         request: &Request<'_>,
         decode_errors: u32,
-        device: &impl Device,
+        device: &impl Backend,
     ) -> Result<Reply, Refusal> {
         match request {
             Request::Hello => Ok(Reply::Identity(device.identity())),
@@ -159,7 +159,7 @@ impl Session {
 
     /// The requests that do something.
     #[inline(never)]
-    fn act(&mut self, request: &Request<'_>, device: &mut impl Device) -> Result<(), Refusal> {
+    fn act(&mut self, request: &Request<'_>, device: &mut impl Backend) -> Result<(), Refusal> {
         match request {
             Request::Set { path, value } => self.set(path, value, device),
             Request::SetAll(settings) => self.change(settings, device),
@@ -177,14 +177,14 @@ impl Session {
     }
 
     #[inline(never)]
-    fn set(&mut self, path: &str, value: &[u8], device: &mut impl Device) -> Result<(), Refusal> {
+    fn set(&mut self, path: &str, value: &[u8], device: &mut impl Backend) -> Result<(), Refusal> {
         let mut changed = self.settings.clone();
         changed.set(path, value).map_err(Refusal::Key)?;
         self.change(&changed, device)
     }
 
     #[inline(never)]
-    fn defaults(&mut self, device: &mut impl Device) -> Result<(), Refusal> {
+    fn defaults(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         self.change(&DeviceSettings::defaults(device.identity().board), device)
     }
 
@@ -193,7 +193,7 @@ impl Session {
     fn change(
         &mut self,
         settings: &DeviceSettings,
-        device: &mut impl Device,
+        device: &mut impl Backend,
     ) -> Result<(), Refusal> {
         match device.phase() {
             Phase::Boot | Phase::Ready | Phase::Stopped | Phase::Fault => {}
@@ -212,7 +212,7 @@ impl Session {
 
     /// Writes the settings. Not in `Ready`: the erase of a page stalls the processor for longer than a command to arm takes.
     #[inline(never)]
-    fn save(&mut self, device: &mut impl Device) -> Result<(), Refusal> {
+    fn save(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         match device.phase() {
             Phase::Boot | Phase::Stopped | Phase::Fault => {}
             phase @ (Phase::Ready | Phase::Calibrating | Phase::Armed) => {

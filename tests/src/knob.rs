@@ -66,10 +66,10 @@ pub struct Knob<T: Tamper> {
     hardware_break: bool,
 }
 
-fn off_or(bridge: touchstone_drive::Bridge) -> Drive {
+fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
     match bridge {
-        touchstone_drive::Bridge::Off => Drive::Off,
-        touchstone_drive::Bridge::On(duties) => Drive::On(duties),
+        touchstone_drive::BridgeCommand::Off => Drive::Off,
+        touchstone_drive::BridgeCommand::On(duties) => Drive::On(duties),
     }
 }
 
@@ -161,7 +161,7 @@ impl<T: Tamper> Knob<T> {
         self.report = *self.current.report();
         // Sampled at the counter's top; compare values are taken over at the bottom, half a period later. Off is off at once.
         self.acting = match (out.bridge, self.preloaded) {
-            (touchstone_drive::Bridge::Off, _) => Drive::Off,
+            (touchstone_drive::BridgeCommand::Off, _) => Drive::Off,
             (_, Drive::Off) => Drive::On(IHM08M1.modulator().zero()),
             (_, before) => before,
         };

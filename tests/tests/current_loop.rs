@@ -3,7 +3,7 @@
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{
-    Amps, Angle, Bridge as Out, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode,
+    Amps, Angle, BridgeCommand as Out, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode,
     CurrentOutput, CurrentSample, DeviceSettings,
 };
 use touchstone_protocol::FaultCode;

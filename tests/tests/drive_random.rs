@@ -4,8 +4,8 @@
 use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1};
 use touchstone_drive::settings::DriveKind;
 use touchstone_drive::{
-    Bridge, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport, CurrentSample,
-    Device, DeviceSettings, EncoderKind, EncoderReading, Ring, Si, TickTiming,
+    BridgeCommand, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport,
+    CurrentSample, Device, DeviceSettings, EncoderKind, EncoderReading, Ring, Si, TickTiming,
 };
 use touchstone_protocol::{Command, Outputs, State};
 use touchstone_tests::random::Random;
@@ -126,7 +126,7 @@ fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
             },
         };
         let output = device.tick(&input);
-        ring.take(&output.record);
+        ring.push(&output.record);
         let after = device.state();
         let on = output.outputs == Outputs::On;
         assert!(
@@ -188,7 +188,7 @@ fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
                 command: mailbox,
             };
             let out = current.tick(&sample);
-            if let Bridge::On(duties) = out.bridge {
+            if let BridgeCommand::On(duties) = out.bridge {
                 assert!(on, "the loop drives what the device has switched off");
                 let modulator = IHM08M1.modulator();
                 assert!(
@@ -259,7 +259,7 @@ fn wild_commands_into_the_loop() {
                 late: once_in(&mut random, 4),
                 command,
             });
-            if let Bridge::On(duties) = out.bridge {
+            if let BridgeCommand::On(duties) = out.bridge {
                 let modulator = hardware.modulator();
                 assert!(
                     duties.iter().all(

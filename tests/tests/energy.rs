@@ -5,7 +5,9 @@ use touchstone_control::{CountScale, Force, Position, Settings, Si};
 use touchstone_sim::run::chain::{Crossing, ExactAngle, Flow, Limited, Sampled, Staged};
 use touchstone_sim::run::wall::Controlled;
 use touchstone_sim::run::{self, Recorder, Tick};
-use touchstone_world::plant::{Coulomb, Device, HeldCoulomb, MEDIUM, Motion as _, State, Stepper};
+use touchstone_world::plant::{
+    Coulomb, Device, HeldCoulomb, Kinematics as _, MEDIUM, State, Stepper,
+};
 
 const TICKS: u64 = 10_000_000;
 const PERIOD_S: f64 = 1e-3;

@@ -21,8 +21,8 @@ pub mod shaft;
 pub mod stuck;
 
 use crate::current::CurrentReport;
-use crate::device::ControlInput;
 use crate::hardware::Hardware;
+use crate::input::ControlInput;
 use crate::settings::DriveKind;
 use crate::timing::TickTiming;
 use power::{Power, PowerConfig};
@@ -119,8 +119,8 @@ impl Supervisor {
         &self.shaft
     }
 
-    /// Looks at everything. `watched`: broken limits are faults. `driven`: the tick before drove the motor by the law.
-    pub fn look(
+    /// Inspects everything that was read. `watched`: broken limits are faults. `driven`: the tick before drove the motor by the law.
+    pub fn inspect(
         &mut self,
         config: &SupervisorConfig,
         input: &ControlInput,
@@ -128,7 +128,7 @@ impl Supervisor {
         driven: bool,
     ) -> Verdict {
         let report = &input.current;
-        let seen = self.shaft.take(&config.shaft, input.encoder, watched);
+        let seen = self.shaft.read(&config.shaft, input.encoder, watched);
         let (count, shaft_fault) = match seen {
             Seen::Good { count, .. } => (Some(count), None),
             Seen::Bad => (None, None),
@@ -136,7 +136,7 @@ impl Supervisor {
         };
         let stuck_fault = match (&config.motor, seen) {
             (Some((_, stuck)), Seen::Good { moved, .. }) if driven => {
-                self.stuck.take(stuck, moved, report)
+                self.stuck.update(stuck, moved, report)
             }
             _ => {
                 self.stuck = Stuck::new();
@@ -144,7 +144,7 @@ impl Supervisor {
             }
         };
         let (power_fault, derating) = match &config.motor {
-            Some((power, _)) => Power::look(power, report),
+            Some((power, _)) => Power::inspect(power, report),
             None => (None, 1 << 16),
         };
         let loop_fault = self.look_at_loop(config, input.timing, report);

@@ -53,7 +53,7 @@ impl Power {
     /// A broken limit, and the share of the current that the temperature leaves, in 1/65,536: all of it up to the first
     /// temperature, nothing at the second, a straight line between.
     #[must_use]
-    pub fn look(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
+    pub fn inspect(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let temperature = Self::temperature(&config.thermistor, report);
         let left = temperature.map_or(0, |celsius| {
             let below = i64::from(config.fault_from.saturating_sub(celsius).to_bits());
@@ -93,7 +93,7 @@ mod tests {
         let mut last = 1 << 16;
         let mut seen = [false; 3];
         for code in 1_140..3_700 {
-            let (fault, left) = Power::look(&config, &report(24.0, code));
+            let (fault, left) = Power::inspect(&config, &report(24.0, code));
             let celsius: f64 = IHM08M1.thermistor.celsius(code).unwrap().to_num();
             let exact = ((90.0 - celsius) / 20.0).clamp(0.0, 1.0);
             assert!(
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn each_limit_has_its_code_and_value() {
         let config = PowerConfig::new(&DeviceSettings::default(), &IHM08M1);
-        let code = |bus, code| Power::look(&config, &report(bus, code)).0;
+        let code = |bus, code| Power::inspect(&config, &report(bus, code)).0;
         assert_eq!(code(24.0, 1_300), None);
         assert_eq!(code(31.5, 1_300), Some((FaultCode::OverVoltage, 31_500)));
         assert_eq!(code(17.5, 1_300), Some((FaultCode::UnderVoltage, 17_500)));
@@ -119,6 +119,6 @@ mod tests {
         let (fault, value) = code(24.0, 3_393).unwrap();
         assert_eq!((fault, value), (FaultCode::OverTemperature, 1_000));
         // A broken sensor leaves no current either.
-        assert_eq!(Power::look(&config, &report(24.0, 4_095)).1, 0);
+        assert_eq!(Power::inspect(&config, &report(24.0, 4_095)).1, 0);
     }
 }

@@ -135,7 +135,7 @@ impl Shaft {
     }
 
     /// Takes a tick's reading.
-    pub fn take(&mut self, config: &ShaftConfig, reading: EncoderReading, watched: bool) -> Seen {
+    pub fn read(&mut self, config: &ShaftConfig, reading: EncoderReading, watched: bool) -> Seen {
         let word = match reading.decode(config.kind) {
             Ok(word) => word,
             Err(error) => return self.bad(config, error, watched),
@@ -240,7 +240,7 @@ mod tests {
         let mut shaft = Shaft::new();
         for tick in 0..200_u32 {
             let counter = (i64::from(tick) * counts) as u32;
-            let seen = shaft.take(&config, EncoderReading::Counter32(counter), true);
+            let seen = shaft.read(&config, EncoderReading::Counter32(counter), true);
             if matches!(seen, Seen::Fault(..)) {
                 return Some((tick, seen));
             }

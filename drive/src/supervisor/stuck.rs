@@ -71,7 +71,7 @@ impl Stuck {
     }
 
     /// Takes a tick in which the motor was driven.
-    pub fn take(
+    pub fn update(
         &mut self,
         config: &StuckConfig,
         moved: i64,

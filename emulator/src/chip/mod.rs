@@ -18,17 +18,13 @@ use crate::peripheral::plain::Plain;
 pub use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::rcc::{Pwr, Rcc};
 use crate::peripheral::spi::Spi;
-use crate::peripheral::timer::bridge::{Bridge, Edge};
+use crate::peripheral::timer::bridge::{BridgeTimer, Edge};
 use crate::peripheral::timer::general::Timer;
 use crate::peripheral::uart::Uart;
 use crate::peripheral::wwdg::Wwdg;
 use crate::peripheral::{NEVER, Peripheral};
 use crate::world::World;
 use map::{Block, MAP};
-
-/// Processor, buses and timers, Hz: what the firmware sets up. Times of the world follow from it; before the PLL runs, the
-/// chip is slower than modelled.
-pub const CORE_HZ: u64 = 170_000_000;
 
 /// Interrupts (RM0440, table 97).
 const TIMERS: [(u32, u32); 4] = [(28, 32), (29, 16), (30, 16), (50, 32)];
@@ -44,7 +40,7 @@ pub struct Chip {
     /// The interrupt controller.
     pub nvic: Nvic,
     /// TIM1.
-    pub bridge: Bridge,
+    pub bridge: BridgeTimer,
     timers: [Timer; 4],
     adcs: [Adc; 2],
     ports: Vec<Port>,
@@ -95,7 +91,7 @@ impl Chip {
         let mut chip = Self {
             core,
             nvic: Nvic::default(),
-            bridge: Bridge::default(),
+            bridge: BridgeTimer::default(),
             timers: TIMERS.map(|(interrupt, bits)| Timer::new(interrupt, bits)),
             adcs: [Adc::new(ADC1_2), Adc::new(ADC1_2)],
             ports: Vec::new(),
@@ -133,7 +129,7 @@ impl Chip {
             self.bridge.changes.push((now, false));
         }
         let changes = std::mem::take(&mut self.bridge.changes);
-        self.bridge = Bridge::default();
+        self.bridge = BridgeTimer::default();
         self.bridge.gates = self.board.gates;
         self.bridge.changes = changes;
         self.core.reset();

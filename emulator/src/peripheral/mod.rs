@@ -19,6 +19,10 @@ pub mod wwdg;
 /// No event ahead.
 pub const NEVER: u64 = u64::MAX;
 
+/// Processor, buses and timers, Hz: what the firmware sets up. Times of the world follow from it; before the PLL runs, the
+/// chip is slower than modelled.
+pub const CORE_HZ: u64 = 170_000_000;
+
 /// Cycles of the processor's clock in a microsecond, of the clock that the firmware sets up; what the models use for times
 /// that are not derived from a clock in their registers.
 pub const CYCLES_PER_US: u64 = 170;

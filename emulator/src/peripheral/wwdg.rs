@@ -1,8 +1,7 @@
 //! The window watchdog (RM0440, chapter 43): counts the bus clock divided by 4096 and by a power of two, which runs freely; resets
 //! the chip when its counter falls below 0x40, or is written while it is above the window.
 
-use super::{NEVER, Peripheral};
-use crate::chip::CORE_HZ;
+use super::{CORE_HZ, NEVER, Peripheral};
 
 const CR: u32 = 0x00;
 const CFR: u32 = 0x04;

@@ -7,10 +7,10 @@ use std::fmt;
 
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
 use touchstone_world::plant::{
-    BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Motion as _, State, Stepper,
+    BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Kinematics as _, State, Stepper,
 };
 
-use crate::chip::CORE_HZ;
+use crate::peripheral::CORE_HZ;
 
 /// Cycles of a mechanical step: 25 us.
 const STEP: u64 = 4_250;

@@ -9,6 +9,7 @@ mod expect;
 mod flash;
 mod identify;
 mod interrupt;
+mod json_schema;
 mod monitor;
 mod number;
 mod out;
@@ -62,7 +63,11 @@ enum Command {
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
     /// Lists the scenes that come with the program.
-    Scenes,
+    Scenes {
+        /// Prints the JSON schema of a scene instead.
+        #[arg(long)]
+        json_schema: bool,
+    },
     /// Writes the firmware into a board, through the program probe-rs.
     Flash(flash::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
@@ -143,7 +148,10 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Doctor(options) => return Ok(doctor::main(options)),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
-        Command::Scenes => scenes(),
+        Command::Scenes { json_schema: true } => {
+            out::print(format_args!("{:#}\n", json_schema::scene()))
+        }
+        Command::Scenes { json_schema: false } => scenes(),
         Command::Flash(options) => flash::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),

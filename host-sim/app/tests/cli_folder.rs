@@ -40,8 +40,13 @@ fn results(folder: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(folder.join("results.json")).unwrap()).unwrap()
 }
 
-/// What the documented schema says of each of `instances`, under Python's validator, which shares no code with the program.
-fn valid(here: &Path, instances: &[Value]) -> Vec<bool> {
+fn schema_file(name: &str) -> PathBuf {
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema");
+    Path::new(docs).join(format!("{name}.schema.json"))
+}
+
+/// What a documented schema says of each of `instances`, under Python's validator, which shares no code with the program.
+fn valid(here: &Path, schema: &str, instances: &[Value]) -> Vec<bool> {
     const PROGRAM: &str = "
 import json, jsonschema, sys
 schema = json.load(open(sys.argv[1]))
@@ -52,14 +57,11 @@ for instance in json.load(open(sys.argv[2])):
     for error in validator.iter_errors(instance):
         print(error.message, file=sys.stderr)
 ";
-    let schema = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../docs/schema/results.schema.json"
-    );
     let file = here.join("instances.json");
     std::fs::write(&file, Value::from(instances).to_string()).unwrap();
     let output = Command::new("python3")
-        .args(["-c", PROGRAM, schema])
+        .args(["-c", PROGRAM])
+        .arg(schema_file(schema))
         .arg(&file)
         .output()
         .unwrap();
@@ -241,7 +243,7 @@ fn results_obey_the_documented_schema_and_it_refuses_others() {
     let printed: Value = serde_json::from_slice(&printed).unwrap();
     let written = results(&here.join("free"));
     let good = [printed, written.clone(), results(&here.join("report"))];
-    assert_eq!(valid(&here, &good), [true; 3]);
+    assert_eq!(valid(&here, "results", &good), [true; 3]);
 
     let spoilt = |change: fn(&mut Value)| {
         let mut json = written.clone();
@@ -257,5 +259,84 @@ fn results_obey_the_documented_schema_and_it_refuses_others() {
         spoilt(|json| json["schema_version"] = 2.into()),
         spoilt(|json| json["files"][0] = json["files"][1].clone()),
     ];
-    assert_eq!(valid(&here, &bad), [false; 7]);
+    assert_eq!(valid(&here, "results", &bad), [false; 7]);
+}
+
+/// The two files that a person writes, and what prints the schema of each.
+const WRITTEN: [(&str, &str); 2] = [
+    ("scene", "scenes --json-schema"),
+    ("settings", "config schema --json-schema"),
+];
+
+#[test]
+fn the_documented_schemas_are_those_that_the_program_prints() {
+    let here = folder("printed");
+    for (name, command) in WRITTEN {
+        let printed = String::from_utf8(run_in(&here, command).stdout).unwrap();
+        if std::env::var_os("TOUCHSTONE_WRITE_SCHEMA").is_some() {
+            std::fs::write(schema_file(name), &printed).unwrap();
+        }
+        let documented = std::fs::read_to_string(schema_file(name)).unwrap();
+        assert!(
+            documented == printed && printed.len() > 1000,
+            "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone --test cli_folder printed"
+        );
+    }
+}
+
+#[test]
+#[ignore = "needs Python's jsonschema: cargo xtask schema"]
+fn scenes_obey_their_documented_schema_and_it_refuses_others() {
+    let here = folder("schema-scene");
+    let scene = |arguments: &str| -> Value {
+        let text = String::from_utf8(run_in(&here, arguments).stdout).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        serde_json::to_value(table).unwrap()
+    };
+    let names = touchstone_sim::scene::names();
+    let good: Vec<Value> = (names.iter())
+        .map(|name| scene(&format!("run {name} --print")))
+        .collect();
+    assert_eq!(valid(&here, "scene", &good), vec![true; names.len()]);
+    // Each is a scene that the program refuses.
+    let spoilt = [
+        ("law", "kind", Value::from("sponge")),
+        ("device", "inertia_kg_m2", 0.into()),
+        ("timing", "rate_hz", 1000.5.into()),
+        ("timing", "rate_hz", 100_001.into()),
+        ("timing", "computational_delay_s", "0".into()),
+        ("wall", "colour", "red".into()),
+    ];
+    let bad = spoilt.map(|(table, field, value)| {
+        let mut json = good[0].clone();
+        json[table][field] = value;
+        let text = toml::to_string(&json).unwrap();
+        std::fs::write(here.join("spoilt.toml"), text).unwrap();
+        refused(&here, "run spoilt.toml --print");
+        json
+    });
+    assert_eq!(valid(&here, "scene", &bad), [false; 6]);
+}
+
+#[test]
+#[ignore = "needs Python's jsonschema: cargo xtask schema"]
+fn settings_obey_their_documented_schema_and_it_refuses_others() {
+    use serde_json::json;
+    let here = folder("schema-settings");
+    // A value of each kind, and each kind's bounds.
+    let good = [
+        json!({}),
+        json!({"wall": {"k_desired_n_m_per_rad": 0, "surface_rad": -100}, "law": {"kind": "tdpa", "filter": {"mass_kg_m2": 1e-6}}}),
+        json!({"timing": {"rate_hz": 10_000}, "encoder": {"reversed": true}}),
+    ];
+    assert_eq!(valid(&here, "settings", &good), [true; 3]);
+    let bad = [
+        json!({"wall": {"k_desired_n_m_per_rad": -1}}),
+        json!({"wall": {"k_desired": 1}}),
+        json!({"law": {"kind": "sponge"}}),
+        json!({"timing": {"rate_hz": 10_001}}),
+        json!({"timing": {"rate_hz": 1000.5}}),
+        json!({"encoder": {"reversed": 1}}),
+    ];
+    assert_eq!(valid(&here, "settings", &bad), [false; 6]);
 }

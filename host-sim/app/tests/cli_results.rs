@@ -117,7 +117,7 @@ fn strictly_passive_refuses_the_default_credit_and_names_it() {
     }
 }
 
-/// The fields of a run that issue 2 names.
+/// Fields that every run has.
 const FIELDS: [&str; 11] = [
     "law",
     "k_desired",

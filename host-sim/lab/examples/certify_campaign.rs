@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut tally = Tally::default();
     for record in csv::Reader::from_path(path)?.deserialize() {
-        tally.take(&record?);
+        tally.add(&record?);
     }
     println!("\n{tally}");
     Ok(())

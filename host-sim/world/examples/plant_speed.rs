@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use touchstone_world::plant::{
-    BareCoulomb, BareLinear, Coulomb, Device, HeldCoulomb, HeldLinear, Invalid, MEDIUM, Motion,
+    BareCoulomb, BareLinear, Coulomb, Device, HeldCoulomb, HeldLinear, Invalid, Kinematics, MEDIUM,
     Stepper,
 };
 

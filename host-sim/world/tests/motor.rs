@@ -5,7 +5,7 @@ use touchstone_world::motor::{
     Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt, Windings, as5047p_frame, count,
     mt6701_frame,
 };
-use touchstone_world::plant::{BareLinear, HeldLinear, MEDIUM, Motion, Stepper};
+use touchstone_world::plant::{BareLinear, HeldLinear, Kinematics, MEDIUM, Stepper};
 
 const PERIOD_S: f64 = 50e-6;
 const TOP: u16 = 4_250;

@@ -44,7 +44,7 @@ pub struct Invalid {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
 pub enum Reason {
-    /// Outside the range that it has, or that the other settings leave it.
+    /// Outside the range that it has, or that the other settings allow it.
     Outside {
         /// Smallest allowed.
         least: Decimal,

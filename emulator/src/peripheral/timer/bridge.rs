@@ -36,7 +36,7 @@ pub enum Edge {
 
 /// TIM1.
 #[derive(Debug, Clone)]
-pub struct Bridge {
+pub struct BridgeTimer {
     registers: Plain,
     /// Compare values and auto-reload in use: those written count from the next update on.
     compare: [u32; 6],
@@ -54,11 +54,11 @@ pub struct Bridge {
     /// The drivers behind the outputs.
     pub gates: GateDriver,
     is_on: bool,
-    /// Each change of [`Bridge::is_on`]: when, and whether on.
+    /// Each change of [`BridgeTimer::is_on`]: when, and whether on.
     pub changes: Vec<(u64, bool)>,
 }
 
-impl Default for Bridge {
+impl Default for BridgeTimer {
     fn default() -> Self {
         Self {
             registers: Plain::default().with(ARR, 0xffff),
@@ -80,7 +80,7 @@ impl Default for Bridge {
     }
 }
 
-impl Bridge {
+impl BridgeTimer {
     /// Whether any phase is driven: not whether MOE is set, but whether a transistor conducts.
     #[must_use]
     pub fn is_on(&self) -> bool {
@@ -280,7 +280,7 @@ impl Bridge {
     }
 }
 
-impl Peripheral for Bridge {
+impl Peripheral for BridgeTimer {
     fn read(&mut self, offset: u32, now: u64) -> u32 {
         let down = self.position(now) >= self.period() / 2;
         match offset {
@@ -362,7 +362,7 @@ impl Peripheral for Bridge {
 }
 
 /// Whether the selected trigger is the update.
-impl Bridge {
+impl BridgeTimer {
     /// Whether an update raises TRGO2.
     #[must_use]
     pub fn triggers_on_update(&self) -> bool {

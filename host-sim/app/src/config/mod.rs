@@ -11,7 +11,7 @@ use touchstone_device::Client;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::settings::fields::{FIELDS, Field, field};
-use touchstone_protocol::{Board, DeviceSettings, Reply, Request};
+use touchstone_protocol::{Board, DeviceSettings, Request};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{nearest, renamed};
 use value::Wrong;
@@ -58,7 +58,11 @@ enum Action {
     /// Keeps the settings in the device's flash.
     Save,
     /// Lists all settings with units, ranges and meanings; needs no device.
-    Schema,
+    Schema {
+        /// Prints the JSON schema of a file of settings instead.
+        #[arg(long)]
+        json_schema: bool,
+    },
 }
 
 impl Options {
@@ -106,7 +110,10 @@ pub fn main(options: &Options) -> Result<()> {
                 },
             )
         }
-        Action::Schema => schema(),
+        Action::Schema { json_schema: true } => {
+            print(format_args!("{:#}\n", crate::json_schema::settings()))
+        }
+        Action::Schema { json_schema: false } => schema(),
     }
 }
 

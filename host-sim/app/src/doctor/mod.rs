@@ -102,7 +102,7 @@ pub fn main(options: &Options) -> ExitCode {
     if tcp {
         tell("probe", Skipped("not needed for a TCP port".into()));
     } else {
-        usb::look(&options.sysfs, &options.dev, &mut tell);
+        usb::examine(&options.sysfs, &options.dev, &mut tell);
     }
     let address = port(options.port.as_ref(), &mut tell);
     tell("device", device(address.as_ref()));

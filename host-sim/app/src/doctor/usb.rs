@@ -20,7 +20,7 @@ sudo udevadm control --reload && sudo udevadm trigger
 then disconnect the board and connect it again";
 
 /// Looks for ST-LINKs and whether this user may use them.
-pub fn look(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
+pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
     let devices = sysfs.join("bus/usb/devices");
     let Ok(entries) = fs::read_dir(&devices) else {
         tell("probe", elsewhere(&devices));

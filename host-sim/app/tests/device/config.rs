@@ -280,7 +280,7 @@ fn an_armed_device_and_a_broken_flash_refuse() {
             .world()
             .1
             .machine
-            .take(Event::Command(touchstone_protocol::Command::Arm))
+            .handle(Event::Command(touchstone_protocol::Command::Arm))
     );
 }
 

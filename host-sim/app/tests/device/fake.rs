@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::{Device, FlashError, Session};
+use touchstone_protocol::session::{Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::telemetry::RING_CHUNK;
 use touchstone_protocol::{
@@ -121,7 +121,7 @@ impl Fake {
         let tick = world.tick;
         world
             .machine
-            .take(Event::Fault(Context { code, tick, value }));
+            .handle(Event::Fault(Context { code, tick, value }));
     }
 }
 
@@ -186,13 +186,13 @@ impl World {
         if self.calibrated_at.take_if(|at| *at <= self.tick).is_some() {
             if self.trouble.calibration_fails {
                 let (code, tick) = (FaultCode::CalibrationFailed, self.tick);
-                self.machine.take(Event::Fault(Context {
+                self.machine.handle(Event::Fault(Context {
                     code,
                     tick,
                     value: 3,
                 }));
             } else {
-                self.machine.take(Event::Calibrated);
+                self.machine.handle(Event::Calibrated);
             }
         }
         let due = self.decimation > 0 && self.tick.is_multiple_of(u32::from(self.decimation));
@@ -233,7 +233,7 @@ impl World {
     }
 }
 
-impl Device for World {
+impl Backend for World {
     fn identity(&self) -> Identity {
         Identity {
             protocol_version: self.trouble.version.unwrap_or(PROTOCOL_VERSION),
@@ -297,7 +297,7 @@ impl Device for World {
     fn command(&mut self, command: DeviceCommand) -> bool {
         let event = match command {
             DeviceCommand::Calibrate => {
-                let taken = self.machine.take(Event::Command(Command::Calibrate));
+                let taken = self.machine.handle(Event::Command(Command::Calibrate));
                 self.calibrated_at = taken.then_some(self.tick + CALIBRATION);
                 return taken;
             }
@@ -310,7 +310,7 @@ impl Device for World {
                 return true;
             }
         };
-        self.machine.take(Event::Command(event))
+        self.machine.handle(Event::Command(event))
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;

@@ -279,7 +279,7 @@ pub struct Tally {
 
 impl Tally {
     /// Takes a row.
-    pub fn take(&mut self, row: &Row) {
+    pub fn add(&mut self, row: &Row) {
         let outcome = row.outcome as usize;
         let tenth = (10.0 * row.stiffness_per_tick).floor() as u32;
         self.counts[row.said as usize][outcome] += 1;

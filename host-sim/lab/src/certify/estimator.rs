@@ -58,7 +58,7 @@ impl Estimator {
     }
 
     /// Takes a measured penetration: (13) to (15). The law's answer must follow by [`Estimator::command`].
-    pub fn take(&self, state: &mut [f64], measured: f64) -> Predicted {
+    pub fn update(&self, state: &mut [f64], measured: f64) -> Predicted {
         let (whole, fraction) = (self.whole(), self.delay_ticks.fract());
         let z = (-std::f64::consts::TAU * self.poles_hz * self.period_s).exp();
         let (estimate, forces) = state.split_at_mut(3);

@@ -126,7 +126,7 @@ impl LinearLaw {
         let order = self.order();
         StateSpace::of(order + estimator.order(), |state, measured| {
             let (own, estimate) = state.split_at_mut(order);
-            let predicted = estimator.take(estimate, measured);
+            let predicted = estimator.update(estimate, measured);
             let moved = estimator.period_s * predicted.velocity;
             let force = self.answer(own, predicted.position, moved);
             estimator.command(estimate, force);

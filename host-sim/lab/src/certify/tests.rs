@@ -299,7 +299,7 @@ fn the_estimator_holds_what_differences_do_not() {
 fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
     let mut tally = campaign::Tally::default();
     for index in 0..SAMPLE {
-        tally.take(&campaign::row(SEED, index).unwrap());
+        tally.add(&campaign::row(SEED, index).unwrap());
     }
     assert!(tally.wrong().is_empty(), "seed {SEED}\n{tally}");
     assert!(tally.stable() >= SAMPLE as u32 / 8, "seed {SEED}\n{tally}");

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
-use touchstone_world::plant::{BareCoulomb, Coulomb, Device, Motion as _, State, Stepper as _};
+use touchstone_world::plant::{BareCoulomb, Coulomb, Device, Kinematics as _, State, Stepper as _};
 
 /// What was commanded and read in one swing, one entry a tick.
 #[derive(Debug, Clone, Default)]

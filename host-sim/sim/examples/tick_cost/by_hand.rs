@@ -9,7 +9,7 @@ use std::hint::black_box;
 use touchstone_sim::run::chain::{Control, Staged};
 use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
-use touchstone_world::plant::{BareLinear, HeldLinear, Motion as _, State, Stepper};
+use touchstone_world::plant::{BareLinear, HeldLinear, Kinematics as _, State, Stepper};
 
 /// The law's side with the press. Its type is hidden from the compiler, as a plan's is: a law is chosen when the program runs.
 fn pressed(scene: &Scene) -> Option<Box<dyn Control>> {

@@ -5,7 +5,7 @@ use super::tick::Recorder;
 use super::{cycle, cycle_recorded};
 use crate::scene::Motion;
 use std::ops::Range;
-use touchstone_world::plant::Motion as _;
+use touchstone_world::plant::Kinematics as _;
 
 /// The mechanical half of a run, whatever plant it is.
 pub trait Mechanics {

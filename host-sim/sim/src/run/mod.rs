@@ -26,7 +26,7 @@ use record::{Run, Summary};
 use std::ops::Range;
 use terms::Terms;
 use touchstone_control::{Settings, Warning};
-use touchstone_world::plant::Motion as _;
+use touchstone_world::plant::Kinematics as _;
 use traced::Traced;
 
 pub use tick::{Recorder, Tick};
@@ -129,7 +129,7 @@ pub fn simulate(scene: &Scene, recorder: Option<&mut dyn Recorder>) -> Result<()
     Ok(())
 }
 
-/// The passivity bounds that the scene's settings leave, each as a one-line message at its place.
+/// The passivity bounds that the scene's settings violate, each as a one-line message at its place.
 ///
 /// # Errors
 /// Settings that cannot be represented, at their place in the scene.

@@ -1,9 +1,9 @@
 //! What must hold between the fields of a scene.
 
 use super::Scene;
-use super::draft::Problem;
 use super::motion::tap;
 use super::operator::{FASTEST_MOTION_HZ, Grip, MotionSpec};
+use super::problem::Problem;
 use super::schema::MOTION_KIND;
 use super::units::tidy;
 

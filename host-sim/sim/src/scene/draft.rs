@@ -9,36 +9,12 @@ use toml::de::{DeTable, DeValue};
 
 use super::operator::{Grip, Hand};
 use super::origin::{Origin, Place};
+use super::problem::Problem;
 use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::unknown::{explain, join, list};
 use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
 use super::{Scene, check};
 use crate::error::{Error, Result};
-
-/// Something wrong with one field or table.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Problem {
-    /// Field or table, dotted.
-    pub path: String,
-    /// What is wrong.
-    pub problem: String,
-    /// How to mend it.
-    pub fix: String,
-}
-
-impl Problem {
-    pub fn new(
-        path: impl Into<String>,
-        problem: impl Into<String>,
-        fix: impl Into<String>,
-    ) -> Self {
-        Problem {
-            path: path.into(),
-            problem: problem.into(),
-            fix: fix.into(),
-        }
-    }
-}
 
 /// A scene before its check: fields by their dotted paths.
 #[derive(Debug, Clone)]

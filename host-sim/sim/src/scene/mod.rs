@@ -1,7 +1,7 @@
 //! Scenes: what to simulate, in TOML, every field with its unit in its name.
 //!
 //! A scene names the effects it wants; what it does not name is `None` here and is not computed. Every field has a
-//! default. The types hold what a scene means; `schema` holds every field's name, unit and range; `draft` reads,
+//! default. The types hold what a scene means; [`schema`] holds every field's name, unit and range; `draft` reads,
 //! overrides and checks. [`Motion`] turns the operator's intention into the hand's rest point.
 
 use std::path::{Path, PathBuf};
@@ -19,8 +19,9 @@ mod operator;
 mod origin;
 mod overrides;
 mod print;
+mod problem;
 mod renamed;
-mod schema;
+pub mod schema;
 mod shipped;
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@
 use toml::Value;
 use toml::de::DeValue;
 
-use super::draft::Problem;
+use super::problem::Problem;
 use super::schema::{self, Field, Kind};
 use super::unknown::{list, nearest};
 

@@ -2,7 +2,7 @@
 
 use super::bridge::{Bridge, Drive};
 use super::windings::{MotorParameters, Windings};
-use crate::plant::{Device, Motion, Stepper};
+use crate::plant::{Device, Kinematics, Stepper};
 
 /// What can be measured after a period.
 #[derive(Debug, Clone, Copy, PartialEq)]

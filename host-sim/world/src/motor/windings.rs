@@ -71,9 +71,15 @@ pub struct Windings {
     current: C,
 }
 
+/// `size e^{j angle}`, by functions of which the bits are the same everywhere.
+fn polar(size: f64, angle_rad: f64) -> C {
+    let (sin, cos) = libm::sincos(angle_rad);
+    C::new(size * cos, size * sin)
+}
+
 /// A third of a turn.
 fn third() -> C {
-    C::from_polar(1.0, std::f64::consts::TAU / 3.0)
+    polar(1.0, std::f64::consts::TAU / 3.0)
 }
 
 /// The vector of three phases.
@@ -88,9 +94,9 @@ fn turning_integral(omega: f64, interval: f64) -> C {
     let sinc = if half.abs() < 1e-4 {
         1.0 - half * half / 6.0
     } else {
-        half.sin() / half
+        libm::sin(half) / half
     };
-    C::from_polar(interval * sinc, -half)
+    polar(interval * sinc, -half)
 }
 
 impl Windings {
@@ -100,7 +106,7 @@ impl Windings {
         Self {
             motor,
             interval_s,
-            decay: (-motor.resistance_ohm / motor.inductance_h * interval_s).exp(),
+            decay: libm::exp(-motor.resistance_ohm / motor.inductance_h * interval_s),
             current: C::ZERO,
         }
     }
@@ -130,7 +136,7 @@ impl Windings {
     /// Currents `(i_d, i_q)` at a shaft angle, A.
     #[must_use]
     pub fn dq_a(&self, angle_rad: f64) -> (f64, f64) {
-        let i = self.current * C::from_polar(1.0, -self.motor.electrical_rad(angle_rad));
+        let i = self.current * polar(1.0, -self.motor.electrical_rad(angle_rad));
         (i.re, i.im)
     }
 
@@ -149,15 +155,12 @@ impl Windings {
         let v = vector(phases_v);
         let turning = C::new(0.0, -omega * lambda) / C::new(r, omega * l);
         let constant = v / r;
-        let (before, after) = (
-            C::from_polar(1.0, theta),
-            C::from_polar(1.0, theta + omega * t),
-        );
+        let (before, after) = (polar(1.0, theta), polar(1.0, theta + omega * t));
         let transient = self.current - constant - turning * before;
         self.current = constant + turning * after + transient * self.decay;
         // ∫ i e^{-jθ} dt, part by part; the transient turns and decays.
         let rate = C::new(r / l, omega);
-        let end = C::from_polar(self.decay, -omega * t);
+        let end = polar(self.decay, -omega * t);
         let integral = turning * t
             + before.conj()
                 * (constant * turning_integral(omega, t) + transient * (C::from(1.0) - end) / rate);
@@ -169,7 +172,7 @@ impl Windings {
     /// The diodes hold the vector at `-2/3 (bus + 2 drops)` along the current; the back-EMF is neglected against that. Without
     /// current nothing flows, which is right as long as the back-EMF between two phases is below the bus: faster motors would brake.
     pub fn freewheel(&mut self, bus_v: f64, diode_v: f64, angle_rad: f64) -> f64 {
-        let size = self.current.norm();
+        let size = libm::hypot(self.current.re, self.current.im);
         if size == 0.0 {
             return 0.0;
         }
@@ -179,15 +182,15 @@ impl Windings {
             ..
         } = self.motor;
         let limit = (2.0 / 3.0 * (bus_v + 2.0 * diode_v)).max(1e-3) / r;
-        let until = (l / r * (size / limit).ln_1p()).min(self.interval_s);
-        let decay = (-r / l * until).exp();
+        let until = (l / r * libm::log1p(size / limit)).min(self.interval_s);
+        let decay = libm::exp(-r / l * until);
         let left = ((size + limit) * decay - limit).max(0.0);
         let left = if until < self.interval_s { 0.0 } else { left };
         // ∫ |i| dt of (size + limit) e^{-Rt/L} - limit.
         let integral = (size + limit) * (1.0 - decay) * l / r - limit * until;
         let direction = self.current / size;
         self.current = direction * left;
-        let q = (direction * C::from_polar(1.0, -self.motor.electrical_rad(angle_rad))).im;
+        let q = (direction * polar(1.0, -self.motor.electrical_rad(angle_rad))).im;
         self.torque(q * integral / self.interval_s)
     }
 

@@ -121,7 +121,7 @@ impl BareCoulomb {
                 j * v * v * (0.5 * t + tail),
             )
         } else {
-            let log = q.ln_1p();
+            let log = libm::log1p(q);
             let lambda = (q - log) / q / q;
             (
                 j / b * log,
@@ -168,7 +168,7 @@ struct Piece {
 /// `(φ₁, φ₂, κ)` of [`BareCoulomb::start`], for `z >= 0`.
 fn growth(z: f64) -> (f64, f64, f64) {
     if z > 1.0 {
-        let decayed = (-z).exp();
+        let decayed = libm::exp(-z);
         let phi1 = (1.0 - decayed) / z;
         let kappa = (z - 1.5 + 2.0 * decayed - 0.5 * decayed * decayed) / (z * z * z);
         return (phi1, (1.0 - phi1) / z, kappa);

@@ -28,7 +28,7 @@ pub(super) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
 /// How often to halve an interval with this norm of `M h` so that the series converges.
 fn halvings(norm: f64) -> u32 {
     if norm > SERIES_NORM {
-        (norm / SERIES_NORM).log2().ceil() as u32
+        libm::log2(norm / SERIES_NORM).ceil() as u32
     } else {
         0
     }
@@ -37,7 +37,7 @@ fn halvings(norm: f64) -> u32 {
 /// `Ψ(h) = ∫₀ʰ exp(M t) dt`: Taylor series over `h / 2ⁿ`, then `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
 pub(super) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     let doublings = halvings(row_sum_norm(m) * h);
-    let base = h * 0.5_f64.powi(doublings as i32);
+    let base = libm::ldexp(h, -(doublings as i32));
     let mut term = SMatrix::<f64, K, K>::identity() * base;
     let mut psi = term;
     for k in 2..=TERMS {
@@ -66,7 +66,7 @@ pub(super) fn quadratic_integral<const K: usize>(
 ) -> SMatrix<f64, K, K> {
     // The series runs in `Mᵀ Q + Q M`.
     let doublings = halvings((row_sum_norm(m) + row_sum_norm(&m.transpose())) * h);
-    let base = h * 0.5_f64.powi(doublings as i32);
+    let base = libm::ldexp(h, -(doublings as i32));
     let mut term = q * base;
     let mut s = term;
     for k in 2..=TERMS {

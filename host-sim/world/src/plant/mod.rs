@@ -54,5 +54,5 @@ pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
 pub use held::HeldLinear;
 pub use held_coulomb::HeldCoulomb;
 pub use sampled_loop::{closed_loop_matrix, critical_stiffness, spectral_radius};
-pub use state::{Motion, State};
+pub use state::{Kinematics, State};
 pub use stepper::{LinearStepper, Loss, Stepper};

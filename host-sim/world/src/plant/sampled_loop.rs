@@ -72,12 +72,20 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
         if norm == 0.0 {
             return 0.0;
         }
-        log_radius += weight * norm.ln();
+        log_radius += weight * libm::log(norm);
         power /= norm;
-        power = &power * &power;
+        // Entry by entry, and not by `*`, which where the standard library is there rounds as the processor's kernel does.
+        power = DMatrix::from_fn(power.nrows(), power.ncols(), |row, column| {
+            power
+                .row(row)
+                .iter()
+                .zip(&power.column(column))
+                .map(|(a, b)| a * b)
+                .sum()
+        });
         weight *= 0.5;
     }
-    log_radius.exp()
+    libm::exp(log_radius)
 }
 
 /// The least stiffness, N·m/rad, at which the sampled loop stops being stable, by bisection on the spectral radius.

@@ -1,7 +1,7 @@
 //! What changes in a tick.
 
 /// Read access to a plant's state, the same for every plant.
-pub trait Motion: Copy {
+pub trait Kinematics: Copy {
     /// Everything at one angle and at rest: device, hand, and no strain in the pad.
     fn at_rest(position: f64) -> Self;
     /// Angle `x` of the device (the HIP), rad (m).
@@ -42,7 +42,7 @@ impl<const N: usize> State<N> {
     }
 }
 
-impl<const N: usize> Motion for State<N> {
+impl<const N: usize> Kinematics for State<N> {
     fn at_rest(position: f64) -> Self {
         Self(std::array::from_fn(|index| {
             if index % 2 == 0 { position } else { 0.0 }

@@ -1,11 +1,11 @@
 //! What every plant can do: cross one interval.
 
-use super::state::Motion;
+use super::state::Kinematics;
 
 /// A plant prepared for intervals of one fixed length, with torque and rest point held during each.
 pub trait Stepper {
     /// What a step changes.
-    type State: Motion;
+    type State: Kinematics;
 
     /// Length of the interval, s.
     fn interval_s(&self) -> f64;

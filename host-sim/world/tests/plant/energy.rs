@@ -1,8 +1,8 @@
 //! Energy books: what goes in is stored or dissipated.
 
 use touchstone_world::plant::{
-    BareCoulomb, BareLinear, Device, FIRM, HeldCoulomb, HeldLinear, LIGHT, Loss, MEDIUM, Motion,
-    Stepper,
+    BareCoulomb, BareLinear, Device, FIRM, HeldCoulomb, HeldLinear, Kinematics, LIGHT, Loss,
+    MEDIUM, Stepper,
 };
 
 use crate::oracle::{KNOB, Random, STICKY_KNOB};

@@ -2,8 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 use touchstone_world::plant::{
-    BareCoulomb, BareLinear, Device, FIRM, Hand, HeldCoulomb, HeldLinear, LIGHT, MEDIUM, Motion,
-    State, Stepper,
+    BareCoulomb, BareLinear, Device, FIRM, Hand, HeldCoulomb, HeldLinear, Kinematics, LIGHT,
+    MEDIUM, State, Stepper,
 };
 
 use crate::oracle::{KNOB, Oracle, Random, STICKY_KNOB, assert_close};
@@ -255,7 +255,7 @@ fn run<P: Stepper>(plant: &P, mirror: f64, scale: f64, mut each: impl FnMut(usiz
     }
 }
 
-fn entries<S: Motion>(state: S) -> [f64; 4] {
+fn entries<S: Kinematics>(state: S) -> [f64; 4] {
     [
         state.position(),
         state.velocity(),

@@ -1,8 +1,8 @@
 //! Coulomb friction: rest is rest, and every stop and start is where it belongs.
 
 use touchstone_world::plant::{
-    BareCoulomb, BareLinear, Coulomb, Device, FIRM, Hand, HeldCoulomb, HeldLinear, LIGHT, MEDIUM,
-    Motion, State, Stepper,
+    BareCoulomb, BareLinear, Coulomb, Device, FIRM, Hand, HeldCoulomb, HeldLinear, Kinematics,
+    LIGHT, MEDIUM, State, Stepper,
 };
 
 use crate::oracle::{FRICTION, Full, KNOB, Oracle, Random, STICKY_KNOB, assert_close};

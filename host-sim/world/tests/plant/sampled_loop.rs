@@ -1,7 +1,7 @@
 //! Golden values: the stiffness at which the sampled loop turns unstable.
 
 use touchstone_world::plant::{
-    BareLinear, Device, FIRM, LIGHT, MEDIUM, Motion, State, Stepper, closed_loop_matrix,
+    BareLinear, Device, FIRM, Kinematics, LIGHT, MEDIUM, State, Stepper, closed_loop_matrix,
     critical_stiffness, spectral_radius,
 };
 

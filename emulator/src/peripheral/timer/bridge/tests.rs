@@ -1,11 +1,11 @@
 use super::*;
 
-fn started() -> Bridge {
+fn started() -> BridgeTimer {
     started_with(0)
 }
 
-fn started_with(idle_levels: u32) -> Bridge {
-    let mut tim = Bridge::default();
+fn started_with(idle_levels: u32) -> BridgeTimer {
+    let mut tim = BridgeTimer::default();
     tim.write(CR2, 7 << 20 | idle_levels << 8, 0);
     tim.write(ARR, 4_250, 0);
     tim.write(CCMR1, 0x6868, 0);
@@ -62,7 +62,7 @@ fn off_is_what_the_drivers_take_for_off() {
     tim.write(BDTR, BKE | OSSI, 200);
     assert_eq!(tim.duty(), [None; 3]);
     // The same levels switch the lower transistors of others on: all phases to ground.
-    let mut tim = Bridge {
+    let mut tim = BridgeTimer {
         gates: GateDriver::L6398,
         ..started()
     };
@@ -73,7 +73,7 @@ fn off_is_what_the_drivers_take_for_off() {
     tim.write(BDTR, BKE | OSSI | MOE, 300);
     assert_eq!(tim.duty(), [None; 3]);
     // With the polarity of the driver it is as it should be.
-    let mut tim = Bridge {
+    let mut tim = BridgeTimer {
         gates: GateDriver::L6398,
         ..started_with(0b10_1010)
     };
@@ -91,7 +91,7 @@ fn a_lock_holds_polarity_and_idle_levels() {
     // `started` had locked level 1 already.
     tim.write(CR2, 7 << 20 | 0x3f << 8, 10);
     assert_eq!(tim.read(CR2, 10), 7 << 20);
-    let mut tim = Bridge::default();
+    let mut tim = BridgeTimer::default();
     tim.write(CCER, 0x555, 0);
     tim.write(BDTR, BKE | OSSI | 2 << 8, 0);
     tim.write(CCER, 0xddd, 10);

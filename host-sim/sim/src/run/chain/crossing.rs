@@ -1,7 +1,7 @@
 //! How a torque command meets the plant over one tick.
 
 use std::collections::VecDeque;
-use touchstone_world::plant::{Motion, Stepper};
+use touchstone_world::plant::{Kinematics, Stepper};
 
 /// What one tick did at the wall's port and in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Flow {
 /// Carries a command through whatever lies before the plant, and the plant over one tick.
 pub trait Crossing {
     /// What a tick changes in the plant.
-    type State: Motion;
+    type State: Kinematics;
 
     /// Crosses one tick.
     fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
@@ -65,7 +65,7 @@ impl<S: Stepper> Crossing for Prompt<S> {
 
 /// Whatever else a scene names between torque and plant is reached by an indirect call, so that the loop is not compiled anew
 /// for it.
-impl<S: Motion> Crossing for Box<dyn Crossing<State = S>> {
+impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     type State = S;
 
     #[inline(always)]

@@ -81,7 +81,7 @@ impl Response {
         }
         // A wall that is left is no spring any more, whatever the sines say.
         self.touched &= penetration_rad > 0.0 && force_n_m > 0.0;
-        let (sin, cos) = ((index - from) as f64 * self.radians_per_tick).sin_cos();
+        let (sin, cos) = libm::sincos((index - from) as f64 * self.radians_per_tick);
         self.ticks += 1.0;
         self.cos += cos;
         self.sin += sin;
@@ -110,9 +110,9 @@ impl Response {
     #[must_use]
     pub fn stiffness(&self) -> Option<DynamicStiffness> {
         let (force, penetration) = (self.fitted(&self.force), self.fitted(&self.penetration));
-        let modulus = force.0.hypot(force.1) / penetration.0.hypot(penetration.1);
+        let modulus = libm::hypot(force.0, force.1) / libm::hypot(penetration.0, penetration.1);
         // a cos wt + b sin wt lags a cosine by atan2(b, a).
-        let lead = penetration.1.atan2(penetration.0) - force.1.atan2(force.0);
+        let lead = libm::atan2(penetration.1, penetration.0) - libm::atan2(force.1, force.0);
         let turns = lead / TAU;
         (self.touched && modulus.is_finite()).then(|| DynamicStiffness {
             frequency_hz: self.wiggle.frequency_hz,

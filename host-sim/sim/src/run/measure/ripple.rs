@@ -20,7 +20,7 @@ impl HighPass {
         if rate_hz < 4.0 * HIGH_PASS_HZ {
             return None;
         }
-        let corner = (PI * HIGH_PASS_HZ / rate_hz).tan();
+        let corner = libm::tan(PI * HIGH_PASS_HZ / rate_hz);
         let gain = 1.0 / (1.0 + SQRT_2 * corner + corner * corner);
         Some(Self {
             gain,

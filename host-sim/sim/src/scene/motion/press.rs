@@ -120,6 +120,6 @@ impl Press {
         let swell = (0.5 / self.wiggle_hz).min(0.5 * self.wiggle_s);
         let envelope =
             minimum_jerk(time_s / swell) * minimum_jerk((self.wiggle_s - time_s) / swell);
-        self.wiggle_rad * envelope * (TAU * self.wiggle_hz * time_s).sin()
+        self.wiggle_rad * envelope * libm::sin(TAU * self.wiggle_hz * time_s)
     }
 }

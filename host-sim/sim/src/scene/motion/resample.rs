@@ -105,7 +105,8 @@ fn low_pass(values: &[f64], step_s: f64) -> Vec<f64> {
     let sigma = LN_2.sqrt() / (2.0 * PI * SMOOTHING_HZ) / step_s;
     let reach = (4.0 * sigma).ceil() as isize;
     let mut weights: Vec<f64> = (-reach..=reach)
-        .map(|i| (-0.5 * (i as f64 / sigma).powi(2)).exp())
+        .map(|i| i as f64 / sigma)
+        .map(|x| libm::exp(-0.5 * x * x))
         .collect();
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);

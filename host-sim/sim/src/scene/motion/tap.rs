@@ -17,7 +17,7 @@ const HEIGHT_AT_STEEPEST: f64 = 125.0 / 216.0;
 
 /// ... with this slope over the angle: `6 sin⁵ cos = 6·(5/6)^(5/2)·(1/6)^(1/2)`.
 fn steepest_slope() -> f64 {
-    6.0 * (5.0_f64 / 6.0).powf(2.5) * (1.0_f64 / 6.0).sqrt()
+    6.0 * libm::pow(5.0 / 6.0, 2.5) * (1.0_f64 / 6.0).sqrt()
 }
 
 /// `sin⁶ θ` as a sum of `cos 2kθ`, k = 0 to 3.
@@ -80,7 +80,7 @@ impl TapPath {
         let share = time / self.length_s;
         let fading = |since: f64| {
             if self.pad_s > 0.0 {
-                self.left_over * (-since / self.pad_s).exp()
+                self.left_over * libm::exp(-since / self.pad_s)
             } else {
                 0.0
             }
@@ -92,7 +92,10 @@ impl TapPath {
             return self.outside_rad + fading(time - self.length_s) - fading(time);
         }
         let bump: f64 = (self.rest.iter().enumerate())
-            .map(|(k, amplitude)| (amplitude * Complex::from_polar(1.0, TAU * k as f64 * share)).re)
+            .map(|(k, amplitude)| {
+                let (sin, cos) = libm::sincos(TAU * k as f64 * share);
+                amplitude.re * cos - amplitude.im * sin
+            })
             .sum();
         self.outside_rad + bump - fading(time)
     }

@@ -374,4 +374,4 @@ const JOINED: [Field; COUNT] = {
 };
 
 /// All fields, in the order in which they are printed.
-pub(crate) const FIELDS: &[Field] = &JOINED;
+pub const FIELDS: &[Field] = &JOINED;

@@ -6,11 +6,12 @@
 
 mod fields;
 
-pub(crate) use fields::{FIELDS, MOTION_KIND, OPTIONAL_TABLES};
+pub use fields::FIELDS;
+pub(crate) use fields::{MOTION_KIND, OPTIONAL_TABLES};
 
 /// What a field may hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// Any text.
     Text,
     /// `true` or `false`.
@@ -25,7 +26,7 @@ pub(crate) enum Kind {
 
 /// Range of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Range {
+pub enum Range {
     /// Any finite number.
     Any,
     /// Any but 0.
@@ -79,7 +80,7 @@ impl Range {
 
 /// One field.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Field {
+pub struct Field {
     /// Tables and name, dotted.
     pub path: &'static str,
     /// Suffix of its unit; empty where it has none.

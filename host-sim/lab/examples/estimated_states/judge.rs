@@ -2,8 +2,8 @@
 
 use crate::bench::{Deed, Knob, PUSH_N_M, RAMP_S, SETTLE_S, Tick, play};
 use std::f64::consts::TAU;
-use touchstone::plant::Hand;
 use touchstone_control::{Controller, Fixed32};
+use touchstone_world::plant::Hand;
 
 /// Worst figures of one knob and grip.
 #[derive(Debug, Clone, Copy, Default)]

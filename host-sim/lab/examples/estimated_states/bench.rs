@@ -2,8 +2,10 @@
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use touchstone::plant::{Coulomb, Device, Hand, HeldCoulomb, Motion, State, Stepper};
 use touchstone_control::{Controller, CountScale, Fixed32, Si};
+use touchstone_world::plant::{
+    Coulomb, Device, Hand, HeldCoulomb, Kinematics as _, State, Stepper,
+};
 
 /// A device as it is, which need not be as its controller believes.
 #[derive(Debug, Clone, Copy)]
@@ -110,12 +112,12 @@ pub fn play(
     mut take: impl FnMut(&Tick),
 ) -> Option<()> {
     let friction = Coulomb {
-        kinetic_n_m: knob.friction_n_m,
-        static_n_m: knob.friction_n_m,
+        kinetic: knob.friction_n_m,
+        breakaway: knob.friction_n_m,
     };
     let device = Device {
-        inertia_kg_m2: knob.inertia_kg_m2,
-        damping_n_m_s_per_rad: knob.damping_n_m_s_per_rad,
+        inertia: knob.inertia_kg_m2,
+        damping: knob.damping_n_m_s_per_rad,
         friction: Some(friction),
     };
     let period = 1.0 / f64::from(knob.rate_hz);
@@ -126,19 +128,19 @@ pub fn play(
     let surface: f64 = SURFACE.to_num();
     let step = TAU / f64::from(knob.counts_per_rev);
     let shift =
-        1.0 / hand.pad_stiffness_n_m_per_rad + 1.0 / hand.stiffness_n_m_per_rad + 1.0 / k_desired;
+        1.0 / hand.pad_stiffness + 1.0 / hand.stiffness + 1.0 / k_desired;
     let mut state = State::<4>::at_rest(surface - APPROACH_RAD);
     let mut queue = VecDeque::from(vec![0.0; whole as usize + 1]);
     let (mut wall_j, mut lost_j) = (0.0, 0.0);
     for tick in 0..(deed.end_s() / period) as u64 {
         let time_s = tick as f64 * period;
         let rest = surface + deed.rest_rad(shift, time_s);
-        let count = (state.angle_rad() / step).round() as i64;
+        let count = (state.position() / step).round() as i64;
         let force = wall.tick(scale.penetration::<Fixed32>(count)).to_f64();
-        let v = state.velocity_rad_per_s();
+        let v = state.velocity();
         take(&Tick {
             time_s,
-            penetration_rad: state.angle_rad() - surface,
+            penetration_rad: state.position() - surface,
             force_n_m: force,
             wall_j,
             hand_j: wall_j + lost_j + 0.5 * knob.inertia_kg_m2 * v * v,
@@ -148,9 +150,9 @@ pub fn play(
         let new = queue.front().copied().unwrap_or(old);
         for (part, torque, length) in [(&before, old, fraction), (&after, new, 1.0 - fraction)] {
             if length > 0.0 {
-                let from = state.angle_rad();
+                let from = state.position();
                 lost_j += part.step_with_loss(&mut state, torque, rest).device_j;
-                wall_j -= torque * (state.angle_rad() - from);
+                wall_j -= torque * (state.position() - from);
             }
         }
     }

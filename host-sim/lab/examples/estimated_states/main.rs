@@ -1,5 +1,5 @@
 //! Settings of laws on estimated states, found by covariance matrix adaptation and judged case by case:
-//! `cargo run --release --example estimated_states -- search spring 20`, `-- table`.
+//! `cargo run --release -p touchstone-lab --example estimated_states -- search spring 20`, `-- table`.
 //!
 //! Three grips, each of nominal, 16,384 counts, half and double inertia, and 0.1, 0.5 and 1 ms of delay, each alone; one
 //! setting for all of them.
@@ -10,10 +10,10 @@ mod judge;
 
 use bench::{Deed, Knob};
 use judge::{Figures, figures};
-use touchstone::plant::{FIRM, Hand, LIGHT, MEDIUM};
 use touchstone_control::{
     Controller, EstimatorSettings, FilterSettings, Fixed32, LawKind, Settings, Si,
 };
+use touchstone_world::plant::{FIRM, Hand, LIGHT, MEDIUM};
 
 const NOMINAL: Knob = Knob {
     inertia_kg_m2: 1e-4,

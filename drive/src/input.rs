@@ -1,0 +1,23 @@
+//! What a control tick is given.
+
+use crate::current::CurrentReport;
+use crate::encoder::EncoderReading;
+use crate::timing::TickTiming;
+use touchstone_protocol::Command;
+
+/// What the firmware read for a control tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ControlInput {
+    /// The encoder.
+    pub encoder: EncoderReading,
+    /// The current loop's mailbox; the default for a board without one.
+    pub current: CurrentReport,
+    /// What a person or the desktop asks for, if anything.
+    pub command: Option<Command>,
+    /// The hardware break has pulled since [`ControlOutput::clear_latches`](crate::ControlOutput::clear_latches) was last given.
+    pub hardware_break: bool,
+    /// The gate driver reports an error.
+    pub gate_driver_error: bool,
+    /// Cycles.
+    pub timing: TickTiming,
+}

@@ -1,0 +1,104 @@
+//! JSON schemas of the two files that a person writes, a scene and a device's settings, made from the tables that read them.
+//! `docs/schema/` holds their texts.
+
+use serde_json::{Value, json};
+use touchstone_protocol::settings::fields;
+use touchstone_sim::scene::schema::{self as scene, Range};
+
+/// A setting file of a device, as `config import` takes it.
+pub fn settings() -> Value {
+    let leaves = fields::FIELDS.iter().map(|field| {
+        let value = match field.kind {
+            fields::Kind::Number { least, most } => {
+                json!({"type": "number", "minimum": exact(&least), "maximum": exact(&most)})
+            }
+            fields::Kind::Whole { least, most } => {
+                json!({"type": "integer", "minimum": least, "maximum": most})
+            }
+            fields::Kind::Choice(words) => json!({"enum": words}),
+            fields::Kind::Flag => json!({"type": "boolean"}),
+        };
+        (field.path, described(value, field.about, field.unit))
+    });
+    file("Settings of a device of Touchstone", leaves)
+}
+
+/// A scene, as `run` takes it.
+pub fn scene() -> Value {
+    let leaves = scene::FIELDS.iter().map(|field| {
+        let value = match field.kind {
+            scene::Kind::Number(range) => number(range),
+            scene::Kind::Whole(least, most) => {
+                json!({"type": "integer", "minimum": least, "maximum": most})
+            }
+            scene::Kind::Choice(words) => json!({"enum": words}),
+            scene::Kind::Flag => json!({"type": "boolean"}),
+            scene::Kind::Text => json!({"type": "string"}),
+        };
+        let about = match field.absent {
+            Some(absent) => format!("{}; left out: {absent}", field.about),
+            None => field.about.to_owned(),
+        };
+        (field.path, described(value, &about, field.unit_shown()))
+    });
+    file("A scene of Touchstone", leaves)
+}
+
+fn number(range: Range) -> Value {
+    let mut value = json!({"type": "number"});
+    let mut also = |key: &str, bound: Value| value[key] = bound;
+    match range {
+        Range::Any => {}
+        Range::NotZero => also("not", json!({"const": 0})),
+        Range::Positive => also("exclusiveMinimum", json!(0)),
+        Range::NotNegative => also("minimum", json!(0)),
+        Range::AtLeast(least) => also("minimum", json!(least)),
+        Range::UpTo(most) => {
+            also("exclusiveMinimum", json!(0));
+            also("maximum", json!(most));
+        }
+        Range::Within(least, most) => {
+            also("minimum", json!(least));
+            also("maximum", json!(most));
+        }
+        Range::Exactly(least, most) => {
+            also("minimum", exact(&least));
+            also("maximum", exact(&most));
+        }
+    }
+    value
+}
+
+/// A bound of a table as JSON has it.
+fn exact(decimal: &impl std::fmt::Display) -> Value {
+    let text = decimal.to_string();
+    serde_json::from_str(&text).unwrap_or(Value::String(text))
+}
+
+fn described(mut value: Value, about: &str, unit: &str) -> Value {
+    value["description"] = match unit {
+        "" => about.into(),
+        unit => format!("{about}; {unit}").into(),
+    };
+    value
+}
+
+/// The schema of a file with these leaves; whatever is left out keeps its default.
+fn file(title: &str, leaves: impl Iterator<Item = (&'static str, Value)>) -> Value {
+    let table = || json!({"type": "object", "additionalProperties": false, "properties": {}});
+    let mut root = table();
+    root["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    root["title"] = title.into();
+    for (path, leaf) in leaves {
+        let (tables, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let mut place = &mut root;
+        for name in tables.split('.').filter(|name| !name.is_empty()) {
+            place = &mut place["properties"][name];
+            if place.is_null() {
+                *place = table();
+            }
+        }
+        place["properties"][name] = leaf;
+    }
+    root
+}
