@@ -481,12 +481,14 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
     let good = EstimatorSettings::default();
     let lit = |text: &str| Si::from_str(text).unwrap();
     assert_eq!(good.validate(1000, LIMIT), Ok(()));
-    let cases: [(
+    /// Field, how it is set, both ends of what is accepted, what is refused beyond them.
+    type Case = (
         EstimatorField,
         fn(&mut EstimatorSettings, Si),
-        [&str; 2],
-        [&str; 2],
-    ); 4] = [
+        [&'static str; 2],
+        [&'static str; 2],
+    );
+    let cases: [Case; 4] = [
         (
             EstimatorField::Bandwidth,
             |s, x| s.bandwidth_hz = x,

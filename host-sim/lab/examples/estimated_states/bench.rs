@@ -127,8 +127,7 @@ pub fn play(
     let scale = CountScale::new(knob.counts_per_rev, SURFACE)?;
     let surface: f64 = SURFACE.to_num();
     let step = TAU / f64::from(knob.counts_per_rev);
-    let shift =
-        1.0 / hand.pad_stiffness + 1.0 / hand.stiffness + 1.0 / k_desired;
+    let shift = 1.0 / hand.pad_stiffness + 1.0 / hand.stiffness + 1.0 / k_desired;
     let mut state = State::<4>::at_rest(surface - APPROACH_RAD);
     let mut queue = VecDeque::from(vec![0.0; whole as usize + 1]);
     let (mut wall_j, mut lost_j) = (0.0, 0.0);
