@@ -164,7 +164,7 @@ fn log() {
 
 /// A text in flash; empty if that is not where it is, as after another program was flashed.
 fn text(start: u32, length: u32) -> &'static str {
-    const FLASH: core::ops::Range<u32> = 0x0800_0000..0x0801_8000;
+    const FLASH: core::ops::Range<u32> = 0x0800_0000..0x0801_C000;
     let is_inside =
         FLASH.contains(&start) && length <= 200 && FLASH.contains(&start.saturating_add(length));
     if !is_inside {

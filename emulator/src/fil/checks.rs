@@ -172,7 +172,7 @@ fn the_same_twice(program: &Program, setup: &Setup, tally: &mut Tally) {
         bench.arm()?;
         bench.run(100 * MS)?;
         let chip = bench.machine.chip();
-        let memory = bench.machine.memory(crate::cpu::RAM, 24 * 1024);
+        let memory = bench.machine.memory(crate::cpu::RAM, 32 * 1024);
         let world = (
             chip.world.angle_rad().to_bits(),
             chip.core.now,
