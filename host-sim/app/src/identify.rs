@@ -100,8 +100,8 @@ pub fn main(options: &Options) -> Result<()> {
             found.value, found.uncertainty
         )
     };
-    say!("");
-    say!("free, from swings at three speeds both ways (± one standard uncertainty):");
+    tell!("");
+    tell!("free, from swings at three speeds both ways (± one standard uncertainty):");
     say!("{}", line("inertia", mechanics.inertia_kg_m2, "kg·m²"));
     say!(
         "{}",
@@ -116,8 +116,8 @@ pub fn main(options: &Options) -> Result<()> {
         "left unexplained   {:.1e} rad rms",
         mechanics.residual_rms_rad
     );
-    say!("");
-    say!("held, by Algorithm 2.1, {} presses:", found.presses.len());
+    tell!("");
+    tell!("held, by Algorithm 2.1, {} presses:", found.presses.len());
     say!(
         "c_i               {:.4e} ± {:.1e} N·m·s/rad,  k_c = 2 c_i/T  {k_critical:.3} N·m/rad",
         found.damping,
