@@ -431,7 +431,7 @@ fn main() {
             let zeta = 0.3;
             let b = 2.0 * zeta * (k * 1e-4_f64).sqrt();
             let start: Vec<f64> = if words.len() > 5 {
-                (5..words.len()).map(|i| number(i)).collect()
+                (5..words.len()).map(&number).collect()
             } else if spring {
                 vec![b, 60.0, 0.8, 1.0]
             } else {
