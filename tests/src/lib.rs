@@ -10,3 +10,15 @@ pub mod random;
 pub mod search;
 pub mod si;
 pub mod variants;
+
+/// A shipped scene with the thesis' law, which is what most tests are about.
+///
+/// # Panics
+/// If there is no such scene.
+#[must_use]
+pub fn thesis(name: &str) -> touchstone_sim::scene::Scene {
+    use touchstone_sim::scene::{Preset, Scene};
+    Scene::load(name)
+        .and_then(|scene| scene.with_preset(Preset::Thesis))
+        .unwrap_or_else(|error| panic!("{error}"))
+}
