@@ -9,7 +9,7 @@ use crate::bench::{Bench, MS, Setup};
 use crate::board::{Board, Encoder};
 use crate::cpu::core::Cost;
 use crate::cpu::elf::Program;
-use crate::cpu::exception::Handler;
+use crate::cpu::handler::Handler;
 use crate::cpu::nvic::FIRST;
 use crate::fil::fault::Fault;
 use crate::fil::jobs::Programs;

@@ -7,6 +7,7 @@ pub mod count;
 pub mod cpu;
 pub mod fil;
 pub mod link;
+pub mod machine;
 pub mod peripheral;
 pub mod serve;
 pub mod world;
