@@ -2,6 +2,9 @@
 
 pub mod bench;
 pub mod board;
+#[allow(dead_code, reason = "each of its readers needs some")]
+#[path = "../../firmware/budgets.rs"]
+mod budgets;
 pub mod chip;
 pub mod count;
 pub mod cpu;
