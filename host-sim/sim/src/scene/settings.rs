@@ -1,6 +1,6 @@
 //! A scene's law and wall as the control crate's settings: exact, and checked there.
 
-use touchstone_control::{Settings, Si, setting_path};
+use touchstone_control::{PositionSettings, Settings, Si, setting_path};
 
 use super::experiment::Scene;
 use crate::error::Result;
@@ -44,12 +44,31 @@ macro_rules! settings {
                     $($group: touchstone_control::settings::$Group {
                         $($field: row!(self setting_path!((law $group) $name), law.$group, $name: $kind $range),)+
                     },)+
+                    position: self.position_settings(),
                 })
             }
         }
     };
 }
 touchstone_control::law_settings!(settings);
+
+impl Scene {
+    /// What the encoder makes of a position; nothing where there is none.
+    fn position_settings(&self) -> PositionSettings {
+        let count = self
+            .encoder
+            .as_ref()
+            .map_or(0.0, |encoder| encoder.step_rad());
+        PositionSettings {
+            // Rounded up.
+            count: Si::saturating_from_num(count).saturating_add(if count > 0.0 {
+                Si::DELTA
+            } else {
+                Si::ZERO
+            }),
+        }
+    }
+}
 
 /// An SI value of a scene in the control crate's exact format.
 fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
