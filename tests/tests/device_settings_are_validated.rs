@@ -18,13 +18,7 @@ fn roomy(board: Board) -> DeviceSettings {
     };
     settings.encoder.kind = EncoderKind::Incremental;
     settings.timing.rate_hz = 500;
-<<<<<<< HEAD
-    // Both have bounds that go with the device's other settings.
-    settings.law.states = StatesKind::Measured;
-    settings.law.guard.on = false;
-=======
     settings.law = LawSettings::thesis();
->>>>>>> main
     settings.law.force_limit_n_m = Si::lit("0.000001");
     settings.motor.torque_constant_n_m_per_a = Si::lit("10");
     settings.motor.current_limit_a = Si::lit(largest);
