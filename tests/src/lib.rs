@@ -9,4 +9,5 @@ pub mod port;
 pub mod random;
 pub mod search;
 pub mod si;
+pub mod space;
 pub mod variants;
