@@ -10,4 +10,5 @@ pub mod random;
 pub mod search;
 pub mod si;
 pub mod space;
+pub mod space_port;
 pub mod variants;

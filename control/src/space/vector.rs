@@ -165,12 +165,17 @@ impl<N: Spatial> Direction<N> {
     pub fn opposite(&self) -> Self {
         Self(self.0.map(N::neg))
     }
-    /// Turned towards another by the angle of which the cosine and the sine are given; itself where the two are parallel or opposite.
+    /// Turned towards another by the angle of which the cosine and the sine are given, to a few quanta; itself where the two are
+    /// parallel or opposite.
     #[inline]
     #[must_use]
     pub fn turned(&self, towards: &Self, turn: &Turn<N>) -> Self {
         let across = self.across(Vector(towards.0.map(Position)));
-        let Some(side) = Self::of(across) else {
+        // Twice: between nearly parallel directions the first is short, and its rounding is not.
+        let side = Self::of(across)
+            .map(|side| self.across(Vector(side.0.map(Position))))
+            .and_then(Self::of);
+        let Some(side) = side else {
             return *self;
         };
         let parts = self.times(Position(turn.cosine)) + side.times(Position(turn.sine));
