@@ -176,7 +176,7 @@ fn a_turn_is_by_its_angle() {
             let (from, to) = (any(), any());
             let (a, b) = (numbers(&from), numbers(&to));
             // Between nearly parallel directions there is no one plane to turn in, and past the aim is no aim.
-            if angle(a, b) < ratio.atan() + 1e-3 || angle(a, b) > 3.14 {
+            if angle(a, b) < ratio.atan() + 1e-3 || angle(a, b) > 3.139 {
                 continue;
             }
             let turned = numbers(&from.turned(&to, &turn));
