@@ -42,14 +42,19 @@ pub struct FrictionState<N: Spatial> {
     pub sliding: bool,
     /// The stretch of the spring: from the anchor to the HIP, across the normal.
     pub stretch: Vector<Position<N>>,
-    contact: Option<Hold<N>>,
+    /// While there is contact.
+    pub contact: Option<Hold<N>>,
 }
 
+/// Where the spring is held.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Hold<N: Spatial> {
-    anchor: Vector<Position<N>>,
-    last: Vector<Position<N>>,
-    normal: Direction<N>,
+pub struct Hold<N: Spatial> {
+    /// The end that does not move in stick.
+    pub anchor: Vector<Position<N>>,
+    /// The HIP in the last tick.
+    pub last: Vector<Position<N>>,
+    /// The normal of the last tick.
+    pub normal: Direction<N>,
 }
 
 impl<N: Spatial> Friction<N> {

@@ -27,11 +27,11 @@ pub struct VectorGuardState<N: Spatial> {
     /// What the hand may still get out.
     pub account: Energy<N>,
     /// Against the force of the last tick: what a displacement along it puts in.
-    against: Vector<Force<N>>,
+    pub against: Vector<Force<N>>,
     /// That of the tick before it.
-    older: Vector<Force<N>>,
+    pub older: Vector<Force<N>>,
     /// No force of the last tick was longer.
-    size: Force<N>,
+    pub size: Force<N>,
 }
 
 /// A little more than the root of three.

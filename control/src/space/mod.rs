@@ -14,7 +14,7 @@ pub mod guard;
 pub mod magnitude;
 pub mod number;
 pub mod per_axis;
-mod root;
+pub mod root;
 pub mod scalar;
 pub mod surface_point;
 pub mod touch;

@@ -95,16 +95,21 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         }
         let [ox, oy, oz] = &self.laws;
         let offset = Vector([ox, oy, oz].map(|law| law.view().offset));
-        match self.leaving {
-            Leaving::Decoupled => false,
-            Leaving::AnyAxis => e
-                .zip(offset, |e, o| e + o < Position::zero())
-                .0
-                .contains(&true),
-            Leaving::Projection => {
-                // e_i <= 0 here: e_i (e_i + O_i) = e_i² - |e_i| O_i, exact but for what a format cannot hold.
-                let product = e.zip(offset, |e, o| Force::<N>(e.0) * (e + o)).0;
-                let [x, y, z] = product;
+        self.leaving.ends(e, offset)
+    }
+}
+
+impl Leaving {
+    /// Outside: whether a contact ends, by the penetration along each axis (none positive) and the offset (none negative).
+    #[inline]
+    pub fn ends<N: Spatial>(self, e: Vector<Position<N>>, offset: Vector<Position<N>>) -> bool {
+        let reach = e + offset;
+        match self {
+            Self::Decoupled => false,
+            Self::AnyAxis => reach.0.iter().any(|reach| *reach < Position::zero()),
+            Self::Projection => {
+                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact but for what a format cannot hold.
+                let [x, y, z] = e.zip(reach, |e, reach| Force::<N>(e.0) * reach).0;
                 x + y + z > Energy::zero()
             }
         }

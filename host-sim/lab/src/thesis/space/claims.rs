@@ -235,7 +235,8 @@ fn sliding(runs: &[Record]) -> Claim {
         statement: "on the sphere the magnitude shows the desired stiffness even while it slides at 50 mm/s",
         outcome: outcome((whole / 25.0 - 1.0).abs() <= 0.05),
         measured: format!(
-            "{whole:.2} N/mm of 25 over the slide (within 5 %); tenths of it {least:.2} to {most:.2}"
+            "{whole:.2} N/mm of 25 over a slide of {:.1} mm/s (within 5 %); tenths of it {least:.2} to {most:.2}",
+            run.speed_mm_per_s(slide)
         ),
     }
 }

@@ -108,8 +108,8 @@ impl Object {
             Self::Horizontal => [0.0, 0.0, 1.0],
             // Another share along every axis; of length 1.
             Self::Inclined => [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0],
-            // Where no component is zero.
-            Self::Sphere => [-6.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0],
+            // Where no component is zero; a slide comes to where the first one changes its sign.
+            Self::Sphere => [-3.0 / 7.0, 2.0 / 7.0, 6.0 / 7.0],
         }
     }
 }

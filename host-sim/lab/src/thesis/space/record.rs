@@ -128,6 +128,21 @@ impl Record {
         (sum / count.max(1.0)).sqrt()
     }
 
+    /// How fast the HIP goes along the surface in a stretch, in the mean, mm/s.
+    #[must_use]
+    pub fn speed_mm_per_s(&self, ticks: std::ops::Range<usize>) -> f64 {
+        let seconds = self.time_s[ticks.end - 1] - self.time_s[ticks.start];
+        let way: f64 = ticks
+            .skip(1)
+            .map(|t| {
+                length(std::array::from_fn(|i| {
+                    self.hip_mm[t][i] - self.hip_mm[t - 1][i]
+                }))
+            })
+            .sum();
+        way / seconds
+    }
+
     /// Most of the tangential over the normal force in a stretch in which there is one.
     #[must_use]
     pub fn most_tangential(&self, ticks: std::ops::Range<usize>) -> f64 {
