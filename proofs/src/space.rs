@@ -111,14 +111,12 @@ macro_rules! space {
             property! {
                 /// P4: a limited vector is within the limit, none of its components grows or changes its sign, and one within the limit is left as it is.
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
-                over "every vector within the format's length, every limit"
+                over "every vector, every limit from 0 to below the end of the format"
                 by $solver fn p4_within(s) {
                     let (v, limit) = (forces::<N, S>(s), N::any_force(s));
                     let bits = force_bits(v);
                     let most = i128::from(N::of_signal(limit.0));
-                    assume!(s, limit >= Force::zero(), "Settings: a limit is none below 0");
-                    let longest = i128::from(N::of_signal(N::HIGHEST));
-                    assume!(s, squares(bits) <= longest * longest, "a device's forces: far below the format");
+                    assume!(s, limit >= Force::zero() && most < i128::from(N::of_signal(N::HIGHEST)), "validate: a limit is far within the format");
                     let after = force_bits(v.within(limit));
                     assert!(squares(after) <= most * most);
                     assert!(squares(bits) > most * most || after == bits);

@@ -122,12 +122,7 @@ impl<N: Spatial> VectorGuard<N> {
         let free = account.minus_fitting(reserve).max(Energy::zero());
         let limit = guard.largest_force(free);
         let length = wanted.length_up();
-        let (force, size) = if length <= limit {
-            (wanted, length)
-        } else {
-            let shorter = wanted.map(|part| Force(N::share(part.0, limit.0, length.0)));
-            (shorter, limit)
-        };
+        let (force, size) = (wanted.shortened(length, limit), length.min(limit));
         *state = VectorGuardState {
             account: free.plus_fitting(reserve),
             against: -force,

@@ -63,16 +63,32 @@ macro_rules! signal_vector {
             pub fn length_up(self) -> $quantity<N> {
                 $quantity(N::length_up(self.signals()))
             }
-            /// Limited to a length, never longer; shorter by less than two quanta of each component, and a vector within the limit
+            /// Limited to a length below the end of the format, never longer; shorter by less than three quanta of each component, and a vector within the limit
             /// stays as it is. The direction is kept to the rounding of the components, each towards zero.
             #[inline]
             #[must_use]
             pub fn within(self, limit: $quantity<N>) -> Self {
-                let length = self.length_up();
+                self.shortened(self.length_up(), limit)
+            }
+            /// [`Vector::within`] where the length, rounded up, is known already.
+            #[inline]
+            pub(super) fn shortened(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
                 if length <= limit {
                     return self;
                 }
+                // At the end of the format a length is no length any more: that of the half is.
+                if length + $quantity::<N>::quantum() == length {
+                    return self.half_shortened(limit);
+                }
                 self.map(|x| $quantity(N::share(x.0, limit.0, length.0)))
+            }
+            #[cold]
+            fn half_shortened(self, limit: $quantity<N>) -> Self {
+                let (one, two) = (N::QUANTUM, N::add(N::QUANTUM, N::QUANTUM));
+                let half = self.map(|x| $quantity(N::share(x.0, one, two)));
+                // A quantum more than its own length, for the halves that were rounded.
+                let length = half.length_up() + $quantity::<N>::quantum();
+                half.map(|x| $quantity(N::share(x.0, limit.0, length.0)))
             }
         }
     };
