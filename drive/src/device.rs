@@ -5,12 +5,12 @@
 //! ```
 //!
 //! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator: its force is a function of the counts
-//! since the tick that armed, and of nothing else. What holds the force back (fading in, current limit, temperature) comes
-//! after it.
+//! since the tick that armed, of the guard's account then, and of what became of its forces: what holds them back (fading in,
+//! current limit, temperature) comes after it and is told to its estimator and its guard.
 
 use crate::angle::Angle;
 use crate::calibration::{Alignment, Calibration, Progress};
-use crate::command::{DacCode, Drive, DriveCommand, Rotor};
+use crate::command::{DacCode, Drive, DriveCommand, Driven, Rotor};
 use crate::config::{Config, Configs};
 use crate::current::{CurrentCommand, CurrentConfig, CurrentReport};
 use crate::hardware::Hardware;
@@ -279,7 +279,7 @@ impl Device {
             self.zero = count;
         }
         if after == State::Armed {
-            self.law = self.configs.now().law;
+            self.law = self.configs.now().law.resumed(&self.law);
             self.fade = 0;
         }
         self.calibration = None;
@@ -351,11 +351,25 @@ impl Device {
             against,
             derating,
         };
-        let (drive, limits) = self.configs.now().drive.command(torque, &rotor);
+        let driven = self.configs.now().drive.command(torque, &rotor);
+        if fading || driven.torque != torque {
+            self.law.commanded(Force(I8F24::from_bits(
+                driven.torque.0.to_bits().saturating_neg(),
+            )));
+        }
+        if self.law.tripped() {
+            let speed = self.record.speed_rad_per_s;
+            self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
+        }
+        let Driven {
+            command: drive,
+            limits,
+            ..
+        } = driven;
         let record = &mut self.record;
         record.law_ran = true;
         record.force = force;
-        record.torque = torque;
+        record.torque = driven.torque;
         record.offset = view.offset;
         record.energy = view.energy;
         record.contact = view.contact;

@@ -125,7 +125,7 @@ pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
             damping: si("0"),
             ground_damping: si("50"),
         },
-        ..Settings::default()
+        ..Settings::thesis()
     }
 }
 

@@ -1,8 +1,7 @@
 //! The hand's port of a device of three axes, in exact energy, and hands that want some: as `port` and `adversary` for one.
 
-use touchstone_control::guard::ChangeOfForce;
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
-use touchstone_control::{GuardSettings, GuardedDevice, Si};
+use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
 
 use crate::search;
 use crate::space::{F, Push, at, dot, length, newton, push_in_n};
@@ -75,13 +74,14 @@ impl Port {
                 overspeed: si(FASTEST_MM),
                 delay: si(delay_ticks * TICK_S),
                 lag: Si::ZERO,
-                count: si(COUNT_MM * 1e-3),
+                on: true,
+                damping: si(2.5),
                 change: ChangeOfForce::Estimated,
             },
             &GuardedDevice {
                 rate_hz: 1000,
-                damping: si(2.5),
                 force_limit: si(12.0),
+                count: si(COUNT_MM * 1e-3),
             },
         );
         VectorGuard::new(&settings, &device).expect("settings")

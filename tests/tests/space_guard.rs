@@ -63,13 +63,13 @@ fn guard() -> VectorGuard<Fixed32> {
         &GuardSettings {
             capacity: si("0.02"),
             overspeed: si("1"),
-            count: si("0.00001"),
+            damping: si("2.5"),
             ..GuardSettings::default()
         },
         &GuardedDevice {
             rate_hz: 1000,
-            damping: si("2.5"),
             force_limit: si("12"),
+            count: si("0.00001"),
         },
     );
     VectorGuard::new(&settings, &device).expect("settings")

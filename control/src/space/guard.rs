@@ -10,9 +10,8 @@
 
 use super::number::Spatial;
 use super::vector::Vector;
-use crate::guard::{Guard, GuardError, GuardSettings, GuardedDevice, Overspeed};
-use crate::settings::Si;
-use crate::{Energy, Force, Position};
+use crate::guard::{Guard, Overspeed};
+use crate::{Energy, Force, GuardSettings, GuardedDevice, Position, SettingsError, Si};
 
 /// The guard's coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,14 +41,14 @@ impl<N: Spatial> VectorGuard<N> {
     ///
     /// # Errors
     /// As [`Guard::new`].
-    pub fn new(settings: &GuardSettings, device: &GuardedDevice) -> Result<Self, GuardError> {
+    pub fn new(settings: &GuardSettings, device: &GuardedDevice) -> Result<Self, SettingsError> {
         let of_axis = Guard::new(settings, device)?;
         let of_length: Guard<N> = Guard::new(
-            &GuardSettings {
-                count: settings.count.saturating_mul(ROOT_OF_THREE),
-                ..*settings
+            settings,
+            &GuardedDevice {
+                count: device.count.saturating_mul(ROOT_OF_THREE),
+                ..*device
             },
-            device,
         )?;
         // The quantum that a position is rounded by, as a vector: one more than along an axis.
         Ok(Self {

@@ -9,7 +9,7 @@
 //! What still does not fit (0.7 kg at 10 kHz) is refused by the error of the coefficient's own field.
 
 use crate::settings::{FilterSettings, Settings, Si};
-use crate::{AnyLaw, GuardSettings, GuardedDevice, Number, SettingsError};
+use crate::{AnyLaw, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind};
 
 /// Which length is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -62,6 +62,12 @@ impl LengthUnit {
             virtual_damping: self.per_length(si.virtual_damping),
             energy_credit: self.of_length(si.energy_credit),
             filter,
+            // A law's coefficients are built of these alone; guard and estimator of three axes have their own.
+            guard: GuardSettings {
+                on: false,
+                ..GuardSettings::default()
+            },
+            states: StatesKind::Measured,
             ..*si
         }
     }
@@ -71,8 +77,15 @@ impl LengthUnit {
     /// # Errors
     /// As [`AnyLaw::new`]; a range is that of the setting in SI, a coefficient that does not fit is told in this unit.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
-        si.validate()?;
-        AnyLaw::new(&self.settings(si))
+        let unit = self.settings(si);
+        // Ranges are those of SI; the guard and the estimator of one axis are none of these.
+        Settings {
+            guard: unit.guard,
+            states: unit.states,
+            ..*si
+        }
+        .validate()?;
+        AnyLaw::new(&unit)
     }
 
     /// The settings of the energy guard and its device, given in SI, in this unit.
@@ -87,11 +100,11 @@ impl LengthUnit {
                 capacity: self.of_length(si.capacity),
                 refill: self.of_length(si.refill),
                 overspeed: self.of_length(si.overspeed),
-                count: self.of_length(si.count),
+                damping: self.per_length(si.damping),
                 ..*si
             },
             GuardedDevice {
-                damping: self.per_length(device.damping),
+                count: self.of_length(device.count),
                 ..*device
             },
         )

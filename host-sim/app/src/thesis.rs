@@ -11,10 +11,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_control::LawKind;
 use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
-use touchstone_lab::thesis::{self, COUNTS, GRIPS, REPLACED, STIFFNESSES, claims};
+use touchstone_lab::thesis::{self, COUNTS, GRIPS, REPLACED, STIFFNESSES, TDPA_OBSERVES, claims};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::{Run, Verdict};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Preset, Scene};
 
 /// Options of `thesis`.
 #[derive(Debug, Clone, clap::Args)]
@@ -30,7 +30,7 @@ pub struct Options {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     dof: u8,
     /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
-    /// encoder, which the comparison itself varies.
+    /// encoder, which the comparison itself varies. TDPA keeps the thesis' observer whatever law.observer says.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Refuses an enhanced law beyond its own passivity bounds instead of warning of it; ends with 3 where a run of it gives energy.
@@ -73,8 +73,11 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let command = super::command_line();
     let files = options.report.files();
     report::check_folder(&options.out, &command, files.force)?;
-    let base = Scene::load("thesis-knob")?.with_overrides(&options.sets)?;
-    let warnings = check(&base, options.strict_passive)?;
+    let base = Scene::load("thesis-knob")?
+        .with_preset(Preset::Thesis)?
+        .with_overrides(&options.sets)?;
+    let mut notes = check(&base, options.strict_passive)?;
+    notes.push(format!("{TDPA_OBSERVES}."));
     let cells = thesis::cells(&base)?;
     interrupt::clean_up()?;
     interrupt::sweep(&options.out);
@@ -96,7 +99,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .collect();
     tell!("{}", table::render(&plotted, Colour::detect()).trim_end());
     tell!("");
-    tell!("{}", others(&runs));
+    tell!("{} {TDPA_OBSERVES}.", others(&runs));
     tell!("");
     tell!("{}", claims_text(&claims).trim_end());
 
@@ -114,7 +117,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         files,
         k_critical: Some(k_critical),
         runs: &runs,
-        notes: &warnings,
+        notes: &notes,
         row_notes: &row_notes,
         sections: &[section],
     };

@@ -187,7 +187,7 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
             damping: Si::ZERO,
             ground_damping: si(50.0),
         },
-        ..Settings::default()
+        ..Settings::thesis()
     }
 }
 
