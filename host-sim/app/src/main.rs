@@ -19,6 +19,7 @@ mod run;
 mod scene_options;
 mod shell;
 mod thesis;
+mod thesis_space;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use out::say;

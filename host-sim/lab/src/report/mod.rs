@@ -25,6 +25,7 @@ mod previous;
 mod quantity;
 mod runs;
 pub mod schema;
+pub mod space;
 pub mod staging;
 mod summary;
 mod svg;
