@@ -19,7 +19,7 @@ const SERIES_NORM: f64 = 0.5;
 const TERMS: u32 = 18;
 
 /// Largest row sum of magnitudes, a norm for which `norm(M^k) <= norm(M)^k`.
-pub(super) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
+pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
     m.row_iter()
         .map(|row| row.iter().map(|entry| entry.abs()).sum())
         .fold(0.0, f64::max)
@@ -35,7 +35,7 @@ fn halvings(norm: f64) -> u32 {
 }
 
 /// `Ψ(h) = ∫₀ʰ exp(M t) dt`: Taylor series over `h / 2ⁿ`, then `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
-pub(super) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
+pub(crate) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     let doublings = halvings(row_sum_norm(m) * h);
     let base = libm::ldexp(h, -(doublings as i32));
     let mut term = SMatrix::<f64, K, K>::identity() * base;
@@ -51,7 +51,7 @@ pub(super) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> S
 }
 
 /// `exp(M h)`.
-pub(super) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
+pub(crate) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     SMatrix::identity() + m * flow_integral(m, h)
 }
 
@@ -59,7 +59,7 @@ pub(super) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f6
 ///
 /// Van Loan reads it off one exponential of twice the size that holds `exp(-Mᵀ h)` too, which overflows for stiff plants;
 /// `S(2t) = S(t) + Φ(t)ᵀ S(t) Φ(t)` only ever adds energies.
-pub(super) fn quadratic_integral<const K: usize>(
+pub(crate) fn quadratic_integral<const K: usize>(
     m: &SMatrix<f64, K, K>,
     q: &SMatrix<f64, K, K>,
     h: f64,
@@ -84,7 +84,7 @@ pub(super) fn quadratic_integral<const K: usize>(
 }
 
 /// Columns of a matrix as plain arrays, the form in which a tick reads it.
-pub(super) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
+pub(crate) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
     m: &SMatrix<T, N, K>,
 ) -> [[T; N]; K] {
     std::array::from_fn(|column| std::array::from_fn(|row| m[(row, column)]))
@@ -92,7 +92,7 @@ pub(super) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
 
 /// Matrix times vector, column by column: independent sums that the compiler puts side by side into one register.
 #[inline(always)]
-pub(super) fn apply<const N: usize, const K: usize>(
+pub(crate) fn apply<const N: usize, const K: usize>(
     columns: &[[f64; N]; K],
     drive: &[f64; K],
 ) -> [f64; N] {
@@ -107,7 +107,7 @@ pub(super) fn apply<const N: usize, const K: usize>(
 
 /// `yᵀ S y`.
 #[inline(always)]
-pub(super) fn quadratic<const K: usize>(s: &[[f64; K]; K], drive: &[f64; K]) -> f64 {
+pub(crate) fn quadratic<const K: usize>(s: &[[f64; K]; K], drive: &[f64; K]) -> f64 {
     apply(s, drive)
         .iter()
         .zip(drive)
