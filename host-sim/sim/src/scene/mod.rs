@@ -29,7 +29,7 @@ mod units;
 mod unknown;
 mod value;
 
-pub use device::{Device, Encoder, Friction, Timing, Wall};
+pub use device::{Device, Encoder, Friction, Integrator, Plant, Timing, Wall};
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number};
 pub use motion::{Curve, Motion, Recording, SMOOTHING_HZ};
@@ -41,6 +41,7 @@ pub use origin::Origin;
 pub use overrides::path_of;
 pub use renamed::renamed;
 pub use shipped::names;
+pub use touchstone_control::Choice;
 pub use unknown::{list, nearest};
 pub use value::choices;
 
@@ -57,6 +58,9 @@ pub struct Scene {
     /// Position sensor. Absent: the law sees the exact position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoder: Option<Encoder>,
+    /// How the plant crosses a tick. Absent: by the exact step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<Plant>,
     /// Rate, duration, delay.
     pub timing: Timing,
     /// The virtual wall.
