@@ -40,7 +40,7 @@ impl<const N: usize> Method<N> for ImplicitEuler<N> {
         let mut torque = 0.0;
         if let Some(coulomb) = model.friction() {
             let free = before[1] + increment[1];
-            let reaction = Reaction::of(coulomb, before[1] == 0.0, free, self.response[1]);
+            let reaction = Reaction::of(coulomb, before[1], free, self.response[1]);
             torque = reaction.torque();
             for i in 0..N {
                 state[i] += increment[i] - torque * self.response[i];

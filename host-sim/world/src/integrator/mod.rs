@@ -58,11 +58,13 @@ enum Reaction {
 }
 
 impl Reaction {
-    /// The torque for which the velocity at the step's end, `free - torque · per_torque`, and the torque agree.
+    /// The torque for which the velocity at the step's end, `free - torque · per_torque`, and the torque agree; `before` is the
+    /// velocity at its start.
     #[inline(always)]
-    fn of(coulomb: Coulomb, at_rest: bool, free: f64, per_torque: f64) -> Self {
+    fn of(coulomb: Coulomb, before: f64, free: f64, per_torque: f64) -> Self {
         let stopping = free / per_torque;
-        let most = if at_rest {
+        // Whoever turns round comes to rest on the way, and has to break away again.
+        let most = if before * free <= 0.0 {
             coulomb.breakaway
         } else {
             coulomb.kinetic

@@ -31,7 +31,7 @@ impl<const N: usize> Method<N> for SemiImplicitEuler<N> {
         state: &mut [f64; N],
         held: [f64; 2],
     ) -> Loss {
-        let at_rest = state[1] == 0.0;
+        let before = state[1];
         let rate = model.rate(state, held);
         for i in 0..N {
             if !self.positions[i] {
@@ -40,7 +40,7 @@ impl<const N: usize> Method<N> for SemiImplicitEuler<N> {
         }
         let mut torque = 0.0;
         if let Some(coulomb) = model.friction() {
-            let reaction = Reaction::of(coulomb, at_rest, state[1], self.response);
+            let reaction = Reaction::of(coulomb, before, state[1], self.response);
             torque = reaction.torque();
             state[1] = match reaction {
                 Reaction::Rests(_) => 0.0,

@@ -152,6 +152,7 @@ fn every_number_ends_in_its_unit() {
         names,
         [
             "counts_per_rev",
+            "substeps",
             "step_of_ideal",
             "limit_of_force",
             "limit_of_penetration",
