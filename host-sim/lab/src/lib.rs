@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod certify;
+pub mod hard;
 pub mod identify;
 pub mod report;
 pub mod thesis;
