@@ -62,6 +62,10 @@ property! {
 
 /// Whether a controller satisfies what the properties assume of its law.
 pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
+    let guarded = controller.guard.as_ref();
+    if guarded.is_some_and(|it| !(it.guard.valid() && it.guard.holds(&it.state))) {
+        return false;
+    }
     match &controller.law {
         AnyLaw::Spring(law, state) => law.valid() && law.holds(state),
         AnyLaw::Tdpa(law, state) => {
@@ -88,8 +92,9 @@ mod tests {
     use super::*;
     use crate::source::{Sampler, Source, sample};
     use touchstone_control::{
-        Field, FilterSettings, FirstContact, Fixed8, Fixed16, IdealStep, LawKind, ObserverForm,
-        OffsetUpdate, Regulate, Settings, SettingsError,
+        ChangeOfForce, EstimatorSettings, Field, FilterSettings, FirstContact, Fixed8, Fixed16,
+        GuardSettings, IdealStep, LawKind, ObserverForm, OffsetUpdate, PositionSettings, Regulate,
+        Settings, SettingsError, States, StatesKind,
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
@@ -103,7 +108,7 @@ mod tests {
     }
 
     fn settings(s: &mut Sampler) -> Settings {
-        let base = Settings::default();
+        let base = Settings::thesis();
         let pick = |s: &mut Sampler, value: Si| if s.bits(2) == 0 { si(s, value) } else { value };
         Settings {
             law: [
@@ -143,6 +148,25 @@ mod tests {
             },
             energy_credit: pick(s, base.energy_credit),
             force_limit: pick(s, base.force_limit),
+            states: [StatesKind::Measured, StatesKind::Estimated][s.bits(1) as usize],
+            estimator: EstimatorSettings {
+                bandwidth_hz: pick(s, base.estimator.bandwidth_hz),
+                inertia: pick(s, base.estimator.inertia),
+                damping: pick(s, base.estimator.damping),
+                delay_s: pick(s, base.estimator.delay_s),
+            },
+            guard: GuardSettings {
+                on: s.bool(),
+                capacity: pick(s, base.guard.capacity),
+                refill: pick(s, base.guard.refill),
+                damping: pick(s, base.guard.damping),
+                share_of_damping: pick(s, base.guard.share_of_damping),
+                overspeed: pick(s, base.guard.overspeed),
+                delay: pick(s, base.guard.delay),
+                lag: pick(s, base.guard.lag),
+                change: [ChangeOfForce::Estimated, ChangeOfForce::Measured][s.bits(1) as usize],
+            },
+            position: PositionSettings::of_counts_per_rev(s.u32() >> s.bits(5)),
         }
     }
 
@@ -163,6 +187,11 @@ mod tests {
             let law = built.as_ref().map(|wall| &wall.law);
             s.cover(matches!(law, Ok(AnyLaw::Enhanced(..))), "enhanced");
             s.cover(matches!(law, Ok(AnyLaw::Fba(..))), "fba");
+            let guarded = built.as_ref().is_ok_and(|wall| wall.guard.is_some());
+            s.cover(guarded, "guarded");
+            let estimated =
+                |wall: &Controller<Fixed32>| matches!(wall.states, States::Estimated(..));
+            s.cover(built.as_ref().is_ok_and(estimated), "estimated");
             s.cover(
                 matches!(built, Err(SettingsError::OutOfFormat { .. })),
                 "format",
@@ -219,7 +248,7 @@ mod tests {
         ];
         for (field, min, max, put) in bounds {
             let refused = |value: Si| {
-                let mut settings = Settings::default();
+                let mut settings = Settings::thesis();
                 put(&mut settings, value);
                 match settings.validate() {
                     Err(SettingsError::OutOfRange { field: named, .. }) => {
@@ -240,7 +269,7 @@ mod tests {
         let with = |rate_hz, force_limit: &str| Settings {
             rate_hz,
             force_limit: force_limit.parse().unwrap(),
-            ..Settings::default()
+            ..Settings::thesis()
         };
         assert!(with(1, "100").validate().is_ok() && with(100_000, "0.000001").validate().is_ok());
         assert!(with(0, "1").validate().is_err() && with(100_001, "1").validate().is_err());
