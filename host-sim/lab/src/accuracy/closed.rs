@@ -5,7 +5,7 @@ use serde::Serialize;
 use touchstone_control::Choice as _;
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
-use touchstone_sim::scene::{Integrator, Scene};
+use touchstone_sim::scene::{Integrator, Preset, Scene};
 use touchstone_world::integrator::{
     ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4, SemiImplicitEuler, Substepped,
 };
@@ -42,14 +42,20 @@ pub struct ClosedPoint {
     pub k_max_error: Option<f64>,
 }
 
-const SCENES: [(&str, &[&str]); 2] = [
-    ("thesis-knob", &[]),
+/// Name, scene, preset, changes.
+type Closed = (&'static str, &'static str, Preset, &'static [&'static str]);
+
+const SCENES: [Closed; 3] = [
+    ("thesis-knob", "thesis-knob", Preset::Thesis, &[]),
+    ("thesis-knob, shipped", "thesis-knob", Preset::Shipped, &[]),
     (
+        "press-hold, spring",
         "press-hold",
+        Preset::Thesis,
         &[
             "encoder.counts_per_rev=40000",
             "law.kind=spring",
-            "wall.k_desired_n_m_per_rad=0.8",
+            "wall.k_desired_n_m_per_rad=0.3",
         ],
     ),
 ];
@@ -136,8 +142,10 @@ pub fn k_max(
 /// A scene that cannot be run.
 pub fn points(substeps: &[u32]) -> Result<Vec<ClosedPoint>> {
     let mut points = Vec::new();
-    for (name, sets) in SCENES {
-        let scene = Scene::load(name)?.with_overrides(sets)?;
+    for (name, shipped, preset, sets) in SCENES {
+        let scene = Scene::load(shipped)?
+            .with_preset(preset)?
+            .with_overrides(sets)?;
         let exact = run::run(&scene, true)?;
         let angles = exact.trace.map(|trace| trace.angle_rad).unwrap_or_default();
         let mut wanted = vec![

@@ -55,7 +55,7 @@ pub fn all(found: &Accuracy) -> Vec<(String, String)> {
         "law.svg".to_owned(),
         standalone(&figure.title.clone(), &[figure]),
     ));
-    for law in ["spring", "enhanced-sfa"] {
+    for law in ["spring", "enhanced-sfa", "shipped"] {
         let points: Vec<&SamplingPoint> = found
             .sampling
             .iter()
@@ -194,7 +194,7 @@ fn sampling(law: &str, points: &[&SamplingPoint]) -> Vec<Figure> {
         }),
         ("ripple of the torque, rms, N·m", |p| p.ripple_rms_n_m),
         ("energy out of the wall, worst window, J", |p| {
-            Some(p.energy_out_wall_worst_window_j)
+            p.energy_out_wall_worst_window_j
         }),
     ];
     let mut counts: Vec<u32> = points.iter().map(|point| point.counts_per_rev).collect();

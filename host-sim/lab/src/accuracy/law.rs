@@ -8,7 +8,7 @@ use touchstone_control::{
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::tick::{Recorder, Tick};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Preset, Scene};
 
 use super::clock::{Spread, Work, race};
 
@@ -18,7 +18,7 @@ pub const COUNTS_PER_REV: u32 = 40_000;
 /// One law in one format.
 #[derive(Debug, Clone, Serialize)]
 pub struct LawPoint {
-    /// Law.
+    /// Law; `shipped` is the enhanced one with its estimator and its guard, the others stand by themselves.
     pub law: &'static str,
     /// Number format.
     pub number: &'static str,
@@ -58,7 +58,7 @@ struct Press {
 
 impl Press {
     fn record() -> Result<Self> {
-        let scene = Scene::load("press-wiggle-release")?;
+        let scene = Scene::load("press-wiggle-release")?.with_preset(Preset::Thesis)?;
         let surface = Si::checked_from_num(scene.wall.surface_rad);
         let scale = surface.and_then(|surface| CountScale::new(COUNTS_PER_REV, surface));
         Ok(Self {
@@ -108,15 +108,11 @@ struct Prepared<'a> {
 
 fn prepare<'a, N: Reported>(
     press: &'a Press,
-    kind: LawKind,
+    (law, settings): (&'static str, Settings),
     reference: &Reference,
 ) -> Prepared<'a> {
-    let settings = Settings {
-        law: kind,
-        ..press.settings
-    };
     let mut point = LawPoint {
-        law: kind.word(),
+        law,
         number: N::NAME,
         refused: None,
         force_error_n_m: None,
@@ -156,12 +152,8 @@ struct Reference {
 }
 
 impl Reference {
-    fn of(press: &Press, kind: LawKind) -> Option<Self> {
-        let settings = Settings {
-            law: kind,
-            ..press.settings
-        };
-        let law = Controller::<f64>::new(&settings).ok()?;
+    fn of(press: &Press, settings: &Settings) -> Option<Self> {
+        let law = Controller::<f64>::new(settings).ok()?;
         let positions = press.positions::<f64>();
         let moved: Vec<_> = positions
             .iter()
@@ -180,14 +172,21 @@ impl Reference {
 pub fn points(repeats: u32, on_round: impl FnMut()) -> Result<Vec<LawPoint>> {
     let press = Press::record()?;
     let mut prepared = Vec::new();
-    for &kind in LawKind::ALL {
-        let Some(reference) = Reference::of(&press, kind) else {
+    let alone = LawKind::ALL.iter().map(|&law| {
+        let settings = Settings {
+            law,
+            ..press.settings
+        };
+        (law.word(), settings)
+    });
+    for named in alone.chain([("shipped", Settings::default())]) {
+        let Some(reference) = Reference::of(&press, &named.1) else {
             continue;
         };
-        prepared.push(prepare::<Fixed16>(&press, kind, &reference));
-        prepared.push(prepare::<Fixed32>(&press, kind, &reference));
-        prepared.push(prepare::<f32>(&press, kind, &reference));
-        prepared.push(prepare::<f64>(&press, kind, &reference));
+        prepared.push(prepare::<Fixed16>(&press, named, &reference));
+        prepared.push(prepare::<Fixed32>(&press, named, &reference));
+        prepared.push(prepare::<f32>(&press, named, &reference));
+        prepared.push(prepare::<f64>(&press, named, &reference));
     }
     let (mut points, mut work, mut timed) = (Vec::new(), Vec::new(), Vec::new());
     for (index, Prepared { point, work: each }) in prepared.into_iter().enumerate() {

@@ -5,7 +5,7 @@ use super::reference::{Entries, Reference};
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::tick::{Recorder, Tick};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Preset, Scene};
 use touchstone_world::plant::{Coulomb, Device, Hand, MEDIUM};
 
 /// Ticks are a millisecond.
@@ -160,14 +160,16 @@ impl Problem {
 
 /// A knob with friction that is tapped against a wall of 0.8 N·m/rad in steps of the encoder: the torques that the wall answered with.
 fn contact(ticks: u32) -> Result<Problem> {
-    let scene = Scene::load("press-wiggle-release")?.with_overrides(&[
-        "law.kind=spring".to_owned(),
-        "wall.k_desired_n_m_per_rad=0.8".to_owned(),
-        "encoder.counts_per_rev=40000".to_owned(),
-        "device.friction.kinetic_n_m=1e-3".to_owned(),
-        "device.friction.static_n_m=1.5e-3".to_owned(),
-        "operator.grip=medium".to_owned(),
-    ])?;
+    let scene = Scene::load("press-wiggle-release")?
+        .with_preset(Preset::Thesis)?
+        .with_overrides(&[
+            "law.kind=spring".to_owned(),
+            "wall.k_desired_n_m_per_rad=0.8".to_owned(),
+            "encoder.counts_per_rev=40000".to_owned(),
+            "device.friction.kinetic_n_m=1e-3".to_owned(),
+            "device.friction.static_n_m=1.5e-3".to_owned(),
+            "operator.grip=medium".to_owned(),
+        ])?;
     let device = run::plan::device(&scene);
     let hand = run::plan::hand(&scene);
     let motion = touchstone_sim::scene::Motion::from_scene(&scene)?;

@@ -150,12 +150,12 @@ pub fn schema() -> Value {
             ),
             (
                 "energy_out_wall_worst_window_j",
-                "number",
+                "number?",
                 "most energy that the wall's port gave in any window; J",
             ),
             (
                 "energy_out_worst_window_j",
-                "number",
+                "number?",
                 "most energy that the hand got in any window; J",
             ),
             (

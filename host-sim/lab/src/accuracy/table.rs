@@ -149,21 +149,21 @@ fn write(found: &Accuracy, out: &mut String) -> std::fmt::Result {
             p.dynamic_stiffness_phase_deg
                 .map_or("-".to_owned(), |deg| format!("{deg:.1}°")),
             shown(p.ripple_rms_n_m),
-            shown(Some(p.energy_out_wall_worst_window_j)),
-            shown(Some(p.energy_out_worst_window_j)),
+            shown(p.energy_out_wall_worst_window_j),
+            shown(p.energy_out_worst_window_j),
             p.k_max_n_m_per_rad
         )?;
     }
     writeln!(out, "\nclosed loop, by its functionals")?;
     writeln!(
         out,
-        "  {:<13}{:<31}{:<12}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}",
+        "  {:<22}{:<31}{:<12}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}",
         "scene", "method", "verdict", "k_di", "hand out J", "depth rad", "path rad", "K_max", "off"
     )?;
     for p in &found.closed_loop {
         writeln!(
             out,
-            "  {:<13}{:<31}{:<12}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}",
+            "  {:<22}{:<31}{:<12}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}",
             p.scene,
             format!("{}{}", p.method, substeps(p.substeps)),
             p.verdict,

@@ -9,7 +9,7 @@ use touchstone_control::{
 };
 use touchstone_sim::error::Result;
 use touchstone_sim::run::chain::{Crossing, Delayed};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Preset, Scene};
 use touchstone_world::plant::{
     BareCoulomb, BareLinear, Coulomb, Device, Kinematics as _, State, Stepper, critical_stiffness,
 };
@@ -27,17 +27,31 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "k-max-of-the-wall",
-        about: "a spring in a hand, at nine tenths and at three halves of its critical stiffness, in every format",
+        about: "a spring in a hand, held for 40 s at nine and at eleven tenths of its critical stiffness, in every format",
         oracle: "the eigenvalues of the loop with the hand",
         unit: "verdict, 0 for a wall that comes to rest",
         run: wall,
     },
     Case {
         name: "hundred-k_c",
-        about: "every law at a hundred times the critical stiffness of the thesis' knob",
-        oracle: "the spring is unstable by its eigenvalues; every other law keeps the hand from being thrown",
+        about: "every law by itself at a hundred times the critical stiffness of knob and hand",
+        oracle: "FBA stays; every other law is known to leave, from a stiffness that bisection of its runs finds",
         unit: "verdict, 2 for a limit cycle, 3 for unstable",
         run: hundred,
+    },
+    Case {
+        name: "guard",
+        about: "every law behind the energy guard, at 1, 5 and 100 times the critical stiffness",
+        oracle: "the guard's account: what the hand gets out in any window is at most C + P t",
+        unit: "of C + P t",
+        run: guarded,
+    },
+    Case {
+        name: "estimated-states",
+        about: "the law as it is shipped from 0.5 to 14 N·m/rad in three grips",
+        oracle: "it comes to rest",
+        unit: "verdict, 0 for a wall that comes to rest",
+        run: shipped,
     },
     Case {
         name: "one-count",
@@ -138,29 +152,34 @@ fn verdict(scene: &Scene) -> Result<f64> {
     )
 }
 
-fn wall(_: Effort) -> Result<Vec<Finding>> {
-    let scene = Scene::load("press-hold")?;
+/// Least unstable stiffness of a scene's device and hand, N·m/rad, by its eigenvalues.
+fn critical(scene: &Scene) -> f64 {
     let device = Device {
         friction: None,
-        ..touchstone_sim::run::plan::device(&scene)
+        ..touchstone_sim::run::plan::device(scene)
     };
-    let hand = touchstone_sim::run::plan::hand(&scene);
-    let critical = critical_stiffness(&device, hand.as_ref(), f64::from(scene.timing.rate_hz), 0.0)
-        .unwrap_or(f64::NAN);
+    let hand = touchstone_sim::run::plan::hand(scene);
+    critical_stiffness(&device, hand.as_ref(), f64::from(scene.timing.rate_hz), 0.0)
+        .unwrap_or(f64::NAN)
+}
+
+fn wall(_: Effort) -> Result<Vec<Finding>> {
+    // Held long enough for a decay of a third in a second to end.
+    let scene = Scene::load("press-hold")?
+        .with_preset(Preset::Thesis)?
+        .with_overrides(&["operator.motion.hold_s=40", "timing.duration_s=45"])?;
+    let critical = critical(&scene);
     let mut found = Vec::new();
     for number in ["fixed16", "fixed32", "f32", "f64"] {
-        for share in [0.9, 1.5] {
+        for share in [0.9, 1.1] {
             let stiffness = share * critical;
             let changed = scene.with_overrides(&[
                 "law.kind=spring".to_owned(),
                 format!("law.number={number}"),
                 format!("wall.k_desired_n_m_per_rad={stiffness}"),
             ])?;
-            let finding = Finding::new(
-                format!("spring {number}, {share} k_crit"),
-                verdict(&changed)?,
-                1.0,
-            );
+            let subject = format!("spring {number}, {share} k_crit");
+            let finding = Finding::new(subject, verdict(&changed)?, 1.0);
             found.push(if share > 1.0 {
                 finding.failing(format!(
                     "k_crit is {critical:.4} N·m/rad by the eigenvalues"
@@ -173,30 +192,94 @@ fn wall(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-fn hundred(_: Effort) -> Result<Vec<Finding>> {
-    let scene = Scene::load("thesis-knob")?;
-    let device = Device {
-        friction: None,
-        ..touchstone_sim::run::plan::device(&scene)
+/// The least stiffness at which a scene's run is unstable, N·m/rad: the first of a ladder of quarters from 0.1 on, then halved.
+fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
+    let unstable = |stiffness: f64| -> Result<bool> {
+        let set = format!("wall.k_desired_n_m_per_rad={stiffness}");
+        Ok(verdict(&scene.with_overrides(&[set])?)? > 2.0)
     };
-    let hand = touchstone_sim::run::plan::hand(&scene);
-    let critical = critical_stiffness(&device, hand.as_ref(), f64::from(scene.timing.rate_hz), 0.0)
-        .unwrap_or(f64::NAN);
-    let stiffness = 100.0 * critical;
+    let mut low = 0.1;
+    while low < most && !unstable(1.25 * low)? {
+        low *= 1.25;
+    }
+    let mut high = 1.25 * low;
+    for _ in 0..8 {
+        let middle = 0.5 * (low + high);
+        if unstable(middle)? {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(high)
+}
+
+/// Laws that stay in the wall at a hundred times the critical stiffness; every other is known to leave it.
+const HOLDS_HUNDRED: &[LawKind] = &[LawKind::Fba];
+
+fn hundred(_: Effort) -> Result<Vec<Finding>> {
+    let scene = Scene::load("thesis-knob")?.with_preset(Preset::Thesis)?;
+    let critical = critical(&scene);
     LawKind::ALL
         .par_iter()
         .flat_map(|&law| ["fixed32", "f64"].map(|number| (law, number)))
         .map(|(law, number)| {
-            let changed = scene.with_overrides(&[
+            let scene = scene.with_overrides(&[
                 format!("law.kind={}", law.word()),
                 format!("law.number={number}"),
+            ])?;
+            let stiffness = 100.0 * critical;
+            let at = scene.with_overrides(&[format!("wall.k_desired_n_m_per_rad={stiffness}")])?;
+            let finding = Finding::new(format!("{} {number}", law.word()), verdict(&at)?, 2.0);
+            if HOLDS_HUNDRED.contains(&law) {
+                return Ok(finding);
+            }
+            let from = unstable_from(&scene, stiffness)?;
+            Ok(finding.failing(format!(
+                "its runs are unstable from {from:.3} N·m/rad on, {:.2} of the loop's critical {critical:.3}",
+                from / critical
+            )))
+        })
+        .collect()
+}
+
+fn guarded(_: Effort) -> Result<Vec<Finding>> {
+    let scene = Scene::load("thesis-knob")?;
+    let critical = critical(&scene);
+    let guard = &scene.law.guard;
+    let most = guard.capacity_j + guard.refill_w * scene.timing.duration_s;
+    LawKind::ALL
+        .par_iter()
+        .flat_map(|&law| [(law, 1.0), (law, 5.0), (law, 100.0)])
+        .map(|(law, times)| {
+            let changed = scene.with_overrides(&[
+                format!("law.kind={}", law.word()),
+                format!("wall.k_desired_n_m_per_rad={}", times * critical),
+            ])?;
+            let summary = touchstone_sim::run::run(&changed, false)?.summary;
+            let subject = format!("{} fixed32, {times} k_crit", law.word());
+            Ok(Finding::new(
+                subject,
+                summary.energy_out_worst_window_j / most,
+                1.0,
+            ))
+        })
+        .collect()
+}
+
+fn shipped(_: Effort) -> Result<Vec<Finding>> {
+    let scene = Scene::load("thesis-knob")?;
+    let grips = ["light", "medium", "firm"];
+    grips
+        .par_iter()
+        .flat_map(|&grip| [0.5, 1.0, 5.0, 14.0].map(|stiffness| (grip, stiffness)))
+        .map(|(grip, stiffness)| {
+            let changed = scene.with_overrides(&[
+                format!("operator.grip={grip}"),
                 format!("wall.k_desired_n_m_per_rad={stiffness}"),
             ])?;
-            Ok(Finding::new(
-                format!("{} {number}", law.word()),
-                verdict(&changed)?,
-                2.0,
-            ))
+            let subject = format!("enhanced-sfa fixed32, {grip}, {stiffness} N·m/rad");
+            Ok(Finding::new(subject, verdict(&changed)?, 1.0))
         })
         .collect()
 }
@@ -212,7 +295,7 @@ fn pressed<N: Reported>(
     let settings = Settings {
         law: LawKind::Spring,
         k_desired: Si::saturating_from_num(stiffness),
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let mut law = Controller::<N>::new(&settings).ok()?;
     let scale = CountScale::new(COUNTS, Si::ZERO)?;

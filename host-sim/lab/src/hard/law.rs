@@ -5,7 +5,7 @@ use super::{Case, Effort, Finding};
 use touchstone_control::filter::{MassState, VirtualMass};
 use touchstone_control::{
     Choice as _, Controller, CountScale, Divisor, Fixed16, Fixed32, Force, LawKind, Position,
-    Reported, Settings, Si, Stiffness,
+    Reported, Settings, Si, StatesKind, Stiffness,
 };
 use touchstone_protocol::unwrap::{Unwrap16, Unwrap32};
 use touchstone_sim::error::Result;
@@ -27,10 +27,17 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "saturation",
-        about: "ten minutes far beyond the force limit, with a jitter of a count",
+        about: "two minutes far beyond the force limit, with a jitter of a count",
         oracle: "never beyond the limit, and nothing is wound up: the next press has the bits of a fresh law",
         unit: "ticks that break it",
         run: saturation,
+    },
+    Case {
+        name: "windup",
+        about: "a minute ten times as deep as the force limit reaches, with a jitter of a count: where the law would still push",
+        oracle: "a force of the limit at that depth leaves no surface outside the wall",
+        unit: "rad outside",
+        run: windup,
     },
     Case {
         name: "ends-of-the-format",
@@ -63,7 +70,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "no-drift",
         about: "10^7 ticks (10^9 in the long form) of one small motion inside the wall",
-        oracle: "the last period has the forces of the thousandth",
+        oracle: "the last period has the forces of the thousandth; laws that go on adjusting stay within a count's worth of it",
         unit: "N·m",
         run: drift,
     },
@@ -83,27 +90,30 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// A finding for every law in every format.
+/// A finding for every law in every format: by itself as the thesis builds it, and on estimated states behind the guard.
 macro_rules! every_law {
     ($check:ident) => {{
         let mut found = Vec::new();
-        for &law in LawKind::ALL {
-            let settings = Settings {
-                law,
-                ..Settings::default()
-            };
-            found.push(subject::<Fixed16>(&settings, $check::<Fixed16>));
-            found.push(subject::<Fixed32>(&settings, $check::<Fixed32>));
-            found.push(subject::<f32>(&settings, $check::<f32>));
-            found.push(subject::<f64>(&settings, $check::<f64>));
+        for (stages, base) in [("", Settings::thesis()), (", shipped", Settings::default())] {
+            for &law in LawKind::ALL {
+                let settings = Settings { law, ..base };
+                found.push(subject::<Fixed16>(stages, &settings, $check::<Fixed16>));
+                found.push(subject::<Fixed32>(stages, &settings, $check::<Fixed32>));
+                found.push(subject::<f32>(stages, &settings, $check::<f32>));
+                found.push(subject::<f64>(stages, &settings, $check::<f64>));
+            }
         }
         Ok(found)
     }};
 }
 
 /// What breaks the oracle, counted.
-fn subject<N: Reported>(settings: &Settings, check: fn(&Subject<N>) -> f64) -> Finding {
-    let name = format!("{} {}", settings.law.word(), N::NAME);
+fn subject<N: Reported>(
+    stages: &str,
+    settings: &Settings,
+    check: fn(&Subject<N>) -> f64,
+) -> Finding {
+    let name = format!("{} {}{stages}", settings.law.word(), N::NAME);
     match (
         Controller::<N>::new(settings),
         N::signal(settings.force_limit),
@@ -142,8 +152,19 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
+    /// Whether the law is told what was measured and its force is what it gives: estimator and guard have memories of their own,
+    /// which go on outside of the wall.
+    fn is_alone(&self) -> bool {
+        self.settings.states == StatesKind::Measured && !self.settings.guard.on
+    }
+
     fn is_spring(&self) -> bool {
-        self.settings.law == LawKind::Spring
+        self.settings.law == LawKind::Spring && self.is_alone()
+    }
+
+    /// Leaves the wall for good: an augmented surface may lie far outside of it.
+    fn leave(&self, law: &mut Controller<N>) {
+        law.tick(Position::from_f64(-1e9));
     }
 
     /// A press of some counts in so many ticks, as a fresh law answers it; then out.
@@ -155,18 +176,16 @@ impl<N: Reported> Subject<N> {
             .map(|tick| {
                 let depth = counts * (std::f64::consts::PI * f64::from(tick) / 200.0).sin();
                 let jitter = f64::from(tick % 3) - 1.0;
-                let count = if tick == 200 {
-                    -1
-                } else {
-                    (depth + jitter).round() as i64
-                };
-                law.tick(scale.penetration(count))
+                law.tick(scale.penetration((depth + jitter).round() as i64))
             })
             .collect()
     }
 
     /// Ticks at which a law that has left the wall answers other than a fresh one.
     fn remembers(&self, law: &Controller<N>) -> f64 {
+        if !self.is_alone() {
+            return 0.0;
+        }
         let (mut used, mut fresh) = (*law, self.fresh);
         let differ = |(a, b): (&Force<N>, &Force<N>)| f64::from(u8::from(a != b));
         let (a, b) = (self.press(&mut used, 300.0), self.press(&mut fresh, 300.0));
@@ -190,7 +209,7 @@ fn zero_and_one_count(_: Effort) -> Result<Vec<Finding>> {
             // A force step of the format, and half of it for the product.
             let step = 1.5 * Position::<N>::quantum().to_f64();
             let wrong = !subject.is_within(force)
-                || (count <= 0 && force != Force::zero())
+                || (count <= 0 && subject.is_alone() && force != Force::zero())
                 || (subject.is_spring() && count > 0 && (force.to_f64() - ideal).abs() > step);
             broken += f64::from(u8::from(wrong));
         }
@@ -211,11 +230,14 @@ fn bounces(_: Effort) -> Result<Vec<Finding>> {
                 subject.press(&mut law, counts),
                 subject.press(&mut fresh, counts),
             );
-            broken += a
-                .iter()
-                .zip(&b)
-                .map(|(a, b)| f64::from(u8::from(a != b)))
-                .sum::<f64>();
+            subject.leave(&mut law);
+            if subject.is_alone() {
+                broken += a
+                    .iter()
+                    .zip(&b)
+                    .map(|(a, b)| f64::from(u8::from(a != b)))
+                    .sum::<f64>();
+            }
             broken += f64::from(u8::from(a.iter().any(|force| !subject.is_within(*force))));
         }
         broken
@@ -230,16 +252,61 @@ fn saturation(_: Effort) -> Result<Vec<Finding>> {
             return f64::NAN;
         };
         let mut broken = 0.0;
-        for tick in 0..600_000_u32 {
+        for tick in 0..120_000_u32 {
             // A turn's quarter inside: fifteen times the limit at 5 N·m/rad.
             let count = i64::from(tick.min(10_000)) + (2.0 * random.uniform()).round() as i64;
             let force = law.tick(scale.penetration(count));
             broken += f64::from(u8::from(!subject.is_within(force)));
         }
-        law.tick(Position::from_f64(-0.1));
+        subject.leave(&mut law);
         broken + subject.remembers(&law)
     }
     every_law!(check)
+}
+
+fn windup(_: Effort) -> Result<Vec<Finding>> {
+    fn offset<N: Reported>(subject: &Subject<N>) -> f64 {
+        let (mut law, mut random) = (subject.fresh, Random::new(8));
+        let Some(scale) = subject.scale() else {
+            return f64::NAN;
+        };
+        for tick in 0..60_000_u32 {
+            let count = i64::from(tick.min(6_000)) + (2.0 * random.uniform()).round() as i64;
+            law.tick(scale.penetration(count));
+        }
+        // Out again, as fast as a hand pulls, until nothing pushes any more.
+        for tick in 0..100_000_u32 {
+            let count = 6_000 - 10 * i64::from(tick);
+            let e = scale.penetration::<N>(count);
+            if law.tick(e) <= Force::zero() {
+                return (-e.to_f64()).max(0.0);
+            }
+        }
+        f64::INFINITY
+    }
+    let mut found = Vec::new();
+    for &law in LawKind::ALL {
+        let settings = Settings {
+            law,
+            ..Settings::thesis()
+        };
+        let mut finding = subject::<Fixed32>("", &settings, offset::<Fixed32>);
+        // Ten counts a tick, and as much again for the surface itself.
+        finding.bound = 20.0 * std::f64::consts::TAU / 40_000.0;
+        let augments = matches!(
+            law,
+            LawKind::Sfa | LawKind::SfaContinuous | LawKind::EnhancedSfa
+        );
+        found.push(if augments {
+            let grown = finding.value;
+            finding.failing(format!(
+                "above k_de e = the limit the offset goes on growing: pushes to {grown:.3} rad outside"
+            ))
+        } else {
+            finding
+        });
+    }
+    Ok(found)
 }
 
 fn ends(_: Effort) -> Result<Vec<Finding>> {
@@ -260,7 +327,7 @@ fn ends(_: Effort) -> Result<Vec<Finding>> {
             let force = law.tick(places[place.min(5)]);
             broken += f64::from(u8::from(!subject.is_within(force)));
         }
-        law.tick(Position::from_f64(-0.1));
+        subject.leave(&mut law);
         broken + subject.remembers(&law)
     }
     every_law!(check)
@@ -279,7 +346,7 @@ fn tiny(_: Effort) -> Result<Vec<Finding>> {
                 subject.is_spring() && force.to_f64() > most * (1.0 + f64::from(f32::EPSILON));
             broken += f64::from(u8::from(!subject.is_within(force) || too_much));
         }
-        law.tick(Position::from_f64(-0.1));
+        subject.leave(&mut law);
         broken + subject.remembers(&law)
     }
     every_law!(check)
@@ -305,7 +372,7 @@ fn lost(_: Effort) -> Result<Vec<Finding>> {
                 broken += f64::from(u8::from(!subject.is_within(law.tick(e))));
             }
         }
-        law.tick(Position::from_f64(-0.1));
+        subject.leave(&mut law);
         broken + subject.remembers(&law)
     }
     every_law!(check)
@@ -340,7 +407,7 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
         }
         let mut back = subject.fresh;
         back.tick(scale.penetration(150));
-        back.tick(Position::from_f64(-0.1));
+        subject.leave(&mut back);
         broken + subject.remembers(&back)
     }
     every_law!(check)
@@ -356,7 +423,7 @@ fn drift(effort: Effort) -> Result<Vec<Finding>> {
         .filter_map(|law| {
             let settings = Settings {
                 law,
-                ..Settings::default()
+                ..Settings::thesis()
             };
             let mut controller = Controller::<Fixed32>::new(&settings).ok()?;
             let scale = CountScale::new(40_000, Si::ZERO)?;
@@ -381,7 +448,16 @@ fn drift(effort: Effort) -> Result<Vec<Finding>> {
                     }
                 }
             }
-            Some(Finding::new(format!("{} fixed32", law.word()), worst, 0.0))
+            // These go on adjusting a bound or an offset; the force of one count at the desired stiffness is the least that they
+            // can be told of.
+            let adjusts = matches!(law, LawKind::Fba | LawKind::Sfa | LawKind::SfaContinuous);
+            let count_n_m = settings.k_desired.to_num::<f64>() * std::f64::consts::TAU / 40_000.0;
+            let bound = if adjusts { count_n_m } else { 0.0 };
+            Some(Finding::new(
+                format!("{} fixed32", law.word()),
+                worst,
+                bound,
+            ))
         })
         .collect())
 }
