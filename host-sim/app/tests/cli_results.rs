@@ -186,6 +186,10 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     let report = here.join("report");
     let page = std::fs::read_to_string(report.join("index.html")).unwrap();
     assert!(page.contains("<svg") && page.ends_with("</html>\n"));
+    // What the comparison replaces without refusing it.
+    for said in [&page, &out] {
+        assert!(said.contains("whatever law.observer says"));
+    }
     // Self-contained: nothing is fetched.
     for outside in ["src=\"http", "href=\"http", "url(http", "@import"] {
         assert!(!page.contains(outside), "{outside}");
