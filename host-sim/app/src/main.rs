@@ -1,5 +1,6 @@
-//! The command line: `touchstone [thesis | run | identify | certify | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | identify | certify | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
+mod accuracy;
 mod certify;
 mod complain;
 mod config;
@@ -7,6 +8,7 @@ mod device;
 mod doctor;
 mod expect;
 mod flash;
+mod hard;
 mod identify;
 mod interrupt;
 mod json_schema;
@@ -63,6 +65,10 @@ enum Command {
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
+    /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
+    Accuracy(accuracy::Options),
+    /// Runs the hard cases, each against what must come out, and tells the worst margin.
+    Hard(hard::Options),
     /// Lists the scenes that come with the program.
     Scenes {
         /// Prints the JSON schema of a scene instead.
@@ -147,8 +153,10 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Thesis(options) => return thesis::main(options),
         Command::Run(options) => return run::main(options),
         Command::Doctor(options) => return Ok(doctor::main(options)),
+        Command::Hard(options) => return hard::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
+        Command::Accuracy(options) => accuracy::main(options),
         Command::Scenes { json_schema: true } => {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }
