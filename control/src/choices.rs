@@ -73,3 +73,25 @@ crate::choice! {
         Force = "force",
     }
 }
+
+crate::choice! {
+    /// What the law is told of position and velocity.
+    StatesKind {
+        /// The measured penetration, and its change since the last tick.
+        #[default]
+        Measured = "measured",
+        /// What an estimator makes of it, for the time at which the force will act.
+        Estimated = "estimated",
+    }
+}
+
+crate::choice! {
+    /// What is known of the position at the instant at which a new force takes the place of the old one.
+    ChangeOfForce {
+        /// Nothing: positions are taken once a tick. Each change of force is charged for what can have happened.
+        #[default]
+        Estimated = "estimated",
+        /// It is measured as well, `delay` after the tick: nothing is charged for the delay.
+        Measured = "measured",
+    }
+}

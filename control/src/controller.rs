@@ -1,7 +1,7 @@
 //! From settings to a running law: coefficients computed once, state beside them, one `tick`.
 
-use crate::choices::{IdealStep, LawKind, OffsetUpdate, Regulate};
-use crate::estimator::{EstimatorError, EstimatorSettings, EstimatorState};
+use crate::choices::{IdealStep, LawKind, OffsetUpdate, Regulate, StatesKind};
+use crate::estimator::EstimatorState;
 use crate::filter::VirtualMass;
 use crate::law::{
     Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa, SfaState, Spring,
@@ -10,7 +10,8 @@ use crate::law::{
 use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::{
-    Compliance, Divisor, Energy, Force, Number, ObserverForm, Position, Ratio, States, Stiffness,
+    Compliance, Divisor, Energy, Force, Guard, Guarded, Number, ObserverForm, Position, Ratio,
+    States, Stiffness,
 };
 
 /// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
@@ -249,47 +250,96 @@ impl<N: Number> AnyLaw<N> {
     }
 }
 
-/// A law and what it is told of the device.
+/// A law, what it is told of the device, and what its force may be.
+///
+/// ```text
+/// e -> states -> law -> guard -> force
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<N: Number> {
     /// The law.
     pub law: AnyLaw<N>,
     /// The stage before it.
     pub states: States<N>,
+    /// The stage after it.
+    pub guard: Option<Guarded<N>>,
+    /// What was commanded at the last tick, after every stage that may change it.
+    commanded: Force<N>,
 }
 
 impl<N: Number> Controller<N> {
-    /// A law on measured states.
+    /// The law with its stages, at power-up.
     ///
     /// # Errors
-    /// As [`AnyLaw::new`].
+    /// A setting out of its range, or a coefficient that does not fit the number format.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        let states = match settings.states {
+            StatesKind::Measured => States::default(),
+            StatesKind::Estimated => {
+                let estimator = settings
+                    .estimator
+                    .estimator(settings.rate_hz, settings.force_limit)?;
+                States::Estimated(estimator, EstimatorState::default())
+            }
+        };
+        let guard = if settings.guard.on {
+            let guard = Guard::new(&settings.guard, &settings.guarded_device())?;
+            Some(Guarded::new(guard))
+        } else {
+            None
+        };
         Ok(Self {
             law: AnyLaw::new(settings)?,
-            states: States::default(),
+            states,
+            guard,
+            commanded: Force::zero(),
         })
     }
 
-    /// The same law on estimated states. Settings are the law's own, rate and force limit among them.
-    ///
-    /// # Errors
-    /// As [`EstimatorSettings::estimator`].
-    pub fn with_estimator(
-        mut self,
-        settings: &Settings,
-        estimator: &EstimatorSettings,
-    ) -> Result<Self, EstimatorError> {
-        let estimator = estimator.estimator(settings.rate_hz, settings.force_limit)?;
-        self.states = States::Estimated(estimator, EstimatorState::default());
-        Ok(self)
+    /// This one in the place of another that ran before, for the next arming: all memory is new but the guard's account.
+    #[must_use]
+    pub fn resumed(self, before: &Self) -> Self {
+        let guard = match (self.guard, &before.guard) {
+            (Some(guard), Some(before)) => Some(guard.resumed(before)),
+            (guard, _) => guard,
+        };
+        Self { guard, ..self }
     }
 
     /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
+    ///
+    /// If a later stage changes that force, [`Controller::commanded`] must follow.
     #[inline]
     pub fn tick(&mut self, e: Position<N>) -> Force<N> {
-        let force = self.law.tick(self.states.sample(e));
-        self.states.commanded(force);
+        self.tick_with_change(e, None)
+    }
+
+    /// The same where the penetration was also measured when the force changed since the last tick.
+    #[inline]
+    pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
+        self.states.commanded(self.commanded);
+        let wanted = self.law.tick(self.states.sample(e));
+        let force = match &mut self.guard {
+            None => wanted,
+            Some(guard) => guard.tick(e, at_change, wanted),
+        };
+        self.commanded = force;
         force
+    }
+
+    /// What became of the last tick's force, where a later stage changed it: estimator and guard then count with that.
+    #[inline]
+    pub fn commanded(&mut self, force: Force<N>) {
+        self.commanded = force;
+        if let Some(Guarded { guard, state, .. }) = &mut self.guard {
+            guard.commanded(state, force);
+        }
+    }
+
+    /// Whether the guard has switched the force off for overspeed.
+    #[must_use]
+    pub fn tripped(&self) -> bool {
+        self.guard.as_ref().is_some_and(|guard| guard.tripped)
     }
 
     /// The inside after the last tick.

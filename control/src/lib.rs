@@ -66,8 +66,8 @@ pub use fixed;
 pub use choices::*;
 pub use controller::{AnyLaw, Controller};
 pub use encoder::CountScale;
-pub use estimator::{Estimator, EstimatorSettings};
-pub use guard::{Guard, GuardSettings, GuardState, GuardedDevice};
+pub use estimator::Estimator;
+pub use guard::{Guard, GuardState, Guarded, GuardedDevice};
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};

@@ -13,7 +13,11 @@ macro_rules! structs {
     ) => {
         structs! { @struct
             /// Everything that a law needs to know, in SI.
-            Settings { $($timing)* $($wall)* $($law)* } { $($(#[$doc])* $group $Group)+ }
+            Settings { $($timing)* $($wall)* $($law)* } {
+                $($(#[$doc])* $group $Group)+
+                /// What is known of the measured position. No row: it follows from the encoder.
+                position PositionSettings
+            }
         }
         $(structs! { @struct $(#[$doc])* $Group { $($rows)* } {} })+
     };
@@ -41,3 +45,30 @@ macro_rules! structs {
     };
 }
 crate::law_settings!(structs);
+
+/// What is known of the measured position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PositionSettings {
+    /// A count of the encoder, or else twice the largest error of a measured position, rad (m); 0 where it is exact.
+    pub count: Si,
+}
+
+impl PositionSettings {
+    /// Of an encoder with so many counts in a revolution, at least one; rounded up.
+    #[must_use]
+    pub fn of_counts_per_rev(counts: u32) -> Self {
+        let counts = Si::saturating_from_num(counts.max(1));
+        Self {
+            count: Si::TAU.saturating_div(counts).saturating_add(Si::DELTA),
+        }
+    }
+}
+
+impl Default for PositionSettings {
+    /// The thesis' encoder, 40,000 counts.
+    fn default() -> Self {
+        Self {
+            count: const { Si::lit("0.000157079633") },
+        }
+    }
+}

@@ -73,6 +73,8 @@ macro_rules! law_settings {
                 // The thesis knob's torque limit: five times the thesis' typical push.
                 ForceLimit force_limit, force_limit_n_m: number("0.000001", "100") = "0.5", "N·m",
                     "the largest force that is ever commanded";
+                States states, states: choice(StatesKind) = Measured, "",
+                    "what the law is told of position and velocity (estimated: predicted for when its force acts)";
             }
             /// The virtual mass of the enhanced law between HIP and wall, by its physical parts (§3.5, Fig. 3.11).
             filter FilterSettings {
@@ -88,6 +90,41 @@ macro_rules! law_settings {
                 // Far above the bound k_v T/2 = 4e-4: it sets how fast the mass follows (12 ms at k_f), and so how calm it is.
                 FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.01", "N·m·s/rad",
                     "the damping c_env from virtual mass to ground (at least k_v T/2)";
+            }
+            /// The state estimator before the law, for `law.states = "estimated"`. It has its own figures of the device, because a tuned
+            /// estimator may do better with others than those that were measured.
+            estimator EstimatorSettings {
+                EstimatorBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "60", "Hz",
+                    "the bandwidth with which the estimator believes what is measured (a 500th to a fifth of the control rate)";
+                EstimatorInertia inertia, inertia_kg_m2: number("0", "10000") = "0.0001", "kg·m²",
+                    "the inertia that the estimator supposes of device and knob, without the hand";
+                EstimatorDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.0004", "N·m·s/rad",
+                    "the damping that the estimator supposes of the device, without the hand";
+                EstimatorDelay delay_s, delay_s: number("0", "2") = "0.001", "s",
+                    "the time from a sample until its force acts, over which the estimator predicts (up to two ticks)";
+            }
+            /// The energy guard after the law: a bound on what any hand can get out.
+            guard GuardSettings {
+                Guard on, on: flag() = false, "",
+                    "whether the energy guard stands after the law";
+                // Four times what a press of 0.1 N·m needs at 60 rad/s.
+                GuardCapacity capacity, capacity_j: number("0", "16") = "0.02", "J",
+                    "the energy C that a hand may get out at once";
+                // Nothing to a hand, and enough for the chatter of a quiet hold to last for ever.
+                GuardRefill refill, refill_w: number("0", "1") = "0.0005", "W",
+                    "the power P that a hand may get out again and again";
+                GuardDamping damping, damping_n_m_s_per_rad: number("0", "1000") = "0.0004", "N·m·s/rad",
+                    "the damping of the device alone, without a hand, as measured";
+                GuardShare share_of_damping, share_of_damping: number("0", "1") = "0.8", "",
+                    "the share of that damping that is trusted to be there";
+                GuardOverspeed overspeed, overspeed_rad_per_s: number("0.001", "1000") = "60", "rad/s",
+                    "the speed up to which every displacement is answered for (above it the force goes off and stays off)";
+                GuardDelay delay, delay_s: number("0", "1") = "0", "s",
+                    "the time from a sample until its force begins to act (with the lag at most one tick)";
+                GuardLag lag, lag_s: number("0", "1") = "0", "s",
+                    "the time from there to the force itself, as the mean of the current loop's step response";
+                GuardChange change, change: choice(ChangeOfForce) = Estimated, "",
+                    "what is known of the position when the force changes (measured: the encoder is also read then)";
             }
         }
     };

@@ -1,6 +1,6 @@
 //! Validation of settings: errors refuse, warnings name a passivity bound that was left and what is lost by it.
 
-use crate::{LawKind, Number, Regulate, Settings, Si};
+use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
 
 macro_rules! fields {
@@ -8,14 +8,16 @@ macro_rules! fields {
         timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
         $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
     ) => {
-        fields! { @rows settings:
-            (timing) (settings) { $($timing)* }
-            (wall) (settings) { $($wall)* }
-            (law) (settings) { $($law)* }
-            $((law $group) (settings.$group) { $($rows)* })+
+        fields! { @rows
+            (timing) { $($timing)* }
+            (wall) { $($wall)* }
+            (law) { $($law)* }
+            $((law $group) { $($rows)* })+
         }
+        fields! { @checks Settings { $($timing)* $($wall)* $($law)* } }
+        $(fields! { @checks $Group { $($rows)* } })+
     };
-    (@rows $settings:ident: $($table:tt $place:tt {
+    (@rows $($table:tt {
         $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
     })+) => {
         /// A setting.
@@ -36,11 +38,16 @@ macro_rules! fields {
                 }
             }
         }
-
-        /// Every number against its own range.
-        fn check_ranges($settings: &Settings) -> Result<(), SettingsError> {
-            $($(fields!(@check $place $field, $variant: $kind $range);)+)+
-            Ok(())
+    };
+    (@checks $Table:ident {
+        $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
+    }) => {
+        impl crate::settings::$Table {
+            /// Every number against its own range.
+            pub(crate) fn check_ranges(&self) -> Result<(), SettingsError> {
+                $(fields!(@check (self) $field, $variant: $kind $range);)+
+                Ok(())
+            }
         }
     };
     (@check ($($place:tt)+) $field:ident, $variant:ident: number ($min:literal, $max:literal)) => {
@@ -102,6 +109,13 @@ pub enum SettingsError {
         /// Coupling stiffness.
         k_filter: Si,
     },
+    /// The encoder's counts are too far apart for the guard's books.
+    TooCoarse {
+        /// A count, rad (m).
+        count: Si,
+        /// The coarsest.
+        coarsest: Si,
+    },
 }
 
 impl fmt::Display for SettingsError {
@@ -134,6 +148,11 @@ impl fmt::Display for SettingsError {
                 "law.regulate = mass-compensated needs {} below {} (thesis 3.5), but {k_desired} >= {k_filter}",
                 Field::KDesired.path(),
                 Field::FilterStiffness.path()
+            ),
+            Self::TooCoarse { count, coarsest } => write!(
+                f,
+                "{} needs counts of the encoder of at most {coarsest:.2} rad, and these are {count:.6} rad",
+                Field::Guard.path()
             ),
         }
     }
@@ -170,6 +189,15 @@ pub enum Warning {
         /// The credit, J.
         credit: Si,
     },
+    /// A full account does not answer for the force limit: harder presses meet a softer wall.
+    GuardSoftensAtForceLimit {
+        /// `C`, J.
+        capacity: Si,
+        /// What the force limit needs, J.
+        needed: Si,
+    },
+    /// Without a refill, rounding and one-count chatter use the account up in time, in the quietest hold.
+    GuardNeverRefilled,
 }
 
 impl Warning {
@@ -182,6 +210,8 @@ impl Warning {
             Self::GroundDampingBelowBound { .. } => Field::FilterGroundDamping,
             Self::ThesisObserver => Field::Observer,
             Self::EnergyCredit { .. } => Field::EnergyCredit,
+            Self::GuardSoftensAtForceLimit { .. } => Field::GuardCapacity,
+            Self::GuardNeverRefilled => Field::GuardRefill,
         }
     }
 }
@@ -211,6 +241,14 @@ impl fmt::Display for Warning {
             Self::EnergyCredit { credit } => write!(
                 f,
                 "energy_credit = {credit:.6} J: one contact may give that much more than it took; 0 is strictly passive and shows a resting hand at most about 2 k_f"
+            ),
+            Self::GuardSoftensAtForceLimit { capacity, needed } => write!(
+                f,
+                "capacity = {capacity:.6} J is less than the {needed:.6} J that the force limit needs: harder presses meet a softer wall; raise it, or lower the force limit or the guard's overspeed"
+            ),
+            Self::GuardNeverRefilled => write!(
+                f,
+                "refill = 0: chatter of one count uses the guard's account up in time; 0.0005 W lasts for ever"
             ),
         }
     }
@@ -260,7 +298,10 @@ impl Settings {
     /// # Errors
     /// The first setting that is out of range.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        check_ranges(self)?;
+        self.check_ranges()?;
+        self.filter.check_ranges()?;
+        self.estimator.check_ranges()?;
+        self.guard.check_ranges()?;
         if self.law == LawKind::EnhancedSfa
             && !self.is_plain_spring()
             && self.regulate == Regulate::MassCompensated
@@ -271,7 +312,23 @@ impl Settings {
                 k_filter: self.filter.stiffness,
             });
         }
+        if self.states == StatesKind::Estimated {
+            self.estimator.validate(self.rate_hz, self.force_limit)?;
+        }
+        if self.guard.on {
+            self.guard.validate(&self.guarded_device())?;
+        }
         Ok(())
+    }
+
+    /// What the guard must know of the device behind it.
+    #[must_use]
+    pub fn guarded_device(&self) -> GuardedDevice {
+        GuardedDevice {
+            rate_hz: self.rate_hz,
+            force_limit: self.force_limit,
+            count: self.position.count,
+        }
     }
 
     /// The passivity bounds that these settings violate, for the law they choose.
@@ -289,6 +346,11 @@ impl Settings {
             .saturating_sub(derived.filter_damping_per_tick))
         .saturating_mul(Si::const_from_int(2));
         let ground = self.k_soft.saturating_mul(half);
+        let guard = if self.guard.on {
+            self.guard.warnings(&self.guarded_device())
+        } else {
+            [None; 2]
+        };
         [
             (augments && self.k_soft > derived.k_critical).then_some(Warning::SoftAboveCritical {
                 k_soft: self.k_soft,
@@ -314,6 +376,7 @@ impl Settings {
                 }),
         ]
         .into_iter()
+        .chain(guard)
         .flatten()
     }
 }

@@ -6,7 +6,8 @@ use crate::current::{CurrentCommand, CurrentMode};
 use crate::settings::{DriveKind, MotorSettings, out_of_format};
 use crate::transform::Dq;
 use crate::units::{clamp_i32, narrow, product, quotient};
-use touchstone_control::{Fixed32, Force, Si};
+use fixed::types::I8F24;
+use touchstone_control::{Fixed32, Force, Number as _, Si};
 use touchstone_protocol::settings::{DriveSettings, SettingsError};
 use touchstone_protocol::{DeviceSettings, Limit, Limits};
 
@@ -48,10 +49,21 @@ pub struct Rotor {
     pub derating: u32,
 }
 
+/// What a drive makes of a torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Driven {
+    /// What it is told.
+    pub command: DriveCommand,
+    /// The limits that the torque met.
+    pub limits: Limits,
+    /// The torque along `+x` that is left after them.
+    pub torque: Force<Fixed32>,
+}
+
 /// A drive: torque in, command out.
 pub trait Drive {
-    /// The command for a torque along `+x`, and the limits that it met.
-    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> (DriveCommand, Limits);
+    /// The command for a torque along `+x`.
+    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven;
 }
 
 /// A three-phase motor on this board's bridge.
@@ -59,6 +71,8 @@ pub trait Drive {
 pub struct ThreePhase {
     /// `1/k_t`, A/(N·m).
     amps_per_nm: Amps,
+    /// `k_t`, N·m/A.
+    nm_per_amp: I8F24,
     limit: Amps,
 }
 
@@ -75,13 +89,14 @@ impl ThreePhase {
         }
         Ok(Self {
             amps_per_nm,
+            nm_per_amp: Fixed32::saturating_signal(motor.torque_constant_n_m_per_a),
             limit: narrow(motor.current_limit_a),
         })
     }
 }
 
 impl Drive for ThreePhase {
-    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> (DriveCommand, Limits) {
+    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
         let wanted = if rotor.against {
             along.saturating_neg()
@@ -99,10 +114,19 @@ impl Drive for ThreePhase {
             advance: rotor.advance,
             current: Dq { d: Amps::ZERO, q },
         };
-        let limits = Limits::NONE
-            .with(Limit::Current, q != wanted)
-            .with(Limit::Temperature, rotor.derating < 1 << 16);
-        (DriveCommand::Current(command), limits)
+        let limited = q != wanted;
+        let most = product(left.to_bits(), self.nm_per_amp.to_bits(), 16);
+        Driven {
+            command: DriveCommand::Current(command),
+            limits: Limits::NONE
+                .with(Limit::Current, limited)
+                .with(Limit::Temperature, rotor.derating < 1 << 16),
+            torque: if limited {
+                torque.within(Force(I8F24::from_bits(most)))
+            } else {
+                torque
+            },
+        }
     }
 }
 
@@ -129,16 +153,18 @@ impl Analogue {
 }
 
 impl Drive for Analogue {
-    fn command(&self, torque: Force<Fixed32>, _rotor: &Rotor) -> (DriveCommand, Limits) {
+    fn command(&self, torque: Force<Fixed32>, _rotor: &Rotor) -> Driven {
         // 24 + 16 fractional bits to none, to the nearest.
         let wide = i64::from(torque.0.to_bits()) * i64::from(self.codes_per_nm);
         let wanted = clamp_i32((wide + (1 << 39)) >> 40);
         let given = wanted.clamp(-2_047, 2_047);
         let code = DacCode(u16::try_from(given + 2_048).unwrap_or(DacCode::ZERO.0));
-        (
-            DriveCommand::Analogue(code),
-            Limits::NONE.with(Limit::Current, given != wanted),
-        )
+        Driven {
+            command: DriveCommand::Analogue(code),
+            limits: Limits::NONE.with(Limit::Current, given != wanted),
+            // The force limit is at most the full scale.
+            torque,
+        }
     }
 }
 
@@ -165,7 +191,7 @@ impl AnyDrive {
 }
 
 impl Drive for AnyDrive {
-    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> (DriveCommand, Limits) {
+    fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         match self {
             Self::ThreePhase(drive) => drive.command(torque, rotor),
             Self::Analogue(drive) => drive.command(torque, rotor),
@@ -176,7 +202,6 @@ impl Drive for AnyDrive {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fixed::types::I8F24;
 
     fn torque(nm: f64) -> Force<Fixed32> {
         Force(I8F24::from_num(nm))
@@ -192,10 +217,20 @@ mod tests {
 
     fn current(nm: f64, rotor: Rotor) -> (f64, Limits) {
         let drive = ThreePhase::new(&DeviceSettings::default().motor).unwrap();
-        let (command, limits) = drive.command(torque(nm), &rotor);
-        let DriveCommand::Current(command) = command else {
-            panic!("{command:?}")
+        let driven = drive.command(torque(nm), &rotor);
+        let DriveCommand::Current(command) = driven.command else {
+            panic!("{driven:?}")
         };
+        let limits = driven.limits;
+        // What is left is what the current gives, and never more.
+        let (left, given) = (
+            driven.torque.0.to_num::<f64>(),
+            0.25 * command.current.q.to_num::<f64>(),
+        );
+        assert!(
+            (left.abs() - given.abs()).abs() < 1e-4 && left.abs() <= nm.abs() + 1e-6,
+            "{left} {given}"
+        );
         assert_eq!(
             (command.tick, command.mode, command.current.d),
             (7, CurrentMode::Drive, Amps::ZERO)
@@ -266,17 +301,17 @@ mod tests {
             (0.000_1, 2_048),
             (0.000_3, 2_049),
         ] {
-            let (command, limits) = drive.command(torque(nm), &ROTOR);
+            let driven = drive.command(torque(nm), &ROTOR);
             assert_eq!(
-                (command, limits),
+                (driven.command, driven.limits),
                 (DriveCommand::Analogue(DacCode(code)), Limits::NONE),
                 "{nm}"
             );
         }
         for (nm, code) in [(1.1, 4_095), (-100.0, 1)] {
-            let (command, limits) = drive.command(torque(nm), &ROTOR);
-            assert_eq!(command, DriveCommand::Analogue(DacCode(code)));
-            assert!(limits.has(Limit::Current));
+            let driven = drive.command(torque(nm), &ROTOR);
+            assert_eq!(driven.command, DriveCommand::Analogue(DacCode(code)));
+            assert!(driven.limits.has(Limit::Current));
         }
     }
 }

@@ -10,7 +10,7 @@
 
 use crate::angle::Angle;
 use crate::calibration::{Alignment, Calibration, Progress};
-use crate::command::{DacCode, Drive, DriveCommand, Rotor};
+use crate::command::{DacCode, Drive, DriveCommand, Driven, Rotor};
 use crate::config::{Config, Configs};
 use crate::current::{CurrentCommand, CurrentConfig, CurrentReport};
 use crate::hardware::Hardware;
@@ -279,7 +279,7 @@ impl Device {
             self.zero = count;
         }
         if after == State::Armed {
-            self.law = self.configs.now().law;
+            self.law = self.configs.now().law.resumed(&self.law);
             self.fade = 0;
         }
         self.calibration = None;
@@ -351,7 +351,21 @@ impl Device {
             against,
             derating,
         };
-        let (drive, limits) = self.configs.now().drive.command(torque, &rotor);
+        let driven = self.configs.now().drive.command(torque, &rotor);
+        if fading || driven.torque != torque {
+            self.law.commanded(Force(I8F24::from_bits(
+                driven.torque.0.to_bits().saturating_neg(),
+            )));
+        }
+        if self.law.tripped() {
+            let speed = self.record.speed_rad_per_s;
+            self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
+        }
+        let Driven {
+            command: drive,
+            limits,
+            ..
+        } = driven;
         let record = &mut self.record;
         record.law_ran = true;
         record.force = force;

@@ -386,8 +386,7 @@ guard!(
 mod accepted {
     use super::*;
     use crate::source::{Sampler, sample};
-    use touchstone_control::guard::ChangeOfForce;
-    use touchstone_control::{GuardSettings, GuardedDevice, Si};
+    use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
 
     /// P8: whatever `Guard::new` accepts is valid, its memory at power-up satisfies the invariant, and its reach is paid.
     fn body<N: Format>(s: &mut Sampler) {
@@ -400,13 +399,14 @@ mod accepted {
             overspeed: value(0),
             delay: value(14),
             lag: value(14),
-            count: value(8),
             change: ChangeOfForce::Estimated,
+            on: true,
+            damping: Si::from_bits(i64::from(s.u32()) >> (s.bits(5) as u32)),
         };
         let device = GuardedDevice {
             rate_hz: 100 << (s.bits(3)),
-            damping: Si::from_bits(i64::from(s.u32()) >> (s.bits(5) as u32)),
             force_limit: Si::from_bits(i64::from(s.u32())),
+            count: Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> 8),
         };
         let settings = if s.bool() {
             settings

@@ -62,6 +62,10 @@ property! {
 
 /// Whether a controller satisfies what the properties assume of its law.
 pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
+    let guarded = controller.guard.as_ref();
+    if guarded.is_some_and(|it| !(it.guard.valid() && it.guard.holds(&it.state))) {
+        return false;
+    }
     match &controller.law {
         AnyLaw::Spring(law, state) => law.valid() && law.holds(state),
         AnyLaw::Tdpa(law, state) => {
@@ -88,8 +92,9 @@ mod tests {
     use super::*;
     use crate::source::{Sampler, Source, sample};
     use touchstone_control::{
-        Field, FilterSettings, FirstContact, Fixed8, Fixed16, IdealStep, LawKind, ObserverForm,
-        OffsetUpdate, Regulate, Settings, SettingsError,
+        ChangeOfForce, EstimatorSettings, Field, FilterSettings, FirstContact, Fixed8, Fixed16,
+        GuardSettings, IdealStep, LawKind, ObserverForm, OffsetUpdate, PositionSettings, Regulate,
+        Settings, SettingsError, States, StatesKind,
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
@@ -143,6 +148,25 @@ mod tests {
             },
             energy_credit: pick(s, base.energy_credit),
             force_limit: pick(s, base.force_limit),
+            states: [StatesKind::Measured, StatesKind::Estimated][s.bits(1) as usize],
+            estimator: EstimatorSettings {
+                bandwidth_hz: pick(s, base.estimator.bandwidth_hz),
+                inertia: pick(s, base.estimator.inertia),
+                damping: pick(s, base.estimator.damping),
+                delay_s: pick(s, base.estimator.delay_s),
+            },
+            guard: GuardSettings {
+                on: s.bool(),
+                capacity: pick(s, base.guard.capacity),
+                refill: pick(s, base.guard.refill),
+                damping: pick(s, base.guard.damping),
+                share_of_damping: pick(s, base.guard.share_of_damping),
+                overspeed: pick(s, base.guard.overspeed),
+                delay: pick(s, base.guard.delay),
+                lag: pick(s, base.guard.lag),
+                change: [ChangeOfForce::Estimated, ChangeOfForce::Measured][s.bits(1) as usize],
+            },
+            position: PositionSettings::of_counts_per_rev(s.u32() >> s.bits(5)),
         }
     }
 
@@ -163,6 +187,11 @@ mod tests {
             let law = built.as_ref().map(|wall| &wall.law);
             s.cover(matches!(law, Ok(AnyLaw::Enhanced(..))), "enhanced");
             s.cover(matches!(law, Ok(AnyLaw::Fba(..))), "fba");
+            let guarded = built.as_ref().is_ok_and(|wall| wall.guard.is_some());
+            s.cover(guarded, "guarded");
+            let estimated =
+                |wall: &Controller<Fixed32>| matches!(wall.states, States::Estimated(..));
+            s.cover(built.as_ref().is_ok_and(estimated), "estimated");
             s.cover(
                 matches!(built, Err(SettingsError::OutOfFormat { .. })),
                 "format",

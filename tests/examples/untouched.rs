@@ -3,8 +3,7 @@
 //! `cargo run --release -p touchstone-tests --example untouched -- 3600` plays an hour of each; the default is a minute. `counts`:
 //! every change of force is charged half a count; `free`: none is, and what quantisation can take adds up outside the books.
 
-use touchstone_control::guard::ChangeOfForce;
-use touchstone_control::{GuardSettings, Si};
+use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_tests::port::{Gripped, Port, SpringDamper, wiggle};
 
 fn main() {
@@ -57,10 +56,11 @@ fn one(
     let dry = refill_w == 0.0 || change == ChangeOfForce::Estimated;
     let seconds = if dry { seconds.min(600) } else { seconds };
     let mut port = Port::new(law, delay, true, true);
+    port.told = counted;
     let settings = GuardSettings {
         change,
         refill: Si::from_num(refill_w),
-        ..Port::settings(delay, counted)
+        ..Port::settings(delay)
     };
     let play =
         |port: &Port, seconds: u32| port.play(&mut Gripped::medium(wiggle(hz)), 1000 * seconds);

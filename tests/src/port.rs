@@ -4,9 +4,9 @@
 //! lets them; either way force times displacement and damping are summed over what really happened, in `f64`, and not over
 //! what was measured.
 
-use touchstone_control::guard::{ChangeOfForce, GuardWarnings};
 use touchstone_control::{
-    Fixed32, Force, Guard, GuardSettings, GuardState, GuardedDevice, Position, Reported, Si,
+    ChangeOfForce, Fixed32, Force, Guard, GuardSettings, GuardState, GuardedDevice, Position,
+    Reported, Si, Warning,
 };
 
 /// Period of the control law.
@@ -43,6 +43,8 @@ pub struct Port {
     pub delay_ticks: f64,
     /// Whether positions are measured in counts.
     pub counts: bool,
+    /// Whether the guard is told so.
+    pub told: bool,
     /// The law.
     pub law: SpringDamper,
     /// The guard, if there is one.
@@ -77,10 +79,9 @@ fn si(value: f64) -> Si {
 impl Port {
     /// 20 mJ, half a milliwatt, 80 % of the damping, with a delay in ticks.
     #[must_use]
-    pub fn settings(delay_ticks: f64, counts: bool) -> GuardSettings {
+    pub fn settings(delay_ticks: f64) -> GuardSettings {
         GuardSettings {
             delay: si(delay_ticks * TICK_S),
-            count: if counts { si(COUNT_RAD) } else { Si::ZERO },
             ..GuardSettings::default()
         }
     }
@@ -91,8 +92,9 @@ impl Port {
         Self {
             delay_ticks,
             counts,
+            told: counts,
             law,
-            guard: guarded.then(|| Self::settings(delay_ticks, counts)),
+            guard: guarded.then(|| Self::settings(delay_ticks)),
             force_limit_n_m: 0.3,
         }
     }
@@ -102,14 +104,14 @@ impl Port {
     pub fn device(&self) -> GuardedDevice {
         GuardedDevice {
             rate_hz: 1000,
-            damping: si(DAMPING_N_M_S_PER_RAD),
             force_limit: si(self.force_limit_n_m),
+            count: if self.told { si(COUNT_RAD) } else { Si::ZERO },
         }
     }
 
     /// What the guard's settings give away here.
     #[must_use]
-    pub fn warnings(&self) -> GuardWarnings {
+    pub fn warnings(&self) -> [Option<Warning>; 2] {
         self.guard
             .map_or([None; 2], |guard| guard.warnings(&self.device()))
     }

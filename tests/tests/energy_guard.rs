@@ -2,8 +2,7 @@
 //! the refill, whatever the delay, whatever the law, whether it is looked for or not.
 
 use std::f64::consts::TAU;
-use touchstone_control::guard::ChangeOfForce;
-use touchstone_control::{GuardSettings, Si};
+use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_tests::adversary::Way;
 use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringDamper, wiggle};
 
@@ -48,7 +47,7 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     for delay in [0.1, 0.5, 1.0] {
         let mut port = Port::new(SPRING, delay, true, true);
-        port.guard = Some(Port::settings(0.0, true));
+        port.guard = Some(Port::settings(0.0));
         let (_, taken) = Way::Policy.worst(&port, 600, 1_000, 2);
         println!(
             "delay {delay}, guard set for none: {:.2} mJ above the refill in a second",
@@ -88,7 +87,7 @@ fn measuring_the_change_of_force_holds_as_well() {
         let mut port = Port::new(SPRING, delay, true, true);
         port.guard = Some(GuardSettings {
             change: ChangeOfForce::Measured,
-            ..Port::settings(delay, true)
+            ..Port::settings(delay)
         });
         assert!(at_20_hz(&port).above_refill_j <= CAPACITY_J + ENCODER_J);
         for way in Way::ALL {
@@ -107,7 +106,7 @@ fn a_good_wall_is_left_untouched() {
             let mut port = Port::new(law, delay, true, true);
             port.guard = Some(GuardSettings {
                 change: ChangeOfForce::Measured,
-                ..Port::settings(delay, true)
+                ..Port::settings(delay)
             });
             let outcome = port.play(&mut Gripped::medium(wiggle(hz)), 10_000);
             println!(
@@ -128,7 +127,7 @@ fn an_empty_account_is_a_softer_wall_and_no_trapdoor() {
     let mut port = Port::new(SOFT, 0.0, true, true);
     port.guard = Some(GuardSettings {
         capacity: Si::lit("0.004"),
-        ..Port::settings(0.0, true)
+        ..Port::settings(0.0)
     });
     // 4 mJ pay for 0.066 N·m: a press of 0.1 N·m goes deeper, and is held all the same.
     let hand = |push: f64| Gripped::medium(move |t: f64| push * (t / 0.3).min(1.0));

@@ -125,9 +125,10 @@ mod reference {
 
 use reference::Reference;
 use std::f64::consts::TAU;
-use touchstone_control::estimator::{EstimatorField, EstimatorState};
+use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
-    Estimator, EstimatorSettings, Fixed8, Fixed16, Fixed32, Force, Number, Position, Reported, Si,
+    Estimator, EstimatorSettings, Field, Fixed8, Fixed16, Fixed32, Force, Number, Position,
+    Reported, SettingsError, Si,
 };
 use touchstone_tests::random::Random;
 
@@ -483,32 +484,32 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
     assert_eq!(good.validate(1000, LIMIT), Ok(()));
     /// Field, how it is set, both ends of what is accepted, what is refused beyond them.
     type Case = (
-        EstimatorField,
+        Field,
         fn(&mut EstimatorSettings, Si),
         [&'static str; 2],
         [&'static str; 2],
     );
     let cases: [Case; 4] = [
         (
-            EstimatorField::Bandwidth,
+            Field::EstimatorBandwidth,
             |s, x| s.bandwidth_hz = x,
             ["2", "200"],
             ["1.9", "201"],
         ),
         (
-            EstimatorField::Inertia,
+            Field::EstimatorInertia,
             |s, x| s.inertia = x,
             ["0.0000008", "60"],
             ["0.0000007", "60.1"],
         ),
         (
-            EstimatorField::Damping,
+            Field::EstimatorDamping,
             |s, x| s.damping = x,
             ["0", "10000"],
             ["-0.1", "10001"],
         ),
         (
-            EstimatorField::Delay,
+            Field::EstimatorDelay,
             |s, x| s.delay_s = x,
             ["0", "0.002"],
             ["-0.001", "0.0021"],
@@ -522,24 +523,30 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
                 settings.validate(1000, LIMIT),
                 Ok(()),
                 "{} {text}",
-                field.name()
+                field.path()
             );
             assert!(
                 settings.estimator::<Fixed32>(1000, LIMIT).is_ok(),
                 "{} {text}",
-                field.name()
+                field.path()
             );
         }
         for text in outside {
             let mut settings = good;
             set(&mut settings, lit(text));
             let error = settings.validate(1000, LIMIT).unwrap_err();
-            assert_eq!(error.field, field, "{text}");
-            assert!(
-                error.value < error.min || error.value > error.max,
-                "{error}"
-            );
-            assert!(error.to_string().contains(field.name()), "{error}");
+            let SettingsError::OutOfRange {
+                field: named,
+                value,
+                min,
+                max,
+            } = error
+            else {
+                panic!("{error}")
+            };
+            assert_eq!(named, field, "{text}");
+            assert!(value < min || value > max, "{error}");
+            assert!(error.to_string().contains(field.path()), "{error}");
         }
     }
 }

@@ -27,8 +27,8 @@
 mod flow;
 mod settings;
 
+pub use crate::settings::EstimatorSettings;
 pub use flow::{Flow, TAPS, UNDER_WAY};
-pub use settings::{EstimatorError, EstimatorField, EstimatorSettings};
 
 use crate::law::Sample;
 use crate::number::Wide as _;

@@ -3,87 +3,7 @@
 use super::flow::{Device, LONGEST_DELAY};
 use super::{Estimator, Weight};
 use crate::number::Exact;
-use crate::{Force, Number, Si};
-use core::fmt;
-
-/// What the estimator knows of the device, and how fast it believes what it measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct EstimatorSettings {
-    /// Bandwidth `p`, Hz: its three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
-    pub bandwidth_hz: Si,
-    /// Inertia of device and knob without the hand, kg·m² (kg): so large that the largest force gives at most 1 rad a tick²,
-    /// and at most 6e7 T².
-    pub inertia: Si,
-    /// The device's own damping, N·m·s/rad (N·s/m), zero or more. What would make the device slower to coast than the
-    /// estimator is fast to see (`b/J` above `2π p`) is left to the hand's push.
-    pub damping: Si,
-    /// Time from a sample until the command that follows it begins to act, s: zero to two ticks.
-    pub delay_s: Si,
-}
-
-/// A setting, by its name in [`EstimatorSettings`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum EstimatorField {
-    Bandwidth,
-    Inertia,
-    Damping,
-    Delay,
-}
-
-impl EstimatorField {
-    /// Name as in [`EstimatorSettings`].
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bandwidth => "bandwidth_hz",
-            Self::Inertia => "inertia",
-            Self::Damping => "damping",
-            Self::Delay => "delay_s",
-        }
-    }
-}
-
-/// Why settings are refused: a value out of its range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct EstimatorError {
-    /// Which setting.
-    pub field: EstimatorField,
-    /// Its value, SI.
-    pub value: Si,
-    /// Smallest allowed value at this control rate and force limit, SI.
-    pub min: Si,
-    /// Largest allowed value, SI.
-    pub max: Si,
-}
-
-impl fmt::Display for EstimatorError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            field,
-            value,
-            min,
-            max,
-        } = self;
-        let field = field.name();
-        write!(
-            f,
-            "estimator.{field} is {value}, it must be from {min} to {max}"
-        )
-    }
-}
-
-impl Default for EstimatorSettings {
-    /// The thesis' knob.
-    fn default() -> Self {
-        Self {
-            bandwidth_hz: const { Si::lit("60") },
-            inertia: const { Si::lit("0.0001") },
-            damping: const { Si::lit("0.0004") },
-            delay_s: const { Si::lit("0.001") },
-        }
-    }
-}
+use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
 /// `a / b` for two positive values, saturating.
 fn ratio(a: Si, b: Si) -> Exact {
@@ -99,16 +19,21 @@ fn over(a: Si, b: Si) -> Si {
     a.checked_div(b).unwrap_or(Si::MAX)
 }
 
+/// - `bandwidth_hz` is `p`: the three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
+/// - `inertia`: so large that the largest force gives at most 1 rad a tick², and at most 6e7 T².
+/// - `damping`: what would make the device slower to coast than the estimator is fast to see (`b/J` above `2π p`) is left to the
+///   hand's push.
+/// - `delay_s`: zero to two ticks.
 impl EstimatorSettings {
     /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
     ///
     /// # Errors
     /// The first setting that is out of range.
-    pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), EstimatorError> {
+    pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), SettingsError> {
         let rate = Si::saturating_from_num(rate_hz.max(1));
         let check = |field, value: Si, min: Si, max: Si| {
             if value < min || value > max {
-                Err(EstimatorError {
+                Err(SettingsError::OutOfRange {
                     field,
                     value,
                     min,
@@ -119,7 +44,7 @@ impl EstimatorSettings {
             }
         };
         check(
-            EstimatorField::Bandwidth,
+            Field::EstimatorBandwidth,
             self.bandwidth_hz,
             over(rate, const { Si::const_from_int(500) }),
             over(rate, const { Si::const_from_int(5) }),
@@ -133,15 +58,15 @@ impl EstimatorSettings {
         let per_tick2 = self.inertia.saturating_mul(rate).saturating_mul(rate);
         if per_tick2 < lightest || per_tick2 > heaviest {
             let inertia = |per_tick2| over(over(per_tick2, rate), rate);
-            return Err(EstimatorError {
-                field: EstimatorField::Inertia,
+            return Err(SettingsError::OutOfRange {
+                field: Field::EstimatorInertia,
                 value: self.inertia,
                 min: inertia(lightest).saturating_add(Si::DELTA),
                 max: inertia(heaviest),
             });
         }
         check(
-            EstimatorField::Damping,
+            Field::EstimatorDamping,
             self.damping,
             Si::ZERO,
             const { Si::lit("10000") },
@@ -149,7 +74,7 @@ impl EstimatorSettings {
         // A step of the format more a tick, so that two ticks are two ticks at every rate.
         let period = over(Si::ONE, rate).saturating_add(Si::DELTA);
         check(
-            EstimatorField::Delay,
+            Field::EstimatorDelay,
             self.delay_s,
             Si::ZERO,
             period.saturating_mul(Si::saturating_from_num(LONGEST_DELAY)),
@@ -164,7 +89,7 @@ impl EstimatorSettings {
         &self,
         rate_hz: u32,
         force_limit: Si,
-    ) -> Result<Estimator<N>, EstimatorError> {
+    ) -> Result<Estimator<N>, SettingsError> {
         self.validate(rate_hz, force_limit)?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         let inertia = self.inertia.saturating_mul(rate).saturating_mul(rate);
@@ -183,11 +108,10 @@ impl EstimatorSettings {
                 limit: N::signal(force_limit).map(Force)?,
             })
         };
-        built().ok_or(EstimatorError {
-            field: EstimatorField::Inertia,
-            value: self.inertia,
-            min: self.inertia,
-            max: self.inertia,
+        built().ok_or(SettingsError::OutOfFormat {
+            field: Field::EstimatorInertia,
+            value: inertia,
+            format: N::NAME,
         })
     }
 }

@@ -17,12 +17,13 @@
 //! What makes the force smaller afterwards (fading in, a limit, rounding to a current) is told to [`Guard::commanded`], or the
 //! books are of a force that never acted.
 
+mod guarded;
 mod settings;
 
-pub use settings::{
-    ChangeOfForce, GuardError, GuardField, GuardSettings, GuardWarning, GuardWarnings,
-    GuardedDevice,
-};
+pub use crate::choices::ChangeOfForce;
+pub use crate::settings::GuardSettings;
+pub use guarded::Guarded;
+pub use settings::GuardedDevice;
 
 use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 

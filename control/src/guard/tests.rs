@@ -1,13 +1,12 @@
 use super::*;
-use crate::settings::Si;
-use crate::{Fixed16, Fixed32};
+use crate::{Field, Fixed16, Fixed32, SettingsError, Si, Warning};
 use fixed::types::I8F24;
 
 fn device() -> GuardedDevice {
     GuardedDevice {
         rate_hz: 1000,
-        damping: Si::lit("0.0004"),
         force_limit: Si::lit("0.3"),
+        count: Si::lit("0.000157079633"),
     }
 }
 fn settings(delay: &str) -> GuardSettings {
@@ -168,11 +167,11 @@ fn the_account_is_never_above_the_truth() {
 /// Without delay and without error the books are exact: the account alone, with no lower end, never passes zero.
 #[test]
 fn every_displacement_up_to_overspeed_is_paid() {
-    let none = GuardSettings {
+    let exact = GuardedDevice {
         count: Si::ZERO,
-        ..settings("0")
+        ..device()
     };
-    let guard = Guard::<Fixed32>::new(&none, &device()).unwrap();
+    let guard = Guard::<Fixed32>::new(&settings("0"), &exact).unwrap();
     let mut random = Random(7);
     for _ in 0..100_000 {
         let account = Energy(fixed::types::I16F48::from_bits(
@@ -307,35 +306,43 @@ fn what_was_commanded_in_the_end_is_what_is_booked() {
 #[test]
 fn settings_are_validated_from_both_sides() {
     type Change = fn(&mut GuardSettings, &mut GuardedDevice);
-    let refused: [(GuardField, Change); 12] = [
-        (GuardField::RateHz, |_, d| d.rate_hz = 0),
-        (GuardField::Damping, |_, d| d.damping = -Si::DELTA),
-        (GuardField::ForceLimit, |_, d| d.force_limit = -Si::DELTA),
-        (GuardField::Capacity, |s, _| s.capacity = Si::lit("16.1")),
-        (GuardField::Capacity, |s, _| s.capacity = -Si::DELTA),
-        (GuardField::Refill, |s, _| s.refill = Si::lit("1.1")),
-        (GuardField::ShareOfDamping, |s, _| {
+    let refused: [(Field, Change); 11] = [
+        (Field::GuardOverspeed, |_, d| d.rate_hz = 0),
+        (Field::GuardDamping, |s, _| s.damping = -Si::DELTA),
+        (Field::ForceLimit, |_, d| d.force_limit = -Si::DELTA),
+        (Field::GuardCapacity, |s, _| s.capacity = Si::lit("16.1")),
+        (Field::GuardCapacity, |s, _| s.capacity = -Si::DELTA),
+        (Field::GuardRefill, |s, _| s.refill = Si::lit("1.1")),
+        (Field::GuardShare, |s, _| {
             s.share_of_damping = Si::lit("1.1")
         }),
-        (GuardField::Overspeed, |s, _| s.overspeed = Si::ZERO),
-        (GuardField::Count, |s, _| s.count = Si::lit("0.2")),
-        (GuardField::Delay, |s, _| s.delay = Si::lit("0.0011")),
-        (GuardField::Lag, |s, _| {
+        (Field::GuardOverspeed, |s, _| s.overspeed = Si::ZERO),
+        (Field::GuardDelay, |s, _| s.delay = Si::lit("0.0011")),
+        (Field::GuardLag, |s, _| {
             s.delay = Si::lit("0.0006");
             s.lag = Si::lit("0.0005");
         }),
-        (GuardField::ForceLimit, |_, d| {
-            d.force_limit = Si::lit("129")
-        }),
+        (Field::ForceLimit, |_, d| d.force_limit = Si::lit("129")),
     ];
     for (field, change) in refused {
         let (mut s, mut d) = (settings("0"), device());
         change(&mut s, &mut d);
         let error = Guard::<Fixed32>::new(&s, &d).unwrap_err();
-        let (GuardError::OutOfRange { field: named, .. }
-        | GuardError::OutOfFormat { field: named, .. }) = error;
+        let (SettingsError::OutOfRange { field: named, .. }
+        | SettingsError::OutOfFormat { field: named, .. }) = error
+        else {
+            panic!("{error}")
+        };
         assert_eq!(named, field);
     }
+    let coarse = GuardedDevice {
+        count: Si::lit("0.2"),
+        ..device()
+    };
+    assert!(matches!(
+        Guard::<Fixed32>::new(&settings("0"), &coarse),
+        Err(SettingsError::TooCoarse { .. })
+    ));
     for delay in ["0", "0.0001", "0.0005", "0.001"] {
         assert!(Guard::<Fixed32>::new(&settings(delay), &device()).is_ok());
         assert!(Guard::<Fixed16>::new(&settings(delay), &device()).is_ok());
@@ -364,16 +371,16 @@ fn warnings_name_what_is_given_away() {
     // A tick of delay needs twice as much.
     assert!(matches!(
         settings("0.001").warnings(&d),
-        [Some(GuardWarning::ForceLimitNotCovered { .. }), None]
+        [Some(Warning::GuardSoftensAtForceLimit { .. }), None]
     ));
     let dry = GuardSettings {
         refill: Si::ZERO,
         ..quiet
     };
-    assert_eq!(dry.warnings(&d), [None, Some(GuardWarning::NeverRefilled)]);
+    assert_eq!(dry.warnings(&d), [None, Some(Warning::GuardNeverRefilled)]);
     // What is needed suffices: the account that the warning asks for gives the limit.
     for delay in ["0", "0.0005", "0.001"] {
-        let Some(GuardWarning::ForceLimitNotCovered { needed, .. }) = (GuardSettings {
+        let Some(Warning::GuardSoftensAtForceLimit { needed, .. }) = (GuardSettings {
             capacity: Si::ZERO,
             ..settings(delay)
         })

@@ -73,6 +73,7 @@ macro_rules! tree {
                     $($w_field: self.wall.$w_name,)+
                     $($l_field: self.law.$l_name,)+
                     $($group: law::settings::$Group { $($field: self.law.$group.$name,)+ },)+
+                    position: law::settings::PositionSettings::of_counts_per_rev(self.encoder.counts_per_rev),
                 }
             }
         }

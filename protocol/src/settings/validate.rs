@@ -57,6 +57,8 @@ pub enum Reason {
     NoFractionOf(u32),
     /// The board has nothing to connect it to; the value is the number of the word.
     NotOnThisBoard,
+    /// No board measures it; the value is the number of the word.
+    NotMeasured,
 }
 
 #[cfg(feature = "wire")]
@@ -101,6 +103,9 @@ impl SettingsError {
             Reason::NotOnThisBoard => {
                 write!(f, "{path}: this board has no connector for it")
             }
+            Reason::NotMeasured => {
+                write!(f, "{path}: no board measures that, give another word")
+            }
         }
     }
 }
@@ -135,6 +140,7 @@ impl DeviceSettings {
         fields::check(self)?;
         self.check_board(board)?;
         self.check_force_limit()?;
+        self.check_guard()?;
         Controller::new(&self.law()).map_err(|error| refused(&error))
     }
 
@@ -163,6 +169,19 @@ impl DeviceSettings {
             path,
             value: Decimal::from_num(number),
             reason: Reason::NotOnThisBoard,
+        })
+    }
+
+    /// The encoder is read once a control tick.
+    fn check_guard(&self) -> Result<(), SettingsError> {
+        let guard = &self.law.guard;
+        if !guard.on || guard.change == law::ChangeOfForce::Estimated {
+            return Ok(());
+        }
+        Err(SettingsError {
+            path: Field::GuardChange.path(),
+            value: Decimal::from_num(guard.change.number()),
+            reason: Reason::NotMeasured,
         })
     }
 
@@ -215,5 +234,11 @@ pub fn refused(error: &law::SettingsError) -> SettingsError {
             law::Si::ZERO,
             k_filter.saturating_sub(law::Si::DELTA),
         ),
+        // What is too coarse is the encoder.
+        law::SettingsError::TooCoarse { count, .. } => SettingsError {
+            path: "encoder.counts_per_rev",
+            value: Decimal(count),
+            reason: Reason::OutOfFormat,
+        },
     }
 }

@@ -72,7 +72,14 @@ impl Design {
         let wall = Controller::new(&self.settings).ok()?;
         match &self.estimator {
             None => Some(wall),
-            Some(estimator) => wall.with_estimator(&self.settings, estimator).ok(),
+            Some(estimator) => {
+                let settings = Settings {
+                    states: touchstone_control::StatesKind::Estimated,
+                    estimator: *estimator,
+                    ..self.settings
+                };
+                Controller::new(&settings).ok()
+            }
         }
     }
 }

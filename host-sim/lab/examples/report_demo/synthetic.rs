@@ -133,6 +133,7 @@ pub fn run(law: LawKind, k_desired: f64, seconds: f64) -> Run {
         });
         trace.energy_true_j.push(energy);
         trace.energy_device_loss_j.push(loss);
+        trace.guard_account_j.push(f64::NAN);
         let before = x;
         for _ in 0..SUBSTEPS {
             let h = TICK / f64::from(SUBSTEPS);
@@ -209,6 +210,9 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
         release_excursion_rad: held.then_some(0.05),
         energy_out_worst_window_j: -low(&user),
         energy_out_wall_worst_window_j: -low(&trace.energy_true_j),
+        guard_account_min_j: None,
+        guard_limited_ticks: None,
+        guard_tripped_s: None,
         settle_from_ramp_end_s: (held && verdict <= Verdict::Active).then_some(0.21),
         rate_hardness: held.then_some(if law == LawKind::Fba { k.min(1.0) } else { k }),
         limit_cycle_peak_to_peak: held.then_some(cycle),

@@ -64,6 +64,15 @@ measures! {
     energy_out_wall_worst_window_j, "given by the wall, worst window", "J",
         "most energy that the wall's port gave in any window of time",
         |s| Some(s.energy_out_wall_worst_window_j), |_, x| with_unit(x, "J", 3);
+    guard_account_min_j, "lowest account of the guard", "J",
+        "lowest account of the energy guard, negative after overspeed; null without a guard",
+        |s| s.guard_account_min_j, |_, x| with_unit(x, "J", 3);
+    guard_limited_ticks, "ticks limited by the guard", "1",
+        "ticks in which the energy guard gave less force than the law wanted; null without a guard",
+        |s| s.guard_limited_ticks.map(|n| n as f64), |_, x| significant(x, 3);
+    guard_tripped_s, "force off for overspeed after", "s",
+        "when the energy guard switched the force off for overspeed; null if it did not",
+        |s| s.guard_tripped_s, |_, x| with_unit(x, "s", 3);
     limit_cycle_peak_to_peak, "limit cycle, peak to peak", "rad",
         "largest motion of the device in the last quarter of a hold",
         |s| s.limit_cycle_peak_to_peak, in_counts;

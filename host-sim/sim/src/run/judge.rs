@@ -7,6 +7,7 @@ use super::measure::{
 use super::terms::Terms;
 use super::tick::{Recorder, Tick};
 use super::verdict::Verdict;
+use super::wall::InsideGuard;
 
 /// Two numbers whose range is wanted.
 #[derive(Debug, Clone, Copy)]
@@ -58,11 +59,38 @@ pub struct Judge {
     /// Sums over the press' second half: force, penetration.
     shown: (f64, f64),
     felt: Felt,
+    guard: Option<GuardWatch>,
     touching: bool,
     contact_ticks: u64,
     force_max: f64,
     penetration_max: f64,
     finite: bool,
+}
+
+/// What the energy guard did in a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GuardWatch {
+    /// Lowest account, J.
+    pub account_min_j: f64,
+    /// Ticks in which it gave less than the law wanted.
+    pub limited_ticks: u64,
+    /// The tick from which it gave nothing, after overspeed.
+    pub tripped_tick: Option<u64>,
+}
+
+impl GuardWatch {
+    fn record(seen: &mut Option<Self>, index: u64, guard: &InsideGuard) {
+        let watch = seen.get_or_insert(Self {
+            account_min_j: f64::INFINITY,
+            limited_ticks: 0,
+            tripped_tick: None,
+        });
+        watch.account_min_j = watch.account_min_j.min(guard.account_j);
+        watch.limited_ticks += u64::from(guard.limited);
+        if guard.tripped {
+            watch.tripped_tick.get_or_insert(index);
+        }
+    }
 }
 
 /// What a hand feels.
@@ -162,6 +190,8 @@ pub struct Judgement {
     pub energy_out_worst_window_j: f64,
     /// Most that the wall's port gave in any window of time, J.
     pub energy_out_wall_worst_window_j: f64,
+    /// What the guard did, if there was one.
+    pub guard: Option<GuardWatch>,
     /// When the press had settled, in ticks.
     pub settled: Option<Settled>,
     /// rad.
@@ -205,6 +235,7 @@ impl Judge {
             energy_user_min: 0.0,
             energy_observed_min: f64::INFINITY,
             shown: (0.0, 0.0),
+            guard: None,
             touching: false,
             contact_ticks: 0,
             force_max: 0.0,
@@ -287,6 +318,7 @@ impl Judge {
                 .then_some(self.energy_observed_min),
             energy_out_worst_window_j: felt.hand_window.worst_j(),
             energy_out_wall_worst_window_j: felt.wall_window.worst_j(),
+            guard: self.guard,
             settled: if verdict < Verdict::LimitCycle {
                 felt.settle.and_then(|settle| settle.settled())
             } else {
@@ -350,6 +382,9 @@ impl Recorder for Judge {
         self.energy_user_min = self.energy_user_min.min(self.energy_true + self.loss);
         // NaN (no observer) never is the smaller.
         self.energy_observed_min = self.energy_observed_min.min(tick.inside.energy_j);
+        if let Some(guard) = &tick.inside.guard {
+            GuardWatch::record(&mut self.guard, tick.index, guard);
+        }
         self.press(tick, e);
         self.hold(tick, touching);
         self.felt

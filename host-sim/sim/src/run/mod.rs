@@ -47,6 +47,9 @@ pub fn cycle<C: Crossing>(
         let rest = rest_rad(index as f64 * period_s);
         let torque = control.torque_n_m(state.position());
         crossing.cross(&mut state, torque, rest);
+        if let Some(angle) = crossing.changed_at_rad() {
+            control.changed_at(angle);
+        }
     }
     state
 }
@@ -67,6 +70,9 @@ pub fn cycle_recorded<C: Crossing>(
         let before = state;
         let answer = control.answer(before.position());
         let flow = crossing.cross_with_flow(&mut state, answer.torque_n_m, rest);
+        if let Some(angle) = crossing.changed_at_rad() {
+            control.changed_at(angle);
+        }
         recorder.record(&Tick {
             index,
             time_s,

@@ -10,9 +10,9 @@ use super::settings;
 use super::wall::Controlled;
 use crate::error::{Error, Result};
 use crate::scene::{Motion, Number, Scene};
-use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
+use touchstone_control::{ChangeOfForce, CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_world::plant::{
-    self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, State, Stepper,
+    self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, Kinematics as _, State, Stepper,
 };
 
 /// A scene, ready to run.
@@ -185,11 +185,14 @@ where
     }
     let whole = (delay / period).floor();
     let fraction = delay - whole * period;
-    let crossing: Box<dyn Crossing<State = S::State>> = Box::new(Delayed::new(
-        built(fraction)?,
-        built(period - fraction)?,
-        whole as usize,
-    ));
+    let delayed = Delayed::new(built(fraction)?, built(period - fraction)?, whole as usize);
+    let guard = &scene.law.guard;
+    let measured = guard.on && guard.change == ChangeOfForce::Measured;
+    let crossing: Box<dyn Crossing<State = S::State>> = Box::new(if measured {
+        delayed.measured(state.position())
+    } else {
+        delayed
+    });
     Ok(Box::new(Moving { crossing, state }))
 }
 

@@ -58,6 +58,12 @@ pub struct Summary {
     pub energy_out_worst_window_j: f64,
     /// Most energy that the wall's port gave in any window of time, J.
     pub energy_out_wall_worst_window_j: f64,
+    /// Lowest account of the energy guard, J (negative after overspeed); `None` without one.
+    pub guard_account_min_j: Option<f64>,
+    /// Ticks in which the guard gave less force than the law wanted; `None` without one.
+    pub guard_limited_ticks: Option<u64>,
+    /// When the guard switched the force off for overspeed, s; `None` if it did not, or without one.
+    pub guard_tripped_s: Option<f64>,
     /// From the first touch until force over penetration stays within 5 % of the desired stiffness, s; `None` if it does not.
     pub settle_time: Option<f64>,
     /// The same from the end of the press' ramp, s; 0 where it had settled before.
@@ -108,6 +114,12 @@ impl Summary {
             energy_observed_min: judged.energy_observed_min,
             energy_out_worst_window_j: judged.energy_out_worst_window_j,
             energy_out_wall_worst_window_j: judged.energy_out_wall_worst_window_j,
+            guard_account_min_j: judged.guard.map(|guard| guard.account_min_j),
+            guard_limited_ticks: judged.guard.map(|guard| guard.limited_ticks),
+            guard_tripped_s: judged
+                .guard
+                .and_then(|guard| guard.tripped_tick)
+                .map(seconds),
             settle_time: judged.settled.map(|s| seconds(s.from_first_touch)),
             settle_from_ramp_end_s: judged.settled.map(|s| seconds(s.from_ramp_end)),
             penetration_max: judged.penetration_max,
@@ -147,6 +159,8 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device dissipated so far (viscous and dry friction), J.
     pub energy_device_loss_j: Vec<f64>,
+    /// What the guard's account would still pay the hand, J (NaN: the scene has no guard).
+    pub guard_account_j: Vec<f64>,
 }
 
 /// One finished run.

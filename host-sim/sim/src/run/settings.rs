@@ -41,6 +41,17 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
                 short(*k_filter)
             ),
         ),
+        SettingsError::TooCoarse { count, coarsest } => scene.error(
+            "encoder.counts_per_rev",
+            format!(
+                "a count of {} rad is too coarse for the energy guard",
+                short(*count)
+            ),
+            format!(
+                "give counts of at most {} rad, or law.guard.on = false",
+                short(*coarsest)
+            ),
+        ),
     }
 }
 
@@ -81,6 +92,11 @@ pub fn warned(scene: &Scene, warning: &Warning) -> Error {
         }
         Warning::ThesisObserver => (warning.to_string(), "give exact".to_owned()),
         Warning::EnergyCredit { .. } => (warning.to_string(), "give 0".to_owned()),
+        Warning::GuardSoftensAtForceLimit { needed, .. } => (
+            warning.to_string(),
+            format!("give {} or more", short(needed)),
+        ),
+        Warning::GuardNeverRefilled => (warning.to_string(), "give 0.0005".to_owned()),
     };
     scene.error(warning.field().path(), problem, fix)
 }

@@ -50,6 +50,8 @@ impl Recorder for Traced {
         // Up to the sample, as the observed energy: what this tick moves comes after it.
         trace.energy_true_j.push(self.judge.energy_true_j());
         trace.energy_device_loss_j.push(self.judge.device_loss_j());
+        let account = tick.inside.guard.map_or(f64::NAN, |guard| guard.account_j);
+        trace.guard_account_j.push(account);
         self.judge.record(tick);
     }
 }

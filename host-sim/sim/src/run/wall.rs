@@ -1,7 +1,7 @@
 //! The wall that the loop meets once a tick: encoder reading in, force out, whatever law and number format is behind it.
 
 use touchstone_control::{
-    Controller, CountScale, Energy, Position, Reported, Settings, SettingsError,
+    Controller, CountScale, Energy, Force, Position, Reported, Settings, SettingsError,
 };
 
 /// What the law shows of its inside after a tick, in SI.
@@ -13,6 +13,19 @@ pub struct Inside {
     pub offset_rad: f64,
     /// Penetration of the virtual mass, rad, while it is in use.
     pub mass_rad: Option<f64>,
+    /// The guard after the law; `None` without one.
+    pub guard: Option<InsideGuard>,
+}
+
+/// What the guard shows of its inside after a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InsideGuard {
+    /// What the hand may still get out, J.
+    pub account_j: f64,
+    /// Whether it gave the law less than it wanted.
+    pub limited: bool,
+    /// Whether it has switched the force off for overspeed.
+    pub tripped: bool,
 }
 
 /// A law at a surface. One call of either `at_…` a tick.
@@ -21,6 +34,12 @@ pub trait Wall {
     fn at_count(&mut self, count: i64) -> f64;
     /// Force for an exact penetration, rad; for scenes without an encoder.
     fn at_penetration(&mut self, penetration_rad: f64) -> f64;
+    /// What became of the last force, N·m, where an effect changed it.
+    fn commanded(&mut self, force_n_m: f64);
+    /// The count at which the motor's torque changed since the last tick.
+    fn changed_at_count(&mut self, count: i64);
+    /// The same for scenes without an encoder, rad.
+    fn changed_at_penetration(&mut self, penetration_rad: f64);
     /// The inside after the last tick.
     fn inside(&self) -> Inside;
 }
@@ -30,6 +49,8 @@ pub trait Wall {
 pub struct Controlled<N: Reported> {
     controller: Controller<N>,
     scale: CountScale,
+    /// Where the torque changed since the last tick, if that is measured.
+    at_change: Option<Position<N>>,
 }
 
 impl<N: Reported> Controlled<N> {
@@ -41,6 +62,7 @@ impl<N: Reported> Controlled<N> {
         Ok(Self {
             controller: Controller::new(settings)?,
             scale,
+            at_change: None,
         })
     }
 }
@@ -48,13 +70,25 @@ impl<N: Reported> Controlled<N> {
 impl<N: Reported> Wall for Controlled<N> {
     fn at_count(&mut self, count: i64) -> f64 {
         let e = self.scale.penetration::<N>(count);
-        self.controller.tick(e).to_f64()
+        self.controller.tick_with_change(e, self.at_change).to_f64()
     }
 
     fn at_penetration(&mut self, penetration_rad: f64) -> f64 {
         self.controller
-            .tick(Position::from_f64(penetration_rad))
+            .tick_with_change(Position::from_f64(penetration_rad), self.at_change)
             .to_f64()
+    }
+
+    fn commanded(&mut self, force_n_m: f64) {
+        self.controller.commanded(Force::from_f64(force_n_m));
+    }
+
+    fn changed_at_count(&mut self, count: i64) {
+        self.at_change = Some(self.scale.penetration(count));
+    }
+
+    fn changed_at_penetration(&mut self, penetration_rad: f64) {
+        self.at_change = Some(Position::from_f64(penetration_rad));
     }
 
     fn inside(&self) -> Inside {
@@ -63,6 +97,11 @@ impl<N: Reported> Wall for Controlled<N> {
             energy_j: view.energy.map_or(f64::NAN, Energy::to_f64),
             offset_rad: view.offset.to_f64(),
             mass_rad: view.mass.map(Position::to_f64),
+            guard: self.controller.guard.as_ref().map(|guard| InsideGuard {
+                account_j: guard.account().to_f64(),
+                limited: guard.limited,
+                tripped: guard.tripped,
+            }),
         }
     }
 }

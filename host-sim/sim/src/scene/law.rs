@@ -4,7 +4,7 @@
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control::choices::*;
-use touchstone_control::{Choice, Settings, Si, choice, setting_path};
+use touchstone_control::{Choice, PositionSettings, Settings, Si, choice, setting_path};
 
 use super::Scene;
 use crate::error::Result;
@@ -88,6 +88,7 @@ macro_rules! law {
                     $($group: touchstone_control::settings::$Group {
                         $($field: row!(@setting self setting_path!((law $group) $name), law.$group, $name: $kind $range),)+
                     },)+
+                    position: self.position_settings(),
                 })
             }
         }
@@ -127,6 +128,24 @@ impl Law {
             LawKind::Sfa => FirstContact::KeepForce,
             _ => FirstContact::ZeroOffset,
         })
+    }
+}
+
+impl Scene {
+    /// What the encoder makes of a position; nothing where there is none.
+    fn position_settings(&self) -> PositionSettings {
+        let count = self
+            .encoder
+            .as_ref()
+            .map_or(0.0, |encoder| encoder.step_rad());
+        PositionSettings {
+            // Rounded up.
+            count: Si::saturating_from_num(count).saturating_add(if count > 0.0 {
+                Si::DELTA
+            } else {
+                Si::ZERO
+            }),
+        }
     }
 }
 

@@ -9,6 +9,10 @@ pub trait Control {
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
     /// The same to the bit, with what a record wants to know.
     fn answer(&mut self, angle_rad: f64) -> Answer;
+    /// What became of the last torque, N·m along `+x`, where an effect changed it.
+    fn commanded(&mut self, torque_n_m: f64);
+    /// The true angle at which the motor's torque changed since the last sample, rad.
+    fn changed_at(&mut self, angle_rad: f64);
 }
 
 /// A torque, and how the law came to it.
@@ -49,5 +53,13 @@ impl<S: Sensor, W: Wall> Control for Sampled<S, W> {
             told_rad: self.sensor.told_rad(angle_rad),
             inside: self.wall.inside(),
         }
+    }
+
+    fn commanded(&mut self, torque_n_m: f64) {
+        self.wall.commanded(-torque_n_m);
+    }
+
+    fn changed_at(&mut self, angle_rad: f64) {
+        self.sensor.tell_change(&mut self.wall, angle_rad);
     }
 }

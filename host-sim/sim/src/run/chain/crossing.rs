@@ -24,6 +24,12 @@ pub trait Crossing {
 
     /// The same to the bit; says what it did.
     fn cross_with_flow(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Flow;
+
+    /// Where the device was when the torque changed in the last tick, rad, if the law's side wants to know.
+    #[inline(always)]
+    fn changed_at_rad(&self) -> Option<f64> {
+        None
+    }
 }
 
 #[inline(always)]
@@ -77,6 +83,11 @@ impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     fn cross_with_flow(&mut self, state: &mut S, torque_n_m: f64, rest_rad: f64) -> Flow {
         (**self).cross_with_flow(state, torque_n_m, rest_rad)
     }
+
+    #[inline(always)]
+    fn changed_at_rad(&self) -> Option<f64> {
+        (**self).changed_at_rad()
+    }
 }
 
 /// A computational delay of whole ticks and a fraction: two plants take turns on one state.
@@ -88,6 +99,8 @@ pub struct Delayed<S> {
     after: S,
     /// Commands on their way, the oldest first; the first of them acts now.
     queue: VecDeque<f64>,
+    /// Where the device was when the torque changed, rad, if that is asked for.
+    changed_at_rad: Option<f64>,
 }
 
 impl<S: Stepper> Delayed<S> {
@@ -98,6 +111,25 @@ impl<S: Stepper> Delayed<S> {
             before,
             after,
             queue: VecDeque::from(vec![0.0; whole + 1]),
+            changed_at_rad: None,
+        }
+    }
+
+    /// The same, and where the device is when the torque changes is measured.
+    #[must_use]
+    pub fn measured(self, start_rad: f64) -> Self {
+        Self {
+            changed_at_rad: Some(start_rad),
+            ..self
+        }
+    }
+
+    /// Takes down where a command of this tick begins to act: after its fraction, or at the end where whole ticks pass first.
+    #[inline(always)]
+    fn take_down(&mut self, at_change_rad: f64, at_end_rad: f64) {
+        if let Some(changed) = &mut self.changed_at_rad {
+            let whole = self.queue.len() > 1;
+            *changed = if whole { at_end_rad } else { at_change_rad };
         }
     }
 
@@ -116,18 +148,26 @@ impl<S: Stepper> Crossing for Delayed<S> {
     fn cross(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) {
         let (old, new) = self.commands(torque_n_m);
         self.before.step(state, old, rest_rad);
+        let at_change_rad = state.position();
         self.after.step(state, new, rest_rad);
+        self.take_down(at_change_rad, state.position());
     }
 
     fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
         let (old, new) = self.commands(torque_n_m);
         let first = step_with_flow(&self.before, state, old, rest_rad);
+        let at_change_rad = state.position();
         let second = step_with_flow(&self.after, state, new, rest_rad);
+        self.take_down(at_change_rad, state.position());
         let (early_s, late_s) = (self.before.interval_s(), self.after.interval_s());
         Flow {
             torque_n_m: (old * early_s + new * late_s) / (early_s + late_s),
             motor_j: first.motor_j + second.motor_j,
             device_loss_j: first.device_loss_j + second.device_loss_j,
         }
+    }
+
+    fn changed_at_rad(&self) -> Option<f64> {
+        self.changed_at_rad
     }
 }

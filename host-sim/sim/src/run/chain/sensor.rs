@@ -6,6 +6,8 @@ use crate::run::wall::Wall;
 pub trait Sensor {
     /// Lets the wall read the angle; gives its force, N·m out of the wall.
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64;
+    /// Tells the wall the angle at which the motor's torque changed.
+    fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64);
     /// The penetration that the wall is told at an angle, rad.
     fn told_rad(&self, angle_rad: f64) -> f64;
 }
@@ -21,6 +23,10 @@ impl Sensor for ExactAngle {
     #[inline(always)]
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64 {
         wall.at_penetration(self.told_rad(angle_rad))
+    }
+
+    fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64) {
+        wall.changed_at_penetration(self.told_rad(angle_rad));
     }
 
     #[inline(always)]
@@ -56,6 +62,10 @@ impl Sensor for Counts {
     #[inline(always)]
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64 {
         wall.at_count(self.count(angle_rad))
+    }
+
+    fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64) {
+        wall.changed_at_count(self.count(angle_rad));
     }
 
     #[inline(always)]

@@ -31,18 +31,38 @@ impl<S: Stage + 'static> Staged<S> {
     }
 }
 
+impl<S: Stage> Staged<S> {
+    /// The torque after this stage; what is inside is told where that is another one.
+    #[inline(always)]
+    fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
+        let torque_n_m = self.stage.torque_n_m(wanted_n_m);
+        if torque_n_m != wanted_n_m {
+            self.inner.commanded(torque_n_m);
+        }
+        torque_n_m
+    }
+}
+
 impl<S: Stage> Control for Staged<S> {
     fn torque_n_m(&mut self, angle_rad: f64) -> f64 {
-        let torque_n_m = self.inner.torque_n_m(self.stage.angle_rad(angle_rad));
-        self.stage.torque_n_m(torque_n_m)
+        let wanted_n_m = self.inner.torque_n_m(self.stage.angle_rad(angle_rad));
+        self.passed_on(wanted_n_m)
     }
 
     fn answer(&mut self, angle_rad: f64) -> Answer {
         let answer = self.inner.answer(self.stage.angle_rad(angle_rad));
         Answer {
-            torque_n_m: self.stage.torque_n_m(answer.torque_n_m),
+            torque_n_m: self.passed_on(answer.torque_n_m),
             ..answer
         }
+    }
+
+    fn commanded(&mut self, torque_n_m: f64) {
+        self.inner.commanded(torque_n_m);
+    }
+
+    fn changed_at(&mut self, angle_rad: f64) {
+        self.inner.changed_at(self.stage.angle_rad(angle_rad));
     }
 }
 
