@@ -1,13 +1,14 @@
 //! The loops of a page: opened by a scene's text, moved by the hand's rest point, read as rows of numbers.
 
 use std::path::Path;
+use touchstone_control::Warning;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
 use touchstone_sim::scene::{Motion, MotionSpec, Scene};
 
 /// Numbers of a tick, in their order: the columns of a trace, as files of this program have them, then what only the page shows.
-pub const ROW: [&str; 16] = [
+pub const ROW: [&str; 17] = [
     "time_s",
     "angle_rad",
     "velocity_rad_per_s",
@@ -21,13 +22,15 @@ pub const ROW: [&str; 16] = [
     "energy_observed_j",
     "energy_true_j",
     "energy_device_loss_j",
+    "guard_account_j",
     "motor_force_n_m",
     "energy_hand_j",
-    "told_rad",
+    // 0: the guard lets the law's force through, or there is none; 1: it gives less; 2: it has switched the force off.
+    "guard_acts",
 ];
 
 /// How many of [`ROW`] are the columns of a trace.
-pub const TRACE_COLUMNS: usize = 13;
+pub const TRACE_COLUMNS: usize = 14;
 
 /// Numbers of a loop that stay until it is changed.
 pub const FACTS: [&str; 8] = [
@@ -112,6 +115,7 @@ impl Place {
 
 fn row(moment: &Moment, surface_rad: f64) -> [f64; ROW.len()] {
     let Moment { tick, energies } = moment;
+    let guard = tick.inside.guard;
     [
         tick.time_s,
         tick.angle_rad,
@@ -128,9 +132,13 @@ fn row(moment: &Moment, surface_rad: f64) -> [f64; ROW.len()] {
         tick.inside.energy_j,
         energies.wall_j,
         energies.device_loss_j,
+        guard.map_or(f64::NAN, |guard| guard.account_j),
         tick.motor_force_n_m,
         energies.hand_j(),
-        tick.told_rad,
+        guard.map_or(0.0, |guard| match (guard.tripped, guard.limited) {
+            (true, _) => 2.0,
+            (false, limited) => f64::from(u8::from(limited)),
+        }),
     ]
 }
 
@@ -230,6 +238,8 @@ impl Desk {
             .and_then(|place| run::warnings(&place.scene).ok());
         said.unwrap_or_default()
             .iter()
+            // The credit is a documented default, as for the program's own warnings.
+            .filter(|(warning, _)| !matches!(warning, Warning::EnergyCredit { .. }))
             .map(|(_, message)| format!("{message}\n"))
             .collect()
     }

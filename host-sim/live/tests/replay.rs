@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 use touchstone_live::desk::{Desk, ROW, TRACE_COLUMNS, scene};
+use touchstone_sim::run;
 use touchstone_sim::run::record::Trace;
-use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
 
 /// A pointer: pushes in, trembles, lets go, each at its own jerky pace; rad.
@@ -38,6 +38,7 @@ fn columns(trace: &Trace) -> [&[f64]; TRACE_COLUMNS] {
         &trace.energy_observed_j,
         &trace.energy_true_j,
         &trace.energy_device_loss_j,
+        &trace.guard_account_j,
     ]
 }
 
@@ -100,6 +101,7 @@ fn delay_friction_format_rate_and_grip_are_no_exceptions() {
         ("ideal", "device.friction=none\nencoder=none"),
         ("number", "law.number=f64"),
         ("rate", "timing.rate_hz=3000"),
+        ("guard", "law.guard.on=true\nlaw.kind=spring"),
         ("grip", "operator.grip=firm\nwall.k_desired_n_m_per_rad=20"),
     ] {
         let touched = replayed(name, &format!("thesis-knob\0{changes}\n"));
