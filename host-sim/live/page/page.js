@@ -7,7 +7,7 @@ const ENCODERS = [["none", "exact position"], ["1024", "1,024 counts a turn"], [
 
 /** What is chosen: a scene, changes of it, changes of the run beside it (null: there is none). */
 let chosen = { base: "own", step: 0, sets: new Map(), b: null, automatic: false, speed: 1, strength: 0.3 };
-let good = null, pending = false, running = true, recording = false, recorded = null, hiddenPause = false;
+let good = null, pending = false, restoring = false, running = true, recording = false, recorded = null, hiddenPause = false;
 let runs = [], fields = new Map(), aim = null, counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, ticks: 0, frames: 0, fps: 0 };
 const seen = { rows: 0 };
 
@@ -90,7 +90,8 @@ function show() {
   $("speed").value = String(chosen.speed);
   press("automatic", chosen.automatic);
   $("automatic").disabled = !runs[0]?.facts.motion_s;
-  $("warnings").textContent = runs[0]?.warnings.trim() ?? "";
+  const nobody = field("operator.grip") === "none" ? "Nobody holds the knob: it stays where it is.\n" : "";
+  $("warnings").textContent = nobody + (runs[0]?.warnings.trim() ?? "");
   if ($("all").open) showAll();
 }
 
@@ -121,6 +122,17 @@ function showAll() {
   $("fields").replaceChildren(...rows);
 }
 
+/** Nobody holds the knob, or somebody does: without a hand there is no motion of it either. */
+function setGrip(grip) {
+  chosen.sets.delete("operator.grip");
+  chosen.sets.delete("operator.motion.kind");
+  if (grip === "none") {
+    for (const key of [...chosen.sets.keys()]) if (key.startsWith("operator.motion.")) chosen.sets.delete(key);
+    chosen.sets.set("operator.motion.kind", "none");
+  }
+  set("operator.grip", grip);
+}
+
 /** Changes a setting while it runs. */
 function set(path, value) {
   chosen.sets.delete(path);
@@ -137,7 +149,7 @@ function setOther(law) {
 
 function preset(step) {
   const chapter = PRESETS[step - 1];
-  chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: chapter ? chosen.automatic : false, speed: 1, strength: chapter?.strength ?? 0.3 };
+  chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: Boolean(chapter), speed: 1, strength: chapter?.strength ?? 0.3 };
   begin();
 }
 
@@ -221,16 +233,19 @@ function fromAddress() {
 function opened({ a, b, keep }) {
   pending = false;
   good = copy(chosen);
-  complain("");
+  // What was refused is shown until something is taken.
+  if (!restoring) complain("");
+  restoring = false;
   fields = parse(a.printed);
   const sides = [a, b].filter((side) => side);
   runs = sides.map((side, i) => {
     const before = keep ? runs[i] : null;
     const laws = parse(side.printed);
-    const title = `${laws.get("law.kind").value}, ${number(side.facts.k_desired_n_m_per_rad)} N·m/rad`;
+    const guarded = laws.get("law.guard.on")?.value === "true" ? ", guarded" : "";
+    const title = `${laws.get("law.kind").value}, ${number(side.facts.k_desired_n_m_per_rad)} N·m/rad${guarded}`;
     const length = Math.max(2000, Math.ceil(Math.min(side.facts.rate_hz, 4000) * WINDOW_S * 1.1));
     const ring = before && before.ring.length === length ? before.ring : new Ring(COLUMNS, length);
-    return { ...side, title, ring, second: i === 1, last: before?.last ?? null, gave: 0 };
+    return { ...side, title, ring, second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
   });
   show();
 }
@@ -243,7 +258,11 @@ function took({ a, b, count, recorded: ticks }) {
     one.ring.push(rows);
     seen.rows += rows.length / COLUMNS.length;
     one.last = Object.fromEntries(COLUMNS.map((name) => [name, one.ring.at(name, 0)]));
-    for (let at = COLUMNS.indexOf("energy_true_j"); at < rows.length; at += COLUMNS.length) one.gave = Math.max(one.gave, -rows[at]);
+    // Most that the hand got out in any window of time: from the highest account so far down to here.
+    for (let at = COLUMNS.indexOf("energy_hand_j"); at < rows.length; at += COLUMNS.length) {
+      one.peak = Math.max(one.peak, rows[at]);
+      one.got = Math.max(one.got, one.peak - rows[at]);
+    }
   });
   counted = count;
   if (ticks !== null && recording) $("record-told").textContent = `Recording: ${(ticks / runs[0].facts.rate_hz).toFixed(1)} s, ${ticks} ticks.`;
@@ -266,7 +285,7 @@ worker.onmessage = ({ data }) => {
   if (data.type === "error") {
     pending = false;
     complain(data.text);
-    if (good) { chosen = copy(good); tell("open", { a: textOf(chosen), b: chosen.b && textOf(chosen, chosen.b), keep: true }); good = null; share(); }
+    if (good) { restoring = true; pending = true; chosen = copy(good); tell("open", { a: textOf(chosen), b: chosen.b && textOf(chosen, chosen.b), keep: true }); good = null; share(); }
   }
 };
 worker.onerror = (event) => complain(`the loop stopped: ${event.message}`);

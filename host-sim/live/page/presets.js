@@ -13,6 +13,8 @@ const PRESETS = [
     text: "Enhanced SFA puts a small virtual mass between hand and wall and moves the surface behind it. As it was published it moves inwards only, on the wrong sign of the sampling leak: a ratchet that jitters." },
   { name: "Ours, at 20 N·m/rad", sets: ["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=20"], b: ["law.kind=spring"],
     text: "The same idea with the books kept right and an offset that follows the hand both ways: twenty times the critical stiffness, at rest under your finger. Beside it, under the same hand, a spring of the same stiffness." },
-  { name: "The adversary", sets: ["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=20", "timing.computational_delay_s=0.002", "operator.grip=light"], b: ["law.kind=spring"],
-    text: "The worst of everything: a light grip, two milliseconds of delay, twenty times the critical stiffness." },
+  { name: "The adversary, guarded",
+    sets: ["law.kind=spring", "law.guard.on=true", "law.force_limit_n_m=0.3", "operator.motion.kind=press-wiggle-release", "operator.motion.wiggle_frequency_hz=10", "operator.motion.wiggle_amplitude_n_m=0.1", "operator.motion.wiggle_s=3", "timing.duration_s=5.5"],
+    b: ["law.guard.on=false"],
+    text: "A hand that shakes the worst law ten times a second to get energy out. The energy guard behind it pays at most 20 mJ, whatever law and hand do, and half a milliwatt after that: then the wall is soft. Beside it the same spring without a guard." },
 ];

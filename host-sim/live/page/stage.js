@@ -27,11 +27,11 @@ class Stage {
       g.textAlign = "left";
       g.textBaseline = "top";
       g.font = "600 13px system-ui, sans-serif";
-      g.fillText(`${run.second ? "beside: " : ""}${run.title}`, box.x + 6, box.y + 4);
+      g.fillText(`${run.second ? "beside: " : ""}${run.title}`, box.x + 6, box.y + 1);
       g.font = "12px system-ui, sans-serif";
     }
     this.knob(g, knob, run, colour, hand);
-    lens.draw(g, rest, run, colour);
+    lens.draw(g, rest, run, colour, !named || !sideways);
   }
   knob(g, box, run, colour, hand) {
     const r = Math.max(20, Math.min(box.w, box.h) * 0.32), x = box.x + box.w / 2, y = box.y + box.h / 2 + 6;
@@ -93,7 +93,7 @@ class Stage {
 /** What happens at the surface, enlarged: to the right is into the wall. */
 class Lens {
   constructor() { this.half = 0.02; }
-  draw(g, box, run, colour) {
+  draw(g, box, run, colour, titled) {
     const { facts, ring, last: row } = run;
     const surface = facts.surface_rad, h = box.h;
     let widest = 0.01;
@@ -127,9 +127,11 @@ class Lens {
     }
     g.textAlign = "right";
     g.fillText("mrad", box.x + box.w - 2, low + 18);
-    g.textAlign = "left";
-    g.textBaseline = "top";
-    g.fillText("the surface, enlarged: wall to the right", box.x + 4, box.y + 1);
+    if (titled) {
+      g.textAlign = "left";
+      g.textBaseline = "top";
+      g.fillText("the surface, enlarged: wall to the right", box.x + 4, box.y + 1);
+    }
     if (row) {
       this.strip(g, run, X, strip, low, colour);
       this.parts(g, box, run, row, X, top, line, strip, colour);

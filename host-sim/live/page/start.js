@@ -19,6 +19,7 @@ const FIGURES = [
     line("absorbed by the wall (below 0: given away)", "a", (c, i) => 1e3 * E(c, i, "energy_true_j")),
     line("as the law counts it", "mass", (c, i) => 1e3 * E(c, i, "energy_observed_j"), { dash: [2, 2], first: true }),
     line("lost in the device", "shift", (c, i) => 1e3 * E(c, i, "energy_device_loss_j"), { dash: [7, 3], first: true, wide: 1.2 }),
+    line("the guard's account", "force", (c, i) => 1e3 * E(c, i, "guard_account_j"), { first: true, wide: 1.2 }),
     line("put in by the hand", "hand", (c, i) => 1e3 * E(c, i, "energy_hand_j"), { dash: [7, 3, 2, 3], first: true, wide: 1.2 })] },
 ];
 const plots = FIGURES.map((figure) => {
@@ -62,7 +63,8 @@ const READOUT = [
   ["Displayed, wanted", (r) => { const c = Object.fromEntries(COLUMNS.map((n) => [n, [r.last[n]]])), k = stiffnessShown(c, 0, r); return `${Number.isFinite(k) ? k.toFixed(2) : "–"} of ${number(r.facts.k_desired_n_m_per_rad)} N·m/rad`; }],
   ["Shakes by (last 0.3 s)", (r) => { let low = Infinity, high = -Infinity; r.ring.since(0.3, (i) => { const x = r.ring.columns.angle_rad[i]; low = Math.min(low, x); high = Math.max(high, x); }); return `${(1e3 * (high - low)).toFixed(2)} mrad`; }],
   ["Wall's account", (r) => `${(1e3 * r.last.energy_true_j).toFixed(2)} mJ`],
-  ["Most it ever gave", (r) => `${(1e3 * r.gave).toFixed(2)} mJ`],
+  ["Most the hand got out", (r) => `${(1e3 * r.got).toFixed(2)} mJ`],
+  ["Guard's account", (r) => (Number.isNaN(r.last.guard_account_j) ? "no guard" : `${(1e3 * r.last.guard_account_j).toFixed(2)} mJ${["", ", limits", ", off"][r.last.guard_acts]}`)],
   ["Offset", (r) => `${(1e3 * (r.facts.surface_rad - r.last.surface_shifted_rad)).toFixed(1)} mrad`],
 ];
 const cells = READOUT.map(([name]) => {
@@ -70,7 +72,7 @@ const cells = READOUT.map(([name]) => {
   term.textContent = name;
   a.className = "a";
   b.className = "b";
-  value.append(a, " ", b);
+  value.append(a, b);
   box.append(term, value);
   $("readout").append(box);
   return [a, b];
@@ -89,7 +91,20 @@ function words(now) {
   }
 }
 
-let wordsAt = 0;
+const figures = [
+  ...plots.map((plot) => ({ canvas: plot.canvas, act: () => {
+    const level = plot.level?.(runs[0]);
+    if (plot.share) plot.cap = level * plot.share;
+    plot.draw(runs, WINDOW_S, level);
+  } })),
+  { canvas: plane.canvas, act: () => plane.draw(runs, PLANE_S, [{ slope: runs[0].facts.k_desired_n_m_per_rad, dash: [6, 4] }, { slope: runs[0].facts.k_critical_n_m_per_rad, dash: [2, 3] }]) },
+  { canvas: phase.canvas, act: () => phase.draw(runs, PLANE_S, []) },
+];
+const inSight = new Set();
+const watch = new IntersectionObserver((entries) => { for (const entry of entries) inSight[entry.isIntersecting ? "add" : "delete"](entry.target); });
+for (const figure of figures) watch.observe(figure.canvas);
+
+let wordsAt = 0, drawn = 0;
 function frame(now) {
   requestAnimationFrame(frame);
   turn(now);
@@ -98,13 +113,9 @@ function frame(now) {
   const hand = runs[0].last?.rest_rad ?? null;
   const pointed = aim ?? (hand === null ? null : chosen.automatic ? unmapped(hand) : hand);
   stage.draw(runs, pointed);
-  for (const plot of plots) {
-    const level = plot.level?.(runs[0]);
-    if (plot.share) plot.cap = level * plot.share;
-    plot.draw(runs, WINDOW_S, level);
-  }
-  plane.draw(runs, PLANE_S, [{ slope: runs[0].facts.k_desired_n_m_per_rad, dash: [6, 4] }, { slope: runs[0].facts.k_critical_n_m_per_rad, dash: [2, 3] }]);
-  phase.draw(runs, PLANE_S, []);
+  // The stage in every frame, the figures in turn, and only those that are in sight: drawing must leave room for the ticks.
+  const figure = figures[drawn++ % figures.length];
+  if (inSight.has(figure.canvas)) figure.act();
   if (now - wordsAt > 120) { wordsAt = now; words(now); }
 }
 /** The pointer that would give this rest point. */
@@ -172,7 +183,7 @@ on("other", "change", () => setOther($("other").value));
 on("stiffness", "input", () => { $("stiffness-n").value = Number((10 ** $("stiffness").value).toPrecision(3)); });
 on("stiffness", "change", () => set("wall.k_desired_n_m_per_rad", Number((10 ** $("stiffness").value).toPrecision(3))));
 on("stiffness-n", "change", () => set("wall.k_desired_n_m_per_rad", $("stiffness-n").value));
-on("grip", "change", () => set("operator.grip", $("grip").value));
+on("grip", "change", () => setGrip($("grip").value));
 on("delay", "input", () => { $("delay-n").value = $("delay").value; });
 for (const id of ["delay", "delay-n"]) on(id, "change", () => set("timing.computational_delay_s", Number((Number($(id).value) / 1e3).toPrecision(9))));
 on("encoder", "change", () => { const n = $("encoder").value; if (n === "none") set("encoder", n); else { chosen.sets.delete("encoder"); set("encoder.counts_per_rev", n); } });

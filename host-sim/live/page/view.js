@@ -53,10 +53,16 @@ class Ring {
   /** Calls with every row from `seconds` ago, the oldest first. */
   since(seconds, act) {
     if (!this.size) return;
-    const now = this.at("clock", 0);
-    let back = 0;
-    while (back + 1 < this.size && this.at("clock", back + 1) > now - seconds) back += 1;
-    for (; back >= 0; back -= 1) act((this.end - 1 - back) % this.length);
+    const from = this.at("clock", 0) - seconds;
+    let near = 0, far = this.size;
+    while (far - near > 1) {
+      const middle = (near + far) >> 1;
+      if (this.at("clock", middle) > from) near = middle; else far = middle;
+    }
+    for (let i = (this.end - 1 - near) % this.length, left = near + 1; left > 0; left -= 1) {
+      act(i);
+      i = i + 1 === this.length ? 0 : i + 1;
+    }
   }
 }
 
@@ -82,8 +88,8 @@ class Range {
     if (!(low <= high)) return;
     const pad = 0.06 * Math.max(high - low, this.least);
     low = Math.min(low - pad, -0.1 * this.least); high = Math.max(high + pad, this.least);
-    this.low = low < this.low ? low : this.low + 0.02 * (low - this.low);
-    this.high = high > this.high ? high : this.high + 0.02 * (high - this.high);
+    this.low = low < this.low ? low : this.low + 0.08 * (low - this.low);
+    this.high = high > this.high ? high : this.high + 0.08 * (high - this.high);
   }
 }
 
