@@ -185,7 +185,7 @@ fn settings_are_checked_against_each_other_and_the_board() {
 #[test]
 fn the_law_is_the_one_of_the_settings() {
     // All fields of the law, changed: what the tree makes of them is what the law's own settings are.
-    let law = touchstone_control::Settings::default();
+    let law = touchstone_control::Settings::thesis();
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     assert_eq!(settings.law(), law);
     settings.timing.rate_hz = 2000;

@@ -3,7 +3,7 @@
 use super::warnings;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use touchstone_control::LawKind;
+use touchstone_control::{LawKind, StatesKind};
 
 /// The first of the law's own passivity bounds that the scene leaves, as a refusal at its place; `None` if it keeps all.
 ///
@@ -17,6 +17,13 @@ use touchstone_control::LawKind;
 pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
     if let Some((_, error)) = warnings(scene)?.into_iter().next() {
         return Ok(Some(error));
+    }
+    if scene.law.states == StatesKind::Estimated {
+        return Ok(Some(scene.error(
+            "law.states",
+            "no law on estimated states has a passivity bound of its own",
+            "give measured, see --preset thesis",
+        )));
     }
     let plain = match scene.law.kind {
         LawKind::Spring | LawKind::SpringDamper => true,
