@@ -61,6 +61,9 @@ def presets(page, folder):
         check(shown(page) == "" and title.startswith(str(step)) and (step == 0 or moved > 0.01), f"preset {title}: largest force {moved:.3f} N·m")
         if folder:
             page.picture(os.path.join(folder, f"preset-{step}.png"))
+        if step == 6:
+            shown_k = page.run("stiffnessShown(Object.fromEntries(COLUMNS.map((n) => [n, [runs[0].last[n]]])), 0, runs[0])")
+            check(abs(shown_k - 14) < 0.7, f"ours shows {shown_k:.2f} of 14 N·m/rad in the press, and lets {1e3 * page.run('runs[0].got'):.2f} mJ out")
         if step == 7:
             guarded, bare = page.run("[runs[0].got, runs[1].got]")
             check(guarded <= 0.0205 < 0.1 < bare, f"the adversary gets out {1e3 * guarded:.1f} mJ with the guard, {1e3 * bare:.0f} mJ without")
@@ -250,7 +253,7 @@ def link(page, url):
     page.call("Page.navigate", {"url": url + address})
     page.wait(0.5)
     running(page)
-    check(value(page, "operator.grip") == "firm" and value(page, "wall.k_desired_n_m_per_rad") == "20.0" and page.run("runs.length") == 2,
+    check(value(page, "operator.grip") == "firm" and value(page, "wall.k_desired_n_m_per_rad") == "14.0" and page.run("runs.length") == 2,
           f"a link carries the settings: {address}")
     click(page, "link")
 

@@ -217,7 +217,7 @@ function share() {
   if (chosen.strength !== 0.3) query.set("strength", chosen.strength);
   history.replaceState(null, "", `#${query}`);
   const word = (line) => (/[^\w.=/-]/.test(line) ? `'${line}'` : line);
-  $("command").textContent = ["touchstone live", chosen.base === "own" ? content.source : chosen.base, ...pairs(chosen.sets).map((line) => `--set ${word(line)}`)].join(" ");
+  $("command").textContent = ["touchstone live", chosen.base === "own" ? content.source : chosen.base, ...pairs(chosen.sets).map((line) => (line.startsWith("preset=") ? `--preset ${line.slice(7)}` : `--set ${word(line)}`))].join(" ");
 }
 function fromAddress() {
   const query = new URLSearchParams(location.hash.slice(1));

@@ -1,11 +1,11 @@
 //! The loops of a page: opened by a scene's text, moved by the hand's rest point, read as rows of numbers.
 
 use std::path::Path;
-use touchstone_control::Warning;
+use touchstone_control::{Choice as _, Warning};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
-use touchstone_sim::scene::{Motion, MotionSpec, Scene};
+use touchstone_sim::scene::{Motion, MotionSpec, Preset, Scene};
 
 /// Numbers of a tick, in their order: the columns of a trace, as files of this program have them, then what only the page shows.
 pub const ROW: [&str; 17] = [
@@ -62,7 +62,8 @@ pub struct Desk {
     places: Vec<Option<Place>>,
 }
 
-/// Reads a scene from a page: its TOML text or the name of a shipped scene, a zero byte, and changes `key=value`, one a line.
+/// Reads a scene from a page: its TOML text or the name of a shipped scene, a zero byte, and changes `key=value`, one a line. A
+/// change `preset=NAME` comes before all others, as the option of that name does.
 ///
 /// # Errors
 /// The first problem in the text or in the changes.
@@ -73,8 +74,21 @@ pub fn scene(text: &str) -> Result<Scene> {
     } else {
         Scene::load(base)?
     };
-    let changes: Vec<&str> = changes.lines().filter(|line| !line.is_empty()).collect();
-    base.with_overrides(&changes)
+    let mut preset = Preset::default();
+    let mut sets = Vec::new();
+    for line in changes.lines().filter(|line| !line.is_empty()) {
+        match line.strip_prefix("preset=") {
+            Some(word) => {
+                preset = Preset::of_word(word).ok_or_else(|| Error::Option {
+                    option: format!("--preset {word}"),
+                    problem: "there is none of this name".into(),
+                    fix: format!("give {}", Preset::WORDS.join(" or ")),
+                })?;
+            }
+            None => sets.push(line),
+        }
+    }
+    base.with_preset(preset)?.with_overrides(&sets)
 }
 
 impl Place {

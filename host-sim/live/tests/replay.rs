@@ -88,9 +88,14 @@ fn a_recorded_hand_gives_the_same_run_to_the_bit() {
         "enhanced-sfa",
     ];
     for law in laws {
-        let text = format!("thesis-knob\0law.kind={law}\n");
-        let touched = replayed(law, &text);
-        assert!(touched > 100, "{law}: a force in {touched} ticks only");
+        for preset in ["thesis", "shipped"] {
+            let text = format!("thesis-knob\0law.kind={law}\npreset={preset}\n");
+            let touched = replayed(&format!("{law}-{preset}"), &text);
+            assert!(
+                touched > 100,
+                "{law}, {preset}: a force in {touched} ticks only"
+            );
+        }
     }
 }
 
