@@ -91,7 +91,10 @@ function show() {
   press("automatic", chosen.automatic);
   $("automatic").disabled = !runs[0]?.facts.motion_s;
   const nobody = field("operator.grip") === "none" ? "Nobody holds the knob: it stays where it is.\n" : "";
-  $("warnings").textContent = nobody + (runs[0]?.warnings.trim() ?? "");
+  const warnings = (nobody + (runs[0]?.warnings ?? "")).trim(), many = warnings.split("\n").length;
+  $("warnings").textContent = warnings;
+  $("warned").hidden = !warnings;
+  $("warned").firstElementChild.textContent = nobody ? nobody.trim() : many === 1 ? "One bound is left" : `${many} bounds are left`;
   if ($("all").open) showAll();
 }
 

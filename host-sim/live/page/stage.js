@@ -100,7 +100,7 @@ class Lens {
     ring.since(0.6, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - surface))); });
     // Steps of the scale that last: a lens that breathes cannot be read.
     const wanted = round(widest * 1.25);
-    this.half += (wanted > this.half ? 0.4 : 0.05) * (wanted - this.half);
+    this.half += (wanted > this.half ? 0.4 : 0.15) * (wanted - this.half);
     const X = (angle) => box.x + box.w * (0.5 + (angle - surface) / (2 * this.half)), top = box.y + 18, line = box.y + h * 0.3, strip = box.y + h * 0.56, low = box.y + h - 20;
     g.save();
     g.beginPath();
@@ -123,7 +123,7 @@ class Lens {
     for (const v of marks(-this.half, this.half, 5)) {
       const at = box.x + box.w * (0.5 + v / (2 * this.half));
       stroke(g, ink.muted, 1, [], () => { g.moveTo(at, low); g.lineTo(at, low + 4); });
-      if (Math.abs(v) < 0.9 * this.half) g.fillText(number(v * 1e3), at, low + 18);
+      if (Math.abs(v) < 0.78 * this.half) g.fillText(number(v * 1e3), at, low + 18);
     }
     g.textAlign = "right";
     g.fillText("mrad", box.x + box.w - 2, low + 18);
