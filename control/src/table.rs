@@ -96,14 +96,14 @@ macro_rules! law_settings {
                 EstimatorDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.0004", "N·m·s/rad",
                     "the damping that the estimator supposes of the device, without the hand";
                 EstimatorDelay delay_s, delay_s: number("0", "2") = "0.00152", "s",
-                    "the time from a sample until its force acts, over which the estimator predicts (up to two ticks)";
+                    "the time from a sample until its force acts, over which the estimator predicts (at most two ticks)";
             }
             /// The energy guard after the law: a bound on what any hand can get out.
             guard GuardSettings {
                 Guard on, on: flag() = true, "",
                     "whether the energy guard stands after the law";
-                // Four times what a press of 0.1 N·m needs at 60 rad/s.
-                GuardCapacity capacity, capacity_j: number("0", "16") = "0.02", "J",
+                // What the force limit of 0.5 N·m needs for every displacement up to 60 rad/s, acting up to 0.4 ticks late.
+                GuardCapacity capacity, capacity_j: number("0", "16") = "0.045", "J",
                     "the energy C that a hand may get out at once";
                 // Nothing to a hand, and enough for the chatter of a quiet hold to last for ever.
                 GuardRefill refill, refill_w: number("0", "1") = "0.0005", "W",

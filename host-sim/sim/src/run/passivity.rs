@@ -80,10 +80,14 @@ fn spring(scene: &Scene) -> Option<Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Preset;
 
     #[track_caller]
     fn refused(sets: &[&str]) -> bool {
-        let scene = Scene::load("tap").unwrap().with_overrides(sets).unwrap();
+        let scene = Scene::load("tap")
+            .and_then(|scene| scene.with_preset(Preset::Thesis))
+            .and_then(|scene| scene.with_overrides(sets))
+            .unwrap();
         refusal(&scene).unwrap().is_some()
     }
 
@@ -126,6 +130,13 @@ mod tests {
         assert!(!refused(&soft));
         let late = "timing.computational_delay_s=2e-3";
         assert!(refused(&[soft[0], soft[1], late]));
+    }
+
+    #[test]
+    fn estimated_states_have_no_bound() {
+        let soft = ["law.kind=spring", "wall.k_desired_n_m_per_rad=0.5"];
+        assert!(!refused(&soft));
+        assert!(refused(&[soft[0], soft[1], "law.states=estimated"]));
     }
 
     #[test]

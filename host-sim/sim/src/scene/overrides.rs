@@ -2,8 +2,8 @@
 
 use toml::Value;
 
-use super::Scene;
 use super::draft::Draft;
+use super::experiment::Scene;
 use super::origin::Place;
 use super::renamed::renamed;
 use super::schema::{self, Field, Kind, MOTION_KIND};

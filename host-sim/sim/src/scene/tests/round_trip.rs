@@ -356,7 +356,14 @@ fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
                     postcard::to_slice(&number, &mut buffer),
                 )
             }
-            fields::Kind::Flag => ("true".into(), postcard::to_slice(&true, &mut buffer)),
+            fields::Kind::Flag => {
+                let is_on = Draft::from_scene(&Scene::default()).fields.get(path)
+                    == Some(&toml::Value::Boolean(true));
+                (
+                    (!is_on).to_string(),
+                    postcard::to_slice(&!is_on, &mut buffer),
+                )
+            }
         };
         let scene = Scene::default()
             .with_overrides(&[format!("{path}={text}")])
