@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | identify | certify | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod certify;
@@ -12,6 +12,7 @@ mod hard;
 mod identify;
 mod interrupt;
 mod json_schema;
+mod live;
 mod monitor;
 mod number;
 mod out;
@@ -61,6 +62,8 @@ enum Command {
     Thesis(thesis::Options),
     /// One run of a scene.
     Run(run::Options),
+    /// A scene under the mouse: writes one page for any browser, and opens it.
+    Live(live::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
@@ -154,6 +157,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Run(options) => return run::main(options),
         Command::Doctor(options) => return Ok(doctor::main(options)),
         Command::Hard(options) => return hard::main(options),
+        Command::Live(options) => live::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
         Command::Accuracy(options) => accuracy::main(options),

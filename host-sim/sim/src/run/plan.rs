@@ -5,7 +5,7 @@
 use super::chain::{
     Control, Counts, Crossing, Delayed, ExactAngle, Limited, Prompt, Sampled, Staged, Stepped,
 };
-use super::mechanics::{Mechanics, Moving};
+use super::mechanics::{Mechanics, Moving, Standing};
 use super::settings;
 use super::wall::Controlled;
 use crate::error::{Error, Result};
@@ -38,7 +38,7 @@ impl Plan {
         let motion = Motion::from_scene(scene)?;
         Ok(Self {
             control,
-            mechanics: mechanics(scene, &motion)?,
+            mechanics: mechanics(scene, start(scene, &motion))?,
             motion,
         })
     }
@@ -139,13 +139,29 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     })
 }
 
-/// Device and hand of a scene, at rest where they start.
-fn mechanics(scene: &Scene, motion: &Motion) -> Result<Box<dyn Mechanics>> {
+/// Where device and hand of a scene start.
+#[must_use]
+pub fn start(scene: &Scene, motion: &Motion) -> Standing {
+    Standing::together(
+        scene.start_rad(motion),
+        scene.device.initial_velocity_rad_per_s,
+    )
+}
+
+/// Device and hand of a scene, from where they are.
+///
+/// # Errors
+/// A plant that cannot be built, at its place in the scene.
+pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
     let device = device(scene);
-    let angle_rad = scene.start_rad(motion);
-    let velocity = scene.device.initial_velocity_rad_per_s;
+    let (angle_rad, velocity) = (from.angle_rad, from.velocity_rad_per_s);
     let bare = State::from_array([angle_rad, velocity]);
-    let held = State::from_array([angle_rad, velocity, angle_rad, velocity]);
+    let held = State::from_array([
+        angle_rad,
+        velocity,
+        from.hand_rad,
+        from.hand_velocity_rad_per_s,
+    ]);
     if let Some(method) = scene
         .plant
         .as_ref()

@@ -325,6 +325,13 @@ const OPERATOR: &[Field] = &[
         "the distance of the recording's mean from the surface (positive inside)",
     )
     .only(RECORDED),
+    field(
+        "operator.motion.exact",
+        "",
+        Flag,
+        "whether the angles are the rest point as they stand, each until the next",
+    )
+    .only(RECORDED),
 ];
 
 /// Of the law's table: its rows as fields, and all fields in their order.
