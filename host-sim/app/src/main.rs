@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | identify | certify | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | identify | certify | scorecard | tune | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod certify;
 mod complain;
@@ -14,11 +14,15 @@ mod monitor;
 mod number;
 mod out;
 mod port;
+mod progress;
 mod report_options;
 mod run;
 mod scene_options;
+mod scorecard;
 mod shell;
 mod thesis;
+mod tune;
+mod wall_options;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use out::say;
@@ -62,6 +66,10 @@ enum Command {
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
+    /// Compares laws by what a hand feels of a wall: one row a law, on the device as it is and as it may also be.
+    Scorecard(scorecard::Options),
+    /// Finds settings of a law for a device: the best worst figure of its scorecard.
+    Tune(tune::Options),
     /// Lists the scenes that come with the program.
     Scenes {
         /// Prints the JSON schema of a scene instead.
@@ -148,6 +156,8 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Doctor(options) => return Ok(doctor::main(options)),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
+        Command::Scorecard(options) => scorecard::main(options),
+        Command::Tune(options) => tune::main(options),
         Command::Scenes { json_schema: true } => {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }

@@ -3,4 +3,6 @@
 pub mod certify;
 pub mod identify;
 pub mod report;
+pub mod scorecard;
 pub mod thesis;
+pub mod tune;

@@ -19,6 +19,7 @@ mod label;
 mod matrix;
 pub mod measures;
 pub mod origin;
+pub mod pages;
 pub mod parquet;
 mod picture;
 mod previous;
@@ -38,6 +39,7 @@ pub mod write;
 mod synthetic;
 
 pub use origin::Program;
+pub use picture::of_figures;
 pub use previous::check as check_folder;
 pub use table::Colour;
 pub use write::{Written, write};
@@ -86,6 +88,8 @@ pub struct Section {
     pub title: String,
     /// Content, from top to bottom.
     pub body: Vec<Block>,
+    /// Whether it is folded at first, on a page of sections alone; a report of runs decides by itself.
+    pub folded: bool,
 }
 
 /// A piece of a [`Section`]. Texts are plain: the page escapes them.
@@ -102,6 +106,8 @@ pub enum Block {
         /// Cells, row by row.
         rows: Vec<Vec<String>>,
     },
+    /// A drawing, as SVG made by this program.
+    Figure(String),
 }
 
 /// What [`write::write`] writes, and over what.
