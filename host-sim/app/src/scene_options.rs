@@ -37,6 +37,10 @@ pub struct SceneOptions {
     /// Desired stiffness k_de, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
+    /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it; --set and the like change them
+    /// afterwards.
+    #[arg(long, value_name = "FILE.toml")]
+    settings: Option<std::path::PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
@@ -76,6 +80,9 @@ impl SceneOptions {
         let mut scene = Scene::load(name)?;
         if let Some(file) = &self.operator_motion {
             scene = scene.with_recording(file)?;
+        }
+        if let Some(file) = &self.settings {
+            scene = scene.with_settings(file)?;
         }
         scene = scene.with_overrides(&self.sets)?;
         if let Some(law) = &self.law {

@@ -11,7 +11,7 @@ use touchstone_lab::scorecard::{
     self, Entry, page,
     rivals::{RIVALS, Rival},
 };
-use touchstone_lab::tune;
+use touchstone_lab::tune::{self, Effort};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
@@ -109,7 +109,10 @@ fn entries(
         }
         let asked = tune::Options {
             seed: options.seed,
-            quick: options.quick,
+            effort: match options.quick {
+                true => Effort::Quick,
+                false => Effort::Full,
+            },
             ripple_n_m: None,
         };
         let bar = progress::bar(1, rival.name);

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use touchstone_lab::report::{self, Block, Section, pages};
 use touchstone_lab::scorecard::{self, Entry, Scorecard, page, rivals::Rival};
 use touchstone_lab::tune::pareto::{self, Point};
-use touchstone_lab::tune::{self, Tuned, settings};
+use touchstone_lab::tune::{self, Effort, Tuned, settings};
 use touchstone_sim::error::{Error, Result};
 
 /// Options of `tune`.
@@ -57,7 +57,10 @@ pub fn main(options: &Options) -> Result<()> {
     }
     let asked = tune::Options {
         seed: options.seed,
-        quick: options.quick,
+        effort: match options.quick {
+            true => Effort::Quick,
+            false => Effort::Full,
+        },
         ripple_n_m: options.ripple,
     };
     let bar = progress::bar(1, "searching");

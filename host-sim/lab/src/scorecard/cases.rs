@@ -131,13 +131,19 @@ impl Programme {
         }
     }
 
-    /// The same in less time: a shorter touch and hold, and only the slowest and the fastest motion.
+    /// Only the slowest and the fastest motion.
+    #[must_use]
+    pub fn with_fewer_motions(mut self) -> Self {
+        self.frequencies_hz = vec![1.0, 4.0];
+        self
+    }
+
+    /// The same with a shorter touch and hold.
     #[must_use]
     pub fn shortened(mut self) -> Self {
         self.press.touch_s = self.press.touch_s.min(0.3);
         self.press.hold_s = self.press.hold_s.min(0.6);
-        self.frequencies_hz = vec![1.0, 4.0];
-        self
+        self.with_fewer_motions()
     }
 
     /// Press and motions.

@@ -17,6 +17,8 @@ pub struct Rival {
     pub source: &'static str,
     /// Whether it is a spring with virtual damping, against which the others are held.
     pub damped_spring: bool,
+    /// Whether it is tuned on estimated states. A scorecard leaves the enhanced law on those that its scene has.
+    pub estimated: bool,
     apply: fn(&mut Scene),
 }
 
@@ -27,6 +29,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "virtual spring",
         source: "thesis (1.6)",
         damped_spring: false,
+        estimated: false,
         apply: |scene| measured(scene, LawKind::Spring),
     },
     Rival {
@@ -34,6 +37,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "spring with virtual damping, velocity from the difference of two positions",
         source: "thesis §1.2.6",
         damped_spring: true,
+        estimated: false,
         apply: |scene| measured(scene, LawKind::SpringDamper),
     },
     Rival {
@@ -41,6 +45,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "spring with virtual damping, on estimated states",
         source: "thesis §1.2.6 behind this project's estimator",
         damped_spring: true,
+        estimated: true,
         apply: |scene| {
             scene.law.kind = LawKind::SpringDamper;
             scene.law.states = StatesKind::Estimated;
@@ -51,6 +56,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "time-domain passivity approach, exact observer, the device's damping counted",
         source: "thesis (2.1) to (2.6), with the force that acted over each displacement",
         damped_spring: false,
+        estimated: false,
         apply: |scene| {
             measured(scene, LawKind::Tdpa);
             scene.law.observer = ObserverForm::Exact;
@@ -62,6 +68,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "time-domain passivity approach, observer as published",
         source: "thesis (2.1) to (2.6)",
         damped_spring: false,
+        estimated: false,
         apply: |scene| {
             measured(scene, LawKind::Tdpa);
             scene.law.observer = ObserverForm::Thesis;
@@ -73,6 +80,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "force bounding approach",
         source: "thesis (2.7) to (2.10)",
         damped_spring: false,
+        estimated: false,
         apply: |scene| measured(scene, LawKind::Fba),
     },
     Rival {
@@ -80,6 +88,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "original successive force augmentation",
         source: "thesis (2.11) to (2.17)",
         damped_spring: false,
+        estimated: false,
         apply: |scene| {
             measured(scene, LawKind::Sfa);
             scene.law.first_contact = Some(FirstContact::KeepForce);
@@ -90,6 +99,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "enhanced successive force augmentation as published, with no loan",
         source: "thesis (3.1) to (3.14)",
         damped_spring: false,
+        estimated: false,
         apply: |scene| {
             measured(scene, LawKind::EnhancedSfa);
             let law = &mut scene.law;
@@ -104,6 +114,7 @@ pub const RIVALS: [Rival; 9] = [
         about: "enhanced successive force augmentation with the scene's settings",
         source: "this project",
         damped_spring: false,
+        estimated: true,
         apply: |scene| scene.law.kind = LawKind::EnhancedSfa,
     },
 ];
@@ -135,6 +146,16 @@ impl Rival {
                     },
                 }
             })
+    }
+
+    /// The scene with this law as it is tuned.
+    #[must_use]
+    pub fn to_tune(&self, scene: &Scene) -> Scene {
+        let mut scene = self.of(scene);
+        if self.estimated {
+            scene.law.states = StatesKind::Estimated;
+        }
+        scene
     }
 
     /// The scene with this law.

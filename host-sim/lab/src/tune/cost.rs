@@ -1,6 +1,6 @@
 //! How bad a setting is: the scorecard as one number to be made small.
 
-use crate::scorecard::cases::{Case, GRIPS, Programme};
+use crate::scorecard::cases::{CASES, Case, GRIPS, Programme};
 use crate::scorecard::measure::{Figures, Measure};
 use crate::scorecard::reference::Reference;
 use crate::scorecard::{asked, watch};
@@ -21,6 +21,8 @@ pub struct Judgement {
     programme: Programme,
     cases: Vec<&'static Case>,
     reference: Reference,
+    /// How many times its limit each figure may be.
+    allowances: [f64; 8],
 }
 
 /// What is known of a setting.
@@ -36,7 +38,10 @@ impl Judgement {
     /// Of a scene's device. `quick` looks at the devices that decide most, and at shorter presses.
     #[must_use]
     pub fn new(scene: &Scene, reference: Reference, quick: bool) -> Self {
-        let programme = Programme::of(scene).shortened();
+        let programme = match quick {
+            true => Programme::of(scene).shortened(),
+            false => Programme::of(scene).with_fewer_motions(),
+        };
         let cases = asked(scene)
             .filter(|case| !quick || DECISIVE.contains(&case.name))
             .collect();
@@ -44,6 +49,23 @@ impl Judgement {
             programme,
             cases,
             reference,
+            allowances: [1.0; 8],
+        }
+    }
+
+    /// Of the nominal device alone: a press that rests, and a hand that moves within 15 % and 15°; of nothing else.
+    #[must_use]
+    pub fn at_rest(scene: &Scene, reference: Reference) -> Self {
+        Self {
+            programme: Programme::of(scene).shortened(),
+            cases: vec![&CASES[0]],
+            reference,
+            allowances: Measure::ALL.map(|measure| match measure {
+                Measure::StiffnessErrorHeld => 1.0,
+                Measure::ModulusError => 1.5,
+                Measure::PhaseDeg => 1.25,
+                _ => f64::INFINITY,
+            }),
         }
     }
 
@@ -76,7 +98,11 @@ impl Judgement {
                         }
                     }
                 }
-                for share in figures.shares(&limits) {
+                for (share, allowance) in figures.shares(&limits).iter().zip(&self.allowances) {
+                    if allowance.is_infinite() {
+                        continue;
+                    }
+                    let share = share / allowance;
                     over += (share - NEAR).clamp(0.0, WORST_SHARE);
                     most = most.max(share);
                 }
@@ -119,19 +145,13 @@ impl Judgement {
     pub fn programme(&self) -> &Programme {
         &self.programme
     }
-
-    /// Limits without one for ripple, for a delay in ticks.
-    #[must_use]
-    pub fn reference(&self) -> &Reference {
-        &self.reference
-    }
 }
 
 /// Devices that decide most.
 const DECISIVE: [&str; 5] = [
-    "nominal",
+    "0.41 of the counts",
     "half the inertia",
     "double inertia",
-    "0.5 tick of delay",
+    "nominal",
     "1 tick of delay",
 ];

@@ -5,6 +5,7 @@
 //! the limit of its ripple among them; [`search`] makes that small, from a rule that [`parameters`] states. [`settings`] writes
 //! what was found, [`pareto`] shows what it costs to ask for more stiffness, less ripple or more delay.
 
+pub mod campaign;
 pub mod cost;
 pub mod parameters;
 pub mod pareto;
@@ -25,16 +26,40 @@ use touchstone_sim::scene::Scene;
 pub struct Options {
     /// Seed: the same finds the same.
     pub seed: u64,
-    /// Seconds instead of minutes: fewer devices, fewer looks.
-    pub quick: bool,
+    /// How long it may look.
+    pub effort: Effort,
     /// What ripple may be on the nominal device, N·m; absent: [`Reference`].
     pub ripple_n_m: Option<f64>,
 }
 
-/// Ticks that a search may simulate: at some 150 ns a tick a minute and a half on two cores ...
-const TICKS: f64 = 1.0e9;
-/// ... and seven seconds.
-const QUICK_TICKS: f64 = 8.0e7;
+/// How long a search may look. Counted in simulated ticks and not in seconds, so that every machine finds the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effort {
+    /// All devices: a minute and a half on two cores.
+    Full,
+    /// The devices that decide most, shorter presses: some seconds.
+    Quick,
+    /// As quick, with so many ticks.
+    Ticks(f64),
+}
+
+impl Effort {
+    /// Most ticks: some 250 ns each where dry friction holds the device most of the time.
+    const fn ticks(self) -> f64 {
+        match self {
+            Effort::Full => 6.0e8,
+            Effort::Quick => 4.0e7,
+            Effort::Ticks(ticks) => ticks,
+        }
+    }
+
+    /// Whether not all devices are looked at.
+    #[must_use]
+    pub fn is_quick(self) -> bool {
+        self != Effort::Full
+    }
+}
+
 /// Most looks for each parameter: by then a search stands still.
 const LOOKS_PER_PARAMETER: f64 = 400.0;
 
@@ -71,16 +96,35 @@ pub fn tune(
     if let Some(limit) = options.ripple_n_m {
         reference.limit_n_m = limit;
     }
-    let judgement = Judgement::new(scene, reference, options.quick);
+    let judgement = Judgement::new(scene, reference, options.effort.is_quick());
+    let looks = options.effort.ticks() / judgement.ticks(scene);
+    Ok(search_by(
+        scene,
+        rival,
+        reference,
+        &judgement,
+        looks,
+        options.seed,
+        &mut progress,
+    ))
+}
+
+/// Tunes by a judgement of one's own, with so many looks at most.
+fn search_by(
+    scene: &Scene,
+    rival: &'static Rival,
+    reference: Reference,
+    judgement: &Judgement,
+    looks: f64,
+    seed: u64,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Tuned {
     let axes = axes(rival, scene);
-    let ticks = if options.quick { QUICK_TICKS } else { TICKS };
-    let looks = (ticks / judgement.ticks(scene))
-        .min(LOOKS_PER_PARAMETER * axes.len() as f64)
-        .max(4.0) as u64;
+    let looks = looks.min(LOOKS_PER_PARAMETER * axes.len() as f64).max(4.0) as u64;
     let found = search::minimise(
         &starts(scene, &axes),
         looks,
-        options.seed,
+        seed,
         |point| judgement.cost(&at(rival, scene, &axes, point)),
         |done| progress(done, looks),
     );
@@ -90,15 +134,15 @@ pub fn tune(
         .map(|axis| (axis.parameter.path, *(axis.parameter.of)(&mut scene.law)))
         .collect();
     let Cost { worst, .. } = found.cost;
-    Ok(Tuned {
+    Tuned {
         rival,
         scene,
         parameters,
         worst,
         evaluations: found.evaluations,
         reference,
-        seed: options.seed,
-    })
+        seed,
+    }
 }
 
 /// Where a search may start: the rule, the scene's own settings, and what was found for soft and for stiff walls.

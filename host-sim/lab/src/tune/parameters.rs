@@ -46,7 +46,7 @@ const FASTEST_BANDWIDTH: f64 = 0.19;
 /// Parameters of a law for the device and wall of a scene.
 #[must_use]
 pub fn axes(rival: &Rival, scene: &Scene) -> Vec<Axis> {
-    let own = rival.of(scene);
+    let own = rival.to_tune(scene);
     let mut axes = of_law(&own);
     if own.law.states == StatesKind::Estimated && !axes.is_empty() {
         axes.extend(of_estimator(&own));
@@ -163,7 +163,7 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
 /// digits: what is judged is what is written down.
 #[must_use]
 pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
-    let mut scene = rival.of(scene);
+    let mut scene = rival.to_tune(scene);
     if scene.law.states == StatesKind::Estimated {
         scene.law.estimator.damping_n_m_s_per_rad = scene.device.damping_n_m_s_per_rad;
         scene.law.estimator.inertia_kg_m2 = scene.device.inertia_kg_m2;
