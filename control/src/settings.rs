@@ -46,6 +46,32 @@ macro_rules! structs {
 }
 crate::law_settings!(structs);
 
+macro_rules! thesis {
+    ($settings:ident: $($place:tt $field:ident, $name:ident = $value:literal;)+) => {
+        $(thesis!(@set $settings $place $field = $value);)+
+    };
+    (@set $settings:ident (law) $field:ident = $value:literal) => {
+        $settings.$field = const { Si::lit($value) };
+    };
+    (@set $settings:ident (law $group:ident) $field:ident = $value:literal) => {
+        $settings.$group.$field = const { Si::lit($value) };
+    };
+}
+
+impl Settings {
+    /// The law as the thesis builds it: below its own passivity bounds, on measured states, without a guard.
+    #[must_use]
+    pub fn thesis() -> Self {
+        let mut settings = Self {
+            states: StatesKind::Measured,
+            ..Self::default()
+        };
+        settings.guard.on = false;
+        crate::thesis_settings!(thesis settings:);
+        settings
+    }
+}
+
 /// What is known of the measured position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionSettings {

@@ -34,8 +34,9 @@ macro_rules! law_settings {
             law {
                 Law law, kind: choice(LawKind) = EnhancedSfa, "",
                     "the control law";
-                // Captions of thesis Figs. 3.2 and 3.5; below k_c = 2 c_i/T = 1, so the spring is passive unaided.
-                KSoft k_soft, k_soft_n_m_per_rad: number("0.01", "500000") = "0.8", "N·m/rad",
+                // k_v, c, b, a, the filter and the estimator: found together, by a search over grips, encoders, inertias and delays at k_de
+                // of 5 k_c; they serve from 0.5 to 14 N·m/rad. What the thesis has instead: `thesis_settings`.
+                KSoft k_soft, k_soft_n_m_per_rad: number("0.01", "500000") = "4.9", "N·m/rad",
                     "the soft stiffness k_v (stable by itself up to k_c = 2 c_i/T)";
                 // Thesis §5.1, found by Algorithm 2.1, so that k_c = 1 N·m/rad.
                 DeviceDamping device_damping, device_damping_n_m_s_per_rad: number("0", "10000") = "0.0005", "N·m·s/rad",
@@ -58,14 +59,11 @@ macro_rules! law_settings {
                 // One step_of_ideal then serves all stiffnesses.
                 IdealStep ideal_step, ideal_step: choice(IdealStep) = Force, "",
                     "what the offset's ideal step supposes to stay";
-                // a, b, c and the filter: found by a search over grips, encoders, touch and press, and k_de of 1 to 20 k_c; the thesis asks
-                // for "a fraction" only.
-                StepOfIdeal step_of_ideal, step_of_ideal: number("0", "1") = "0.012", "",
+                StepOfIdeal step_of_ideal, step_of_ideal: number("0", "1") = "0.21", "",
                     "the step of the offset as a share of the ideal one, c of (3.8)";
-                // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
-                LimitOfForce limit_of_force, limit_of_force: number("0", "1") = "0.03", "",
+                LimitOfForce limit_of_force, limit_of_force: number("0", "1") = "0.41", "",
                     "the largest step of the force as a share of the force, b of (3.9)";
-                LimitOfPenetration limit_of_penetration, limit_of_penetration: number("0", "1") = "0.03", "",
+                LimitOfPenetration limit_of_penetration, limit_of_penetration: number("0", "1") = "0.4", "",
                     "the largest step of the offset as a share of the penetration, a of (3.11)";
                 // What a coupling k_f stores under the thesis' press of 0.1 N·m, F²/(2 k_f) = 5 mJ, four times over.
                 EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
@@ -73,42 +71,39 @@ macro_rules! law_settings {
                 // The thesis knob's torque limit: five times the thesis' typical push.
                 ForceLimit force_limit, force_limit_n_m: number("0.000001", "100") = "0.5", "N·m",
                     "the largest force that is ever commanded";
-                States states, states: choice(StatesKind) = Measured, "",
+                States states, states: choice(StatesKind) = Estimated, "",
                     "what the law is told of position and velocity (estimated: predicted for when its force acts)";
             }
             /// The virtual mass of the enhanced law between HIP and wall, by its physical parts (§3.5, Fig. 3.11).
             filter FilterSettings {
-                // A thirtieth of the thesis knob's inertia: not felt.
-                FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000003", "kg·m²",
+                FilterMass mass, mass_kg_m2: number("0", "10000") = "0.00000068", "kg·m²",
                     "the filter's virtual mass";
-                // The sampling bound 2 (c_i - c_f)/T at 1 kHz: as stiff as passivity at the physical port allows.
-                FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "1", "N·m/rad",
+                // Far above the sampling bound 2 (c_i - c_f)/T: what a hand can get out by that is the guard's to bound.
+                FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "29.6", "N·m/rad",
                     "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f)/T)";
-                // What it takes is lost to k_f; the damping to ground is enough.
-                FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0", "N·m·s/rad",
+                FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.00655", "N·m·s/rad",
                     "the coupling damping c_f between HIP and virtual mass";
-                // Far above the bound k_v T/2 = 4e-4: it sets how fast the mass follows (12 ms at k_f), and so how calm it is.
-                FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.01", "N·m·s/rad",
+                FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.00356", "N·m·s/rad",
                     "the damping c_env from virtual mass to ground (at least k_v T/2)";
             }
             /// The state estimator before the law, for `law.states = "estimated"`. It has its own figures of the device, because a tuned
             /// estimator may do better with others than those that were measured.
             estimator EstimatorSettings {
-                EstimatorBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "60", "Hz",
+                EstimatorBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "62.6", "Hz",
                     "the bandwidth with which the estimator believes what is measured (a 500th to a fifth of the control rate)";
-                EstimatorInertia inertia, inertia_kg_m2: number("0", "10000") = "0.0001", "kg·m²",
+                EstimatorInertia inertia, inertia_kg_m2: number("0", "10000") = "0.0000952", "kg·m²",
                     "the inertia that the estimator supposes of device and knob, without the hand";
                 EstimatorDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.0004", "N·m·s/rad",
                     "the damping that the estimator supposes of the device, without the hand";
-                EstimatorDelay delay_s, delay_s: number("0", "2") = "0.001", "s",
-                    "the time from a sample until its force acts, over which the estimator predicts (up to two ticks)";
+                EstimatorDelay delay_s, delay_s: number("0", "2") = "0.00152", "s",
+                    "the time from a sample until its force acts, over which the estimator predicts (at most two ticks)";
             }
             /// The energy guard after the law: a bound on what any hand can get out.
             guard GuardSettings {
-                Guard on, on: flag() = false, "",
+                Guard on, on: flag() = true, "",
                     "whether the energy guard stands after the law";
-                // Four times what a press of 0.1 N·m needs at 60 rad/s.
-                GuardCapacity capacity, capacity_j: number("0", "16") = "0.02", "J",
+                // What the force limit of 0.5 N·m needs for every displacement up to 60 rad/s, acting up to 0.4 ticks late.
+                GuardCapacity capacity, capacity_j: number("0", "16") = "0.045", "J",
                     "the energy C that a hand may get out at once";
                 // Nothing to a hand, and enough for the chatter of a quiet hold to last for ever.
                 GuardRefill refill, refill_w: number("0", "1") = "0.0005", "W",
@@ -126,6 +121,33 @@ macro_rules! law_settings {
                 GuardChange change, change: choice(ChangeOfForce) = Estimated, "",
                     "what is known of the position when the force changes (measured: the encoder is also read then)";
             }
+        }
+    };
+}
+
+/// Hands what the thesis' law has otherwise than the table's defaults to a macro, as `(table) field, name = value`; beside these it
+/// is told what was measured (`law.states`), and has no guard (`law.guard.on`).
+#[macro_export]
+macro_rules! thesis_settings {
+    ($with:ident $($more:tt)*) => {
+        $with! {
+            $($more)*
+            // Captions of thesis Figs. 3.2 and 3.5; below k_c = 2 c_i/T = 1, so the spring is passive unaided.
+            (law) k_soft, k_soft_n_m_per_rad = "0.8";
+            // a, b, c and the filter: found by a search over grips, encoders, touch and press, and k_de of 1 to 20 k_c; the thesis asks
+            // for "a fraction" only.
+            (law) step_of_ideal, step_of_ideal = "0.012";
+            // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
+            (law) limit_of_force, limit_of_force = "0.03";
+            (law) limit_of_penetration, limit_of_penetration = "0.03";
+            // A thirtieth of the thesis knob's inertia: not felt.
+            (law filter) mass, mass_kg_m2 = "0.000003";
+            // The sampling bound 2 (c_i - c_f)/T at 1 kHz: as stiff as passivity at the physical port allows.
+            (law filter) stiffness, stiffness_n_m_per_rad = "1";
+            // What it takes is lost to k_f; the damping to ground is enough.
+            (law filter) damping, damping_n_m_s_per_rad = "0";
+            // Far above the bound k_v T/2 = 4e-4: it sets how fast the mass follows (12 ms at k_f), and so how calm it is.
+            (law filter) ground_damping, ground_damping_n_m_s_per_rad = "0.01";
         }
     };
 }

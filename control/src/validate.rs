@@ -201,6 +201,15 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// Whether it is about energy that a hand can get out: an energy guard bounds that, whatever the law does.
+    #[must_use]
+    pub fn is_answered_by_guard(&self) -> bool {
+        !matches!(
+            self,
+            Self::GuardSoftensAtForceLimit { .. } | Self::GuardNeverRefilled
+        )
+    }
+
     /// The setting that leaves the bound.
     #[must_use]
     pub fn field(&self) -> Field {

@@ -108,7 +108,7 @@ mod tests {
     }
 
     fn settings(s: &mut Sampler) -> Settings {
-        let base = Settings::default();
+        let base = Settings::thesis();
         let pick = |s: &mut Sampler, value: Si| if s.bits(2) == 0 { si(s, value) } else { value };
         Settings {
             law: [
@@ -248,7 +248,7 @@ mod tests {
         ];
         for (field, min, max, put) in bounds {
             let refused = |value: Si| {
-                let mut settings = Settings::default();
+                let mut settings = Settings::thesis();
                 put(&mut settings, value);
                 match settings.validate() {
                     Err(SettingsError::OutOfRange { field: named, .. }) => {
@@ -269,7 +269,7 @@ mod tests {
         let with = |rate_hz, force_limit: &str| Settings {
             rate_hz,
             force_limit: force_limit.parse().unwrap(),
-            ..Settings::default()
+            ..Settings::thesis()
         };
         assert!(with(1, "100").validate().is_ok() && with(100_000, "0.000001").validate().is_ok());
         assert!(with(0, "1").validate().is_err() && with(100_001, "1").validate().is_err());

@@ -81,6 +81,7 @@ impl Port {
     #[must_use]
     pub fn settings(delay_ticks: f64) -> GuardSettings {
         GuardSettings {
+            capacity: si(0.02),
             delay: si(delay_ticks * TICK_S),
             ..GuardSettings::default()
         }

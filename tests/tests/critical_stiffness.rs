@@ -56,7 +56,8 @@ fn scene(rate_hz: u32, delay_s: f64, stiffness: f64) -> Scene {
          [device]\ninertia_kg_m2 = {INERTIA:e}\ndamping_n_m_s_per_rad = {DAMPING:e}\ninitial_angle_rad = {}\n\
          [timing]\nrate_hz = {rate_hz}\nduration_s = {DURATION_S:?}\ncomputational_delay_s = {delay_s:e}\n\
          [wall]\nsurface_rad = 0.5\nk_desired_n_m_per_rad = {stiffness:?}\n\
-         [law]\nkind = \"spring\"\nnumber = \"f64\"\nforce_limit_n_m = 100.0\n\
+         [law]\nkind = \"spring\"\nnumber = \"f64\"\nforce_limit_n_m = 100.0\nstates = \"measured\"\n\
+         [law.guard]\non = false\n\
          [operator]\ngrip = \"none\"\n",
         0.5 + EQUILIBRIUM + DEFLECTION
     );

@@ -3,7 +3,9 @@
 use touchstone_control::{LawKind, Regulate, Si};
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::fields::{FIELDS, Field, Kind};
-use touchstone_protocol::settings::{DriveKind, EncoderKind, Reason, SettingsError, VALUE_MAX};
+use touchstone_protocol::settings::{
+    DriveKind, EncoderKind, LawSettings, Reason, SettingsError, VALUE_MAX,
+};
 use touchstone_protocol::{Board, Decimal, DeviceSettings};
 
 /// Settings that leave every other as much room as there is.
@@ -16,6 +18,7 @@ fn roomy(board: Board) -> DeviceSettings {
     };
     settings.encoder.kind = EncoderKind::Incremental;
     settings.timing.rate_hz = 500;
+    settings.law = LawSettings::thesis();
     settings.law.force_limit_n_m = Si::lit("0.000001");
     settings.motor.torque_constant_n_m_per_a = Si::lit("10");
     settings.motor.current_limit_a = Si::lit(largest);
@@ -125,6 +128,7 @@ fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
 /// What a change of the defaults is refused for.
 fn refusal(board: Board, change: impl Fn(&mut DeviceSettings)) -> String {
     let mut settings = DeviceSettings::defaults(board);
+    settings.law = LawSettings::thesis();
     change(&mut settings);
     let invalid = checked(&settings, board).expect_err("accepted");
     // Every path fits its buffer and is a leaf's.
@@ -185,8 +189,12 @@ fn settings_are_checked_against_each_other_and_the_board() {
 #[test]
 fn the_law_is_the_one_of_the_settings() {
     // All fields of the law, changed: what the tree makes of them is what the law's own settings are.
-    let law = touchstone_control::Settings::default();
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+    settings.law = LawSettings::thesis();
+    let law = touchstone_control::Settings {
+        position: touchstone_control::PositionSettings::of_counts_per_rev(16_384),
+        ..touchstone_control::Settings::thesis()
+    };
     assert_eq!(settings.law(), law);
     settings.timing.rate_hz = 2000;
     settings.wall.k_desired_n_m_per_rad = Si::lit("1.5");

@@ -167,7 +167,7 @@ fn press(settings: &Settings) -> Finished {
 fn enhanced() -> Settings {
     Settings {
         k_desired: Si::lit("5"),
-        ..Settings::default()
+        ..Settings::thesis()
     }
 }
 

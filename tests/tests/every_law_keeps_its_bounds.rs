@@ -7,7 +7,7 @@ use touchstone_tests::random::Random;
 use touchstone_tests::variants::all;
 
 fn walls<N: Reported>() -> Vec<(String, Settings, Controller<N>)> {
-    all(&Settings::default())
+    all(&Settings::thesis())
         .into_iter()
         .map(|(name, settings)| {
             let wall = Controller::new(&settings).unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -14,7 +14,7 @@ fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
     let settings = Settings {
         law: update,
         first_contact,
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let AnyLaw::Sfa(law, _) = Controller::<f64>::new(&settings).unwrap().law else {
         panic!("not that law");
@@ -67,8 +67,7 @@ fn the_offset_stays_where_the_stiffness_is_right() {
         assert_eq!(state.offset, held.offset, "{kind:?}");
     }
     // The enhanced law's ideal step is the way that is left, which is none.
-    let AnyLaw::Enhanced(law, mut state) =
-        Controller::<f64>::new(&Settings::default()).unwrap().law
+    let AnyLaw::Enhanced(law, mut state) = Controller::<f64>::new(&Settings::thesis()).unwrap().law
     else {
         panic!("not that law");
     };
@@ -91,10 +90,10 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
             damping: si("0.0014"),
             ground_damping: si("0.1"),
         },
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let mut random = Random::new(7);
-    for settings in [Settings::default(), stiff] {
+    for settings in [Settings::thesis(), stiff] {
         let AnyLaw::Enhanced(law, mut state) = Controller::<Fixed32>::new(&settings).unwrap().law
         else {
             panic!("not that law");
@@ -136,7 +135,7 @@ fn the_published_observer_has_no_loan() {
     for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {
         let settings = Settings {
             observer,
-            ..Settings::default()
+            ..Settings::thesis()
         };
         let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
         wall.tick(Position::from_f64(0.001));

@@ -25,7 +25,7 @@ fn worst<N: Reported>() -> [Position<N>; 6] {
 
 /// Usual settings, and settings at the ends of what `validate` accepts.
 fn settings() -> Vec<(String, Settings)> {
-    let usual = Settings::default();
+    let usual = Settings::thesis();
     let mut hard = Settings {
         k_desired: si("500000"),
         step_of_ideal: Si::ONE,
@@ -118,7 +118,7 @@ fn every_position_after_every_other_in_eight_bits() {
             damping: si("0.0005"),
             ground_damping: si("0.001"),
         },
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let mut random = Random::new(9);
     let mut laws = 0;

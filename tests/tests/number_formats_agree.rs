@@ -33,7 +33,7 @@ fn wall(law: LawKind) -> Settings {
             damping: Si::ZERO,
             ground_damping: si("0.0078125"), // c_env/T = 8
         },
-        ..Settings::default()
+        ..Settings::thesis()
     }
 }
 
@@ -256,7 +256,7 @@ fn enhanced_all_the_way<N: Grain>() {
     for first_contact in [FirstContact::ZeroOffset, FirstContact::KeepForce] {
         let settings = Settings {
             first_contact,
-            ..Settings::default()
+            ..Settings::thesis()
         };
         for path in [half_sine(0.02, 400), wiggle(0.02, 4000), hold(0.02, 4000)] {
             compare::<N>(&settings, &path, |_| 1e-4);

@@ -55,7 +55,7 @@ fn tdpa(observer: ObserverForm) -> Settings {
     Settings {
         law: LawKind::Tdpa,
         observer,
-        ..Settings::default()
+        ..Settings::thesis()
     }
 }
 
@@ -84,7 +84,7 @@ fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
     let mut tdpa = Port::new(&tdpa(ObserverForm::Thesis));
     let mut spring = Port::new(&Settings {
         law: LawKind::Spring,
-        ..Settings::default()
+        ..Settings::thesis()
     });
     let path = walk(&mut Random::new(10), 1_000_000);
     let mut given_away = 0;
@@ -197,7 +197,7 @@ fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_no
     assert!(tdpa >= -per_tick * ticks, "{tdpa}");
     let fba = lowest(Settings {
         law: LawKind::Fba,
-        ..Settings::default()
+        ..Settings::thesis()
     });
     assert!(fba >= 0, "{fba}");
 }
@@ -208,7 +208,7 @@ fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_no
 fn fba_keeps_its_energy_whatever_comes_next() {
     let mut port = Port::new(&Settings {
         law: LawKind::Fba,
-        ..Settings::default()
+        ..Settings::thesis()
     });
     let mut random = Random::new(13);
     let mut lowest = 0_i128;
@@ -240,7 +240,7 @@ fn fba_keeps_its_energy_whatever_comes_next() {
 
 #[test]
 fn the_enhanced_law_never_lends_more_than_its_credit() {
-    let base = Settings::default();
+    let base = Settings::thesis();
     let credit = i128::from(Fixed32::energy(base.energy_credit).unwrap().to_bits());
     let path = walk(&mut Random::new(14), 100_000);
     for (name, settings) in all(&base) {

@@ -61,7 +61,7 @@ const BOUNDS: [Bound; 13] = [
 ];
 
 fn with(set: fn(&mut Settings, Si), value: Si) -> Settings {
-    let mut settings = Settings::default();
+    let mut settings = Settings::thesis();
     set(&mut settings, value);
     settings
 }
@@ -101,7 +101,7 @@ fn every_field_is_checked_on_both_sides_of_both_ends() {
 fn the_rate_is_checked_on_both_sides_of_both_ends() {
     let at = |rate_hz| Settings {
         rate_hz,
-        ..Settings::default()
+        ..Settings::thesis()
     };
     assert_eq!(at(1).validate(), Ok(()));
     assert_eq!(at(100_000).validate(), Ok(()));
@@ -145,7 +145,7 @@ fn no_field_is_without_a_bound_and_every_name_is_its_own() {
 fn the_compensated_regulator_needs_a_coupling_above_the_desired_stiffness() {
     let mut settings = Settings {
         regulate: Regulate::MassCompensated,
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let k_desired = settings.k_desired;
     settings.filter.stiffness = next(k_desired, true);

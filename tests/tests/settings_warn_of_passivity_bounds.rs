@@ -18,7 +18,7 @@ fn dyadic() -> Settings {
         k_soft: si("0.75"),
         device_damping: si("0.0009765625"), // 2^-10: k_c = 2 N·m/rad
         energy_credit: Si::ZERO,
-        ..Settings::default()
+        ..Settings::thesis()
     };
     settings.filter.damping = si("0.00048828125"); // 2^-11: 2 (c_i - c_f)/T = 1 N·m/rad
     settings.filter.stiffness = Si::ONE;

@@ -41,7 +41,7 @@ fn press<N: Reported>() -> Press {
     let settings = Settings {
         law: LawKind::Spring,
         k_desired: Si::from_num(STIFFNESS_N_M_PER_RAD),
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let mut wall = Controller::<N>::new(&settings).unwrap();
     let start = Position::zero();
@@ -133,7 +133,7 @@ fn fixed_point_adds_nothing_but_the_rounding_of_its_forces() {
     let settings = Settings {
         law: LawKind::Spring,
         k_desired: Si::from_num(stiffness_n_m_per_rad),
-        ..Settings::default()
+        ..Settings::thesis()
     };
     let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
     for angle in half_sine(DEPTH_RAD, TICKS) {

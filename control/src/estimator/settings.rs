@@ -23,13 +23,14 @@ fn over(a: Si, b: Si) -> Si {
 /// - `inertia`: so large that the largest force gives at most 1 rad a tick², and at most 6e7 T².
 /// - `damping`: what would make the device slower to coast than the estimator is fast to see (`b/J` above `2π p`) is left to the
 ///   hand's push.
-/// - `delay_s`: zero to two ticks.
+/// - `delay_s`: what is longer than two ticks is predicted for two ticks, so that one scene serves several rates.
 impl EstimatorSettings {
     /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
     ///
     /// # Errors
     /// The first setting that is out of range.
     pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), SettingsError> {
+        self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         let check = |field, value: Si, min: Si, max: Si| {
             if value < min || value > max {
@@ -65,20 +66,7 @@ impl EstimatorSettings {
                 max: inertia(heaviest),
             });
         }
-        check(
-            Field::EstimatorDamping,
-            self.damping,
-            Si::ZERO,
-            const { Si::lit("10000") },
-        )?;
-        // A step of the format more a tick, so that two ticks are two ticks at every rate.
-        let period = over(Si::ONE, rate).saturating_add(Si::DELTA);
-        check(
-            Field::EstimatorDelay,
-            self.delay_s,
-            Si::ZERO,
-            period.saturating_mul(Si::saturating_from_num(LONGEST_DELAY)),
-        )
+        Ok(())
     }
 
     /// Validates, and computes the coefficients.

@@ -11,6 +11,7 @@ fn device() -> GuardedDevice {
 }
 fn settings(delay: &str) -> GuardSettings {
     GuardSettings {
+        capacity: Si::lit("0.02"),
         delay: Si::from_str(delay).unwrap(),
         ..GuardSettings::default()
     }

@@ -1,11 +1,11 @@
 //! Options that change a scene.
 
 use super::out::note;
-use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
-use touchstone_control::Warning;
+use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser};
+use touchstone_control::Choice as _;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::{self as runner, passivity};
-use touchstone_sim::scene::{Scene, choices, path_of};
+use touchstone_sim::scene::{Preset, Scene, choices, path_of};
 
 /// The laws' names for help and completions; what is none of them is refused by the scene, as it is in a file.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +37,10 @@ pub struct SceneOptions {
     /// Desired stiffness k_de, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
+    /// The parameters of the law that the scene does not write itself: tuned, on estimated states, behind the energy guard
+    /// (shipped); or below the thesis' own bounds, on measured states, without a guard (thesis).
+    #[arg(long, value_name = "NAME", default_value = "shipped", value_parser = preset())]
+    preset: Preset,
     /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it; --set and the like change them
     /// afterwards.
     #[arg(long, value_name = "FILE.toml")]
@@ -81,6 +85,7 @@ impl SceneOptions {
         if let Some(file) = &self.operator_motion {
             scene = scene.with_recording(file)?;
         }
+        scene = scene.with_preset(self.preset)?;
         if let Some(file) = &self.settings {
             scene = scene.with_settings(file)?;
         }
@@ -94,6 +99,11 @@ impl SceneOptions {
         let warnings = check(&scene, self.strict_passive)?;
         Ok((scene, warnings))
     }
+}
+
+/// A preset by its word.
+fn preset() -> impl TypedValueParser<Value = Preset> {
+    PossibleValuesParser::new(Preset::WORDS).map(|word| Preset::of_word(&word).unwrap_or_default())
 }
 
 /// Refuses a `--set` of what a command itself replaces, by paths of fields or tables and by what it puts there: it would be lost
@@ -131,8 +141,9 @@ pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
     }
     let mut said = Vec::new();
     for (warning, message) in runner::warnings(scene)? {
-        // The credit is a documented default; it is named in the results, and refused above.
-        if !matches!(warning, Warning::EnergyCredit { .. }) {
+        // What the guard answers for is named in the results, and refused above; so is the credit, a documented default.
+        let answered = scene.law.guard.on && warning.is_answered_by_guard();
+        if !answered && !matches!(warning, touchstone_control::Warning::EnergyCredit { .. }) {
             note!("warning: {message}");
             said.push(message.to_string());
         }

@@ -14,7 +14,7 @@ use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
 use touchstone_lab::thesis::{self, COUNTS, GRIPS, REPLACED, STIFFNESSES, claims};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::record::{Run, Verdict};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Preset, Scene};
 
 /// Options of `thesis`.
 #[derive(Debug, Clone, clap::Args)]
@@ -57,7 +57,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let command = super::command_line();
     let files = options.report.files();
     report::check_folder(&options.out, &command, files.force)?;
-    let base = Scene::load("thesis-knob")?.with_overrides(&options.sets)?;
+    let base = Scene::load("thesis-knob")?
+        .with_preset(Preset::Thesis)?
+        .with_overrides(&options.sets)?;
     let warnings = check(&base, options.strict_passive)?;
     let cells = thesis::cells(&base)?;
     interrupt::clean_up()?;

@@ -105,6 +105,32 @@ macro_rules! tree {
 }
 device_settings!(tree);
 
+macro_rules! thesis {
+    ($law:ident: $($place:tt $field:ident, $name:ident = $value:literal;)+) => {
+        $(thesis!(@set $law $place $name = $value);)+
+    };
+    (@set $law:ident (law) $name:ident = $value:literal) => {
+        $law.$name = const { law::Si::lit($value) };
+    };
+    (@set $law:ident (law $group:ident) $name:ident = $value:literal) => {
+        $law.$group.$name = const { law::Si::lit($value) };
+    };
+}
+
+impl LawSettings {
+    /// As [`law::Settings::thesis`].
+    #[must_use]
+    pub fn thesis() -> Self {
+        let mut law = Self {
+            states: StatesKind::Measured,
+            ..Self::default()
+        };
+        law.guard.on = false;
+        touchstone_control::thesis_settings!(thesis law:);
+        law
+    }
+}
+
 impl DeviceSettings {
     /// The thesis' wall on a gimbal-type motor, at 24 V: valid on the board, but no motor's data sheet.
     #[must_use]

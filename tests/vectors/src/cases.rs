@@ -17,7 +17,7 @@ pub struct Case {
 /// All of them.
 #[must_use]
 pub fn cases() -> [Case; 16] {
-    let base = Settings::default();
+    let base = Settings::thesis();
     let of = |name, law| Case {
         name,
         settings: Settings { law, ..base },

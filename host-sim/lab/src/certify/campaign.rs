@@ -20,7 +20,7 @@
 
 use super::{Options, Verdict, certify, hands::Family};
 use serde::{Deserialize, Serialize};
-use touchstone_control::{Choice as _, LawKind};
+use touchstone_control::{Choice as _, LawKind, StatesKind};
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict as Outcome;
@@ -109,6 +109,8 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
     let law = &mut scene.law;
     // The law's own arithmetic is not what is looked at.
     law.number = Number::F64;
+    law.states = StatesKind::Measured;
+    law.guard.on = false;
     law.device_damping_n_m_s_per_rad = c_i;
     law.k_soft_n_m_per_rad = 0.8 * k_c;
     let critical = (stiffness * inertia).sqrt();

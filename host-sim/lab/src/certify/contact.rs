@@ -50,7 +50,7 @@ impl Contact {
                 delay_s: scene.timing.computational_delay_s,
             },
             current_loop_hz: None,
-            estimator: None,
+            estimator: Estimator::of(scene)?,
             count_rad: scene.encoder.as_ref().map(|encoder| encoder.step_rad()),
             k_desired: scene.wall.k_desired_n_m_per_rad,
             press_n_m: match &scene.operator.motion {

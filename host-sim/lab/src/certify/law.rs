@@ -119,16 +119,14 @@ impl LinearLaw {
         })
     }
 
-    /// The law on estimated states: penetration as predicted, displacement `T v` of the predicted velocity. The law's states
-    /// come first, then the estimator's.
+    /// The law on estimated states. The law's states come first, then the estimator's.
     #[must_use]
     pub fn on_estimated(&self, estimator: &Estimator) -> StateSpace {
         let order = self.order();
-        StateSpace::of(order + estimator.order(), |state, measured| {
+        StateSpace::of(order + Estimator::ORDER, |state, measured| {
             let (own, estimate) = state.split_at_mut(order);
-            let predicted = estimator.update(estimate, measured);
-            let moved = estimator.period_s * predicted.velocity;
-            let force = self.answer(own, predicted.position, moved);
+            let told = estimator.update(estimate, measured);
+            let force = self.answer(own, told.e.0, told.moved.0);
             estimator.command(estimate, force);
             force
         })

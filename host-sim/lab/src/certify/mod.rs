@@ -431,6 +431,11 @@ fn not_covered(scene: &Scene, contact: &Contact) -> Vec<String> {
             touchstone_control::Choice::word(scene.law.number)
         ),
     ];
+    if scene.law.guard.on {
+        list.push(
+            "the energy guard: where it gives less force, the wall is a softer one".to_owned(),
+        );
+    }
     if contact.current_loop_hz.is_none() {
         list.push("a current loop: the torque follows its command at once".to_owned());
     }

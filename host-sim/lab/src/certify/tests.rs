@@ -11,7 +11,8 @@ use touchstone_control::filter::MassState;
 use touchstone_control::law::{
     Augmented, Contact as Phase, EnhancedSfa, EnhancedState, Law as _, Sample,
 };
-use touchstone_control::{AnyLaw, Energy, Force, Position};
+use touchstone_control::{AnyLaw, Controller, Energy, Force, Position};
+use touchstone_sim::scene::Preset;
 use touchstone_world::plant::{HeldLinear, MEDIUM, State, Stepper};
 
 fn scene(regulate: &str) -> Scene {
@@ -32,6 +33,8 @@ fn scene(regulate: &str) -> Scene {
     ]
     .map(str::to_owned);
     Scene::load("press-hold")
+        .unwrap()
+        .with_preset(Preset::Thesis)
         .unwrap()
         .with_overrides(&sets)
         .unwrap()
@@ -222,38 +225,42 @@ fn a_fast_current_loop_changes_little_and_a_slow_one_much() {
     assert!(radius(Some(5.0)) > 1.0);
 }
 
-/// (13) to (15) written out once more, for one tick of delay, beside the composed system.
+/// The composed system beside the controller that runs: the same law, the same forces.
 #[test]
-fn the_estimators_composition_does_what_its_equations_say() {
-    let (t, j, b, p, k, damping) = (1e-3, 1e-4, 4e-4, 60.0, 20.0, 0.02);
-    let estimator = Estimator {
-        period_s: t,
-        inertia: j,
-        damping: b,
-        poles_hz: p,
-        delay_ticks: 1.0,
-    };
-    let composed = LinearLaw::spring(k, damping / t).on_estimated(&estimator);
-    let mut state = DVector::zeros(composed.order());
-    let z = (-std::f64::consts::TAU * p * t).exp();
-    let (mut x, mut v, mut h) = (0.0, 0.0, 0.0);
-    let (mut last, mut before) = (0.0, 0.0);
-    for tick in 0..200 {
-        let y = 1e-3 * (0.05 * f64::from(tick)).sin() + 1e-4 * f64::from(tick % 3);
-        let a = (-before - b * v) / j + h;
-        let (x_, v_) = (x + t * v + 0.5 * t * t * a, v + t * a);
-        let r = y - x_;
-        x = x_ + (1.0 - z.powi(3)) * r;
-        v = v_ + 1.5 * (1.0 - z).powi(2) * (1.0 + z) * r / t;
-        h += (1.0 - z).powi(3) * r / (t * t);
-        let a = (-last - b * v) / j + h;
-        let f = k * (y + t * v + 0.5 * t * t * a) + damping * (v + t * a);
-        (before, last) = (last, f);
-        let composed = composed.advance(&mut state, y);
-        assert!(
-            (f - composed).abs() < 1e-9 * (1.0 + f.abs()),
-            "{tick}: {f} {composed}"
-        );
+fn the_estimators_composition_does_what_the_controller_does() {
+    let (k, damping) = (20.0, 0.02);
+    for delay_s in [0.0, 0.4e-3, 1e-3, 1.52e-3, 2e-3] {
+        let scene = Scene::load("press-hold")
+            .unwrap()
+            .with_overrides(&[
+                "law.kind=spring-damper".to_owned(),
+                format!("law.virtual_damping_n_m_s_per_rad={damping}"),
+                format!("wall.k_desired_n_m_per_rad={k}"),
+                format!("law.estimator.delay_s={delay_s}"),
+                "law.guard.on=false".to_owned(),
+            ])
+            .unwrap();
+        let estimator = Estimator::of(&scene).unwrap().expect("estimated states");
+        let composed = LinearLaw::spring(k, damping / 1e-3).on_estimated(&estimator);
+        let mut state = DVector::zeros(composed.order());
+        let mut wall = Controller::<f64>::new(&scene.settings().unwrap()).unwrap();
+        for tick in 0..200 {
+            // Deep enough inside that the law never lets go, and from the rest that both start from.
+            let y = 1e-3 * (0.05 * f64::from(tick)).sin()
+                + 1e-4 * f64::from(tick % 3)
+                + 1e-4 * f64::from(tick);
+            let running = wall.tick(Position(y)).0;
+            let composed = composed.advance(&mut state, y);
+            if tick == 0 {
+                // The controller starts at what it measures; the linear system at zero, which is where this begins.
+                assert_eq!(y, 0.0);
+            }
+            assert!(running > 0.0 || tick == 0, "{tick}: let go at {y}");
+            assert!(
+                (running - composed).abs() < 1e-9 * (1.0 + running.abs()),
+                "delay {delay_s}, {tick}: {running} {composed}"
+            );
+        }
     }
 }
 
@@ -267,19 +274,19 @@ fn the_estimator_holds_what_differences_do_not() {
             "law.virtual_damping_n_m_s_per_rad=0.02".to_owned(),
             "wall.k_desired_n_m_per_rad=20".to_owned(),
             "timing.computational_delay_s=1e-3".to_owned(),
+            "law.estimator.bandwidth_hz=60".to_owned(),
+            "law.estimator.inertia_kg_m2=1e-4".to_owned(),
+            "law.estimator.delay_s=1e-3".to_owned(),
         ])
         .unwrap();
     let mut contact = Contact::of(&scene).unwrap();
+    let measured = Contact {
+        estimator: None,
+        ..contact.clone()
+    };
     for (_, hand) in hands::GRIPS {
-        assert!(contact.radius(Some(&hand)) > 1.0);
+        assert!(measured.radius(Some(&hand)) > 1.0);
     }
-    contact.estimator = Some(Estimator {
-        period_s: 1e-3,
-        inertia: 1e-4,
-        damping: 4e-4,
-        poles_hz: 60.0,
-        delay_ticks: 1.0,
-    });
     // Each alone: the delay is taken to be a tick and the inertia 1e-4 throughout.
     for (_, hand) in hands::GRIPS {
         for delay_s in [0.0, 1e-4, 5e-4, 1e-3] {

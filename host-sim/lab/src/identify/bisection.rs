@@ -8,7 +8,7 @@
 //! whether the motion grows from the second quarter of the hold to the last, not by how large it is.
 
 use super::swing::Mechanics;
-use touchstone_control::LawKind;
+use touchstone_control::{LawKind, StatesKind};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
@@ -200,6 +200,9 @@ pub fn identify(
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;
+    // The algorithm asks what FBA makes of what is measured.
+    scene.law.states = StatesKind::Measured;
+    scene.law.guard.on = false;
     scene.law.device_damping_n_m_s_per_rad = damping;
     scene.wall.k_desired_n_m_per_rad = 8.0 * damping * f64::from(scene.timing.rate_hz);
     let windows = run::watch(&scene, Windows::new(&scene))?;

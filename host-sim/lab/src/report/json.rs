@@ -171,9 +171,12 @@ mod tests {
             &mut s.limit_cycle_peak_to_peak,
             &mut s.energy_observed_min,
             &mut s.settle_time,
+            &mut s.guard_account_min_j,
+            &mut s.guard_tripped_s,
         ] {
             *field = Some(1.25);
         }
+        s.guard_limited_ticks = Some(3);
         run
     }
 

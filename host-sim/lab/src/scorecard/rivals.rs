@@ -4,7 +4,7 @@ use touchstone_control::choices::{
     FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
 };
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::{Scene, nearest};
+use touchstone_sim::scene::{Preset, Scene, nearest};
 
 /// A law of the comparison.
 #[derive(Debug, Clone, Copy)]
@@ -119,11 +119,33 @@ pub const RIVALS: [Rival; 9] = [
     },
 ];
 
-/// On measured states and without the guard: the law as it is known.
+/// On measured states and without the guard, with the thesis' parameters where the scene writes none: the law as it is known.
 fn measured(scene: &mut Scene, kind: LawKind) {
+    if let Ok(known) = scene.with_preset(Preset::Thesis) {
+        *scene = known;
+    }
     scene.law.kind = kind;
     scene.law.states = StatesKind::Measured;
     scene.law.guard.on = false;
+}
+
+/// Capacity of a guard over `f_max T v`, the energy of one displacement at the overspeed under the largest force.
+const CAPACITY_SHARE: f64 = 1.5;
+
+/// What estimator and guard are told of the device, as it was measured.
+fn told(scene: &mut Scene) {
+    let period_s = scene.timing.period_s();
+    let (device, law) = (&scene.device, &mut scene.law);
+    law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
+    law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
+    let guard = &mut law.guard;
+    guard.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
+    guard.delay_s = scene.timing.computational_delay_s;
+    // A guard answers for a tick of delay at most.
+    guard.on &= guard.delay_s + guard.lag_s <= period_s;
+    let least =
+        CAPACITY_SHARE * law.force_limit_n_m * guard.overspeed_rad_per_s * period_s;
+    guard.capacity_j = least.clamp(guard.capacity_j.min(16.0), 16.0);
 }
 
 impl Rival {
@@ -154,6 +176,7 @@ impl Rival {
         let mut scene = self.of(scene);
         if self.estimated {
             scene.law.states = StatesKind::Estimated;
+            told(&mut scene);
         }
         scene
     }

@@ -164,10 +164,6 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
 #[must_use]
 pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     let mut scene = rival.to_tune(scene);
-    if scene.law.states == StatesKind::Estimated {
-        scene.law.estimator.damping_n_m_s_per_rad = scene.device.damping_n_m_s_per_rad;
-        scene.law.estimator.inertia_kg_m2 = scene.device.inertia_kg_m2;
-    }
     for (axis, x) in axes.iter().zip(point) {
         let value = (axis.start * x.exp()).clamp(axis.least, axis.most);
         *(axis.parameter.of)(&mut scene.law) = rounded(value);

@@ -3,7 +3,7 @@
 use super::warnings;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use touchstone_control::LawKind;
+use touchstone_control::{LawKind, StatesKind};
 
 /// The first of the law's own passivity bounds that the scene leaves, as a refusal at its place; `None` if it keeps all.
 ///
@@ -17,6 +17,13 @@ use touchstone_control::LawKind;
 pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
     if let Some((_, error)) = warnings(scene)?.into_iter().next() {
         return Ok(Some(error));
+    }
+    if scene.law.states == StatesKind::Estimated {
+        return Ok(Some(scene.error(
+            "law.states",
+            "no law on estimated states has a passivity bound of its own",
+            "give measured, see --preset thesis",
+        )));
     }
     let plain = match scene.law.kind {
         LawKind::Spring | LawKind::SpringDamper => true,
@@ -73,10 +80,14 @@ fn spring(scene: &Scene) -> Option<Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Preset;
 
     #[track_caller]
     fn refused(sets: &[&str]) -> bool {
-        let scene = Scene::load("tap").unwrap().with_overrides(sets).unwrap();
+        let scene = Scene::load("tap")
+            .and_then(|scene| scene.with_preset(Preset::Thesis))
+            .and_then(|scene| scene.with_overrides(sets))
+            .unwrap();
         refusal(&scene).unwrap().is_some()
     }
 
@@ -119,6 +130,13 @@ mod tests {
         assert!(!refused(&soft));
         let late = "timing.computational_delay_s=2e-3";
         assert!(refused(&[soft[0], soft[1], late]));
+    }
+
+    #[test]
+    fn estimated_states_have_no_bound() {
+        let soft = ["law.kind=spring", "wall.k_desired_n_m_per_rad=0.5"];
+        assert!(!refused(&soft));
+        assert!(refused(&[soft[0], soft[1], "law.states=estimated"]));
     }
 
     #[test]

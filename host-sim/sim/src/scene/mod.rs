@@ -18,6 +18,7 @@ mod motion;
 mod operator;
 mod origin;
 mod overrides;
+mod preset;
 mod print;
 mod problem;
 mod renamed;
@@ -39,6 +40,7 @@ pub use operator::{
 };
 pub use origin::Origin;
 pub use overrides::path_of;
+pub use preset::Preset;
 pub use renamed::renamed;
 pub use shipped::names;
 pub use unknown::{list, nearest};

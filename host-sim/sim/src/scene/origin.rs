@@ -47,6 +47,11 @@ impl Origin {
         self.places.insert(path.to_owned(), place);
     }
 
+    /// Whether the field itself was written anywhere.
+    pub(crate) fn is_written(&self, path: &str) -> bool {
+        self.places.contains_key(path)
+    }
+
     /// Place of the field or of the innermost table around it that was written; the first line where nothing was.
     pub(crate) fn place(&self, path: &str) -> Place {
         let mut path = path;

@@ -12,6 +12,7 @@ pub(crate) enum Dimension {
     Inertia,
     Frequency,
     Energy,
+    Power,
 }
 
 /// One way to write a unit.
@@ -83,6 +84,8 @@ pub(crate) const UNITS: &[Unit] = &[
     unit(Dimension::Inertia, "g_mm2", "g·mm²", 1e-9),
     unit(Dimension::Energy, "j", "J", 1.0),
     unit(Dimension::Energy, "mj", "mJ", 1e-3),
+    unit(Dimension::Power, "w", "W", 1.0),
+    unit(Dimension::Power, "mw", "mW", 1e-3),
     unit(Dimension::Frequency, "hz", "Hz", 1.0),
     unit(Dimension::Frequency, "khz", "kHz", 1e3),
 ];
