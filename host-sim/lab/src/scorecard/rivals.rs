@@ -143,8 +143,7 @@ fn told(scene: &mut Scene) {
     guard.delay_s = scene.timing.computational_delay_s;
     // A guard answers for a tick of delay at most.
     guard.on &= guard.delay_s + guard.lag_s <= period_s;
-    let least =
-        CAPACITY_SHARE * law.force_limit_n_m * guard.overspeed_rad_per_s * period_s;
+    let least = CAPACITY_SHARE * law.force_limit_n_m * guard.overspeed_rad_per_s * period_s;
     guard.capacity_j = least.clamp(guard.capacity_j.min(16.0), 16.0);
 }
 

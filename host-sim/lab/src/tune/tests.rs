@@ -144,6 +144,7 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
         assert_eq!(device, scene(1, class, number), "a number has one device");
         let row = row(1, class, number, rival, 1e5).expect("runs");
         assert!(!row.certificate.is_empty() || !row.cause.is_empty());
+        println!("{row:?}");
         rest += u32::from(row.rests);
     }
     assert!(rest >= 6, "{rest} of 10 rest");
