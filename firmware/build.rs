@@ -1,4 +1,4 @@
-//! Gives the linker the map of both boards' memory, `memory.x` at the repository's top level, and the scripts that use it; and the
+//! Gives the linker the map of the board's memory, which lies at the repository's top level, and the scripts that use it; and the
 //! program a hash of its sources.
 
 use std::path::{Path, PathBuf};
@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    let map = Path::new(&folder).join("../memory.x");
-    if let Err(error) = std::fs::copy(&map, out.join("memory.x")) {
-        println!("cargo::error={}: {error}", map.display());
+    let map = match std::env::var_os("CARGO_FEATURE_NUCLEO_G474RE") {
+        Some(_) => "memory-g474re.x",
+        None => "memory.x",
+    };
+    let map_file = Path::new(&folder).join("..").join(map);
+    if let Err(error) = std::fs::copy(&map_file, out.join("memory.x")) {
+        println!("cargo::error={}: {error}", map_file.display());
     }
     println!("cargo::rustc-link-search={}", out.display());
     for script in ["link.x", "defmt.x"] {
@@ -16,14 +20,13 @@ fn main() {
     }
     // Sections start on no page of a file system: the image is for a flash memory.
     println!("cargo::rustc-link-arg-bins=--nmagic");
-    println!("cargo::rerun-if-changed={}", map.display());
     let mut hash = FNV_BASIS;
     for part in [
         "firmware/src",
         "drive/src",
         "protocol/src",
         "control/src",
-        "memory.x",
+        map,
         "firmware/Cargo.lock",
     ] {
         let part = Path::new(&folder).join("..").join(part);

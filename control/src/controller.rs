@@ -272,6 +272,8 @@ impl<N: Number> Controller<N> {
     ///
     /// # Errors
     /// A setting out of its range, or a coefficient that does not fit the number format.
+    #[cold]
+    #[inline(never)]
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         let states = match settings.states {
             StatesKind::Measured => States::default(),

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator: its force is a function of the counts
-//! since the tick that armed, and of nothing else. What holds the force back (fading in, current limit, temperature) comes
-//! after it.
+//! since the tick that armed, of the guard's account then, and of what became of its forces: what holds them back (fading in,
+//! current limit, temperature) comes after it and is told to its estimator and its guard.
 
 use crate::angle::Angle;
 use crate::calibration::{Alignment, Calibration, Progress};
@@ -369,7 +369,7 @@ impl Device {
         let record = &mut self.record;
         record.law_ran = true;
         record.force = force;
-        record.torque = torque;
+        record.torque = driven.torque;
         record.offset = view.offset;
         record.energy = view.energy;
         record.contact = view.contact;

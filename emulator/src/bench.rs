@@ -8,8 +8,8 @@ use touchstone_world::plant::Hand;
 use crate::board::{Board, Encoder};
 use crate::chip::{Chip, ResetCause};
 use crate::cpu::elf::Program;
-use crate::cpu::{Halt, Machine};
 use crate::link::Link;
+use crate::machine::{Halt, Machine};
 use crate::world::World;
 
 /// Cycles of a microsecond.

@@ -88,6 +88,10 @@ pub struct Board {
     pub option_bytes: u32,
     /// DBGMCU_IDCODE.
     pub device_id: u32,
+    /// The chip's flash memory, bytes.
+    pub flash_bytes: usize,
+    /// The chip's memory without a gap: SRAM1, SRAM2, and CCM behind them, bytes.
+    pub ram_bytes: usize,
     /// (converter, channel) to what is there.
     pub pins: &'static [(usize, u32, Source)],
     /// The gate drivers behind TIM1's outputs.
@@ -114,6 +118,8 @@ impl Board {
             // Dual bank, read protection off.
             option_bytes: 0xffef_f8aa | 1 << 22,
             device_id: 0x2003_6469,
+            flash_bytes: 512 * 1024,
+            ram_bytes: 128 * 1024,
             pins: &[
                 (0, 1, Source::Current(0)),
                 (1, 7, Source::Current(1)),
@@ -139,6 +145,8 @@ impl Board {
             // One bank, read protection off.
             option_bytes: 0xffef_f8aa & !(1 << 22),
             device_id: 0x2003_6468,
+            flash_bytes: 128 * 1024,
+            ram_bytes: 32 * 1024,
             // The amplifiers' outputs inside the chip, PA0, PB14.
             pins: &[
                 (0, 13, Source::Current(0)),
@@ -209,7 +217,8 @@ impl Board {
             0x1fff_7590 => 0x0047_0031,
             0x1fff_7594 => 0x3133_5107,
             0x1fff_7598 => 0x2036_3935,
-            0x1fff_75e0 => 512,
+            // In KiB.
+            0x1fff_75e0 => (self.flash_bytes / 1024) as u32,
             _ => 0xffff_ffff,
         }
     }

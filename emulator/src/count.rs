@@ -7,19 +7,15 @@ use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
 use crate::board::{Board, Encoder};
+use crate::budgets::{CONTROL, CURRENT, LAW};
 use crate::cpu::core::Cost;
 use crate::cpu::elf::Program;
-use crate::cpu::exception::Handler;
+use crate::cpu::handler::Handler;
 use crate::cpu::nvic::FIRST;
 use crate::fil::fault::Fault;
 use crate::fil::jobs::Programs;
 use crate::peripheral::spi::SlaveFault;
 use crate::peripheral::timer::gates::GateDriver;
-
-/// Most instructions that each may take.
-const LAW: u64 = 600;
-const CONTROL: u64 = 3_000;
-const CURRENT: u64 = 900;
 
 const CURRENT_LOOP: usize = FIRST + 18;
 const CONTROL_TICK: usize = FIRST + 49;

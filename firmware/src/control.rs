@@ -10,7 +10,7 @@ use touchstone_drive::{
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
-use crate::interrupts::{BREAK, BROWN_OUT, COMMAND, CONFIG};
+use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG};
 use crate::shared::Guarded;
 use crate::{analogue, board, encoder, pwm};
 

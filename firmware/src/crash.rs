@@ -12,7 +12,7 @@ use touchstone_drive::ResetFlags;
 
 use crate::{analogue, pwm, storage};
 
-/// Sixteen words at the end of memory, outside of what start-up clears; see `memory.x`.
+/// Sixteen words at the end of memory, outside of what start-up clears; see the board's memory map.
 type Record = [u32; 16];
 
 unsafe extern "C" {
@@ -164,9 +164,10 @@ fn log() {
 
 /// A text in flash; empty if that is not where it is, as after another program was flashed.
 fn text(start: u32, length: u32) -> &'static str {
-    const FLASH: core::ops::Range<u32> = 0x0800_0000..0x0801_C000;
-    let is_inside =
-        FLASH.contains(&start) && length <= 200 && FLASH.contains(&start.saturating_add(length));
+    let program = storage::FLASH..storage::FLASH + storage::pages().start;
+    let is_inside = program.contains(&start)
+        && length <= 200
+        && program.contains(&start.saturating_add(length));
     if !is_inside {
         return "";
     }

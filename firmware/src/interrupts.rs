@@ -9,40 +9,23 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use touchstone_drive::exchange::{CommandBox, ReportBox};
-use touchstone_drive::{BridgeCommand, CurrentConfig, CurrentLoop, CurrentSample};
+use touchstone_drive::{BridgeCommand, CurrentLoop, CurrentSample};
 
 use crate::control::{CONTROL, Readings};
-use crate::shared::{Owned, Slot, raise};
+use crate::exchange::{
+    BREAK, BROWN_OUT, COMMAND, CONFIG, CONTROL_LIVES, CURRENT_CYCLES_MAX, CURRENT_LIVES,
+    LATE_PERIODS, REPORT,
+};
+use crate::shared::{Owned, raise};
 use crate::{analogue, board, cycles, pwm, sense, supply, window};
 
-/// From the control tick to the current loop.
-pub static COMMAND: CommandBox = CommandBox::new();
-/// From the current loop to the control tick.
-pub static REPORT: ReportBox = ReportBox::new();
-/// The timer's break has pulled, and was not cleared by command since.
-pub static BREAK: AtomicBool = AtomicBool::new(false);
-/// The supply has sagged, and that was not cleared by command since.
-pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);
 /// The current loop has switched the outputs on, and not off since. Whoever else switches off leaves the current loop with a
 /// reason to do so too, in the same or the next period.
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// Cycle counter when the control tick became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
-/// Most cycles that the current loop has taken.
-pub static CURRENT_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
 /// New compare values came after the counter's turn in the last period, so that they count a period later.
 static LATE: AtomicBool = AtomicBool::new(false);
-/// PWM periods in which that was so.
-pub static LATE_PERIODS: AtomicU32 = AtomicU32::new(0);
-/// The current loop ran since the supervisor looked.
-pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
-/// The control tick ran since the supervisor looked.
-pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
-
-/// Other coefficients for the current loop.
-pub static CONFIG: Slot<CurrentConfig> = Slot::new();
-
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
 /// Gives the current loop its state, sets the priorities, and lets them come.

@@ -26,6 +26,7 @@ pub mod crash;
 pub mod critical;
 pub mod cycles;
 pub mod encoder;
+pub mod exchange;
 pub mod interrupts;
 #[cfg(feature = "nucleo-g474re")]
 pub mod magnetic;

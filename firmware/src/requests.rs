@@ -12,8 +12,8 @@ use touchstone_protocol::{
 };
 
 use crate::control::{CONTROL, Control, RING};
-use crate::interrupts::CURRENT_CYCLES_MAX;
-use crate::storage::{PAGES, Storage};
+use crate::exchange::CURRENT_CYCLES_MAX;
+use crate::storage::{self, Storage};
 use crate::{analogue, board, cycles, pwm};
 
 /// A command is taken by the next control tick, 10 ms later at the slowest rate; cycles.
@@ -157,7 +157,7 @@ impl Backend for Thread {
     }
 
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {
-        flash::save(&mut self.storage, PAGES, image)
+        flash::save(&mut self.storage, storage::pages(), image)
     }
 
     fn command(&mut self, command: DeviceCommand) -> bool {

@@ -12,19 +12,11 @@ use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{Context, FaultCode, Phase, State, flash};
 
 use crate::control::{CONTROL, Control};
-use crate::interrupts::{self, CONTROL_LIVES, CURRENT_LIVES, LATE_PERIODS};
+use crate::exchange::{CONTROL_LIVES, CURRENT_LIVES, LATE_PERIODS};
 use crate::requests::Thread;
-use crate::serial::{self, LINK_LIVES};
-use crate::storage::{PAGES, Storage};
-use crate::{board, crash, cycles, supply, watchdog};
-
-/// A board, set up.
-pub struct Board {
-    /// The link to the desktop.
-    pub serial: BufferedUart<'static>,
-    /// Where settings are kept.
-    pub storage: Storage,
-}
+use crate::serial::{LINK_LIVES, link};
+use crate::storage::{self, Storage};
+use crate::{board, crash, cycles, interrupts, supply, watchdog};
 
 static SESSION: StaticCell<Session> = StaticCell::new();
 static CONTROLLER: StaticCell<Control> = StaticCell::new();
@@ -33,9 +25,9 @@ static CURRENT_LOOP: StaticCell<CurrentLoop> = StaticCell::new();
 /// The supervisor looks this often.
 const SUPERVISION: Duration = Duration::from_millis(10);
 
-/// The program after the board's set-up; ends with the next reset.
-pub async fn run(spawner: Spawner, board: Board) -> ! {
-    let current = start(spawner, board);
+/// The program after the board's set-up, with the link to the desktop and where settings are kept; ends with the next reset.
+pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
+    let current = start(spawner, serial, storage);
     // SAFETY: once, and the control tick has its state. Only here: `start` needs the stack for itself.
     unsafe { interrupts::start(current) };
     supervise().await
@@ -44,7 +36,11 @@ pub async fn run(spawner: Spawner, board: Board) -> ! {
 /// Everything before the first interrupt that works. Not a part of the future above: what it needs once is on the stack, not in
 /// a static for ever.
 #[inline(never)]
-fn start(spawner: Spawner, mut board: Board) -> &'static mut CurrentLoop {
+fn start(
+    spawner: Spawner,
+    serial: BufferedUart<'static>,
+    mut storage: Storage,
+) -> &'static mut CurrentLoop {
     watchdog::start();
     supply::start();
     // SAFETY: once, at the start; nobody else uses the processor's own peripherals.
@@ -56,11 +52,11 @@ fn start(spawner: Spawner, mut board: Board) -> &'static mut CurrentLoop {
         board::BOARD.name(),
         touchstone_protocol::ResetReason::from(reason).words()
     );
-    let (session, are_refused) = session(&mut board.storage);
+    let (session, are_refused) = session(&mut storage);
     let current = control(session.settings(), reason, are_refused);
-    let device = Thread::new(board.storage, reason.into());
-    match serial::link(board.serial, session, device) {
-        Ok(link) => spawner.spawn(link),
+    let device = Thread::new(storage, reason.into());
+    match link(serial, session, device) {
+        Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the link's task exists already"),
     }
     current
@@ -68,9 +64,9 @@ fn start(spawner: Spawner, mut board: Board) -> &'static mut CurrentLoop {
 
 /// The settings of the flash, or the defaults; and whether what was in the flash was refused.
 #[inline(never)]
-fn session(storage: &mut Storage) -> (&'static mut Session, bool) {
+fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);
-    let start = flash::load(storage, PAGES, defaults, &|settings| {
+    let start = flash::load(kept, storage::pages(), defaults, &|settings| {
         wire::checked(settings, board::BOARD)
     });
     let are_refused = start.refused.is_some();

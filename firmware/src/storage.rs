@@ -17,8 +17,19 @@ use crate::{watchdog, window};
 /// A page, bytes; both chips have the same.
 pub const PAGE: usize = 2_048;
 
-/// Where the settings are, from the start of the flash; as in `memory.x`.
-pub const PAGES: Range<u32> = 0x1_C000..0x2_0000;
+/// Where the flash begins.
+pub const FLASH: u32 = 0x0800_0000;
+
+unsafe extern "C" {
+    static _settings_start: u8;
+    static _settings_end: u8;
+}
+
+/// Where the settings are, from the start of the flash, as the board's memory map says.
+pub fn pages() -> Range<u32> {
+    let offset = |place: *const u8| place as u32 - FLASH;
+    offset(&raw const _settings_start)..offset(&raw const _settings_end)
+}
 
 /// Settings are being read: a word that fails its check in hardware is a cut write and no reason to stop.
 pub static READING: AtomicBool = AtomicBool::new(false);
@@ -76,7 +87,7 @@ impl ReadNorFlash for Storage {
     }
 
     fn capacity(&self) -> usize {
-        PAGES.end as usize
+        pages().end as usize
     }
 }
 

@@ -1,6 +1,7 @@
-//! What the tests across the crates share: motions, a flash memory, random numbers, every variant of every law.
+//! What the tests across the crates share: motions, a flash memory, random numbers, the estimator in matrices, every variant of every law.
 
 pub mod adversary;
+pub mod estimator;
 pub mod flash;
 pub mod grain;
 pub mod knob;
@@ -10,3 +11,15 @@ pub mod random;
 pub mod search;
 pub mod si;
 pub mod variants;
+
+/// A shipped scene with the thesis' law, which is what most tests are about.
+///
+/// # Panics
+/// If there is no such scene.
+#[must_use]
+pub fn thesis(name: &str) -> touchstone_sim::scene::Scene {
+    use touchstone_sim::scene::{Preset, Scene};
+    Scene::load(name)
+        .and_then(|scene| scene.with_preset(Preset::Thesis))
+        .unwrap_or_else(|error| panic!("{error}"))
+}

@@ -1,6 +1,6 @@
 //! A device's settings: both sides of every bound, the bounds between settings, and what a refusal says.
 
-use touchstone_control::{LawKind, Regulate, Si};
+use touchstone_control::{LawKind, Regulate, Si, StatesKind};
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::fields::{FIELDS, Field, Kind};
 use touchstone_protocol::settings::{
@@ -59,30 +59,76 @@ fn companions(settings: &mut DeviceSettings, path: &str) {
     }
 }
 
+/// The settings whose range is wider than what the device's format holds, with the power of the rate in their coefficient: the parts
+/// of the filter's sum `m/T² + k_f + d_f/T + d_g/T`. Their ranges are the law's, for all number formats and rates.
+const PARTS_OF_THE_SUM: [(&str, u32); 4] = [
+    ("law.filter.mass_kg_m2", 2),
+    ("law.filter.stiffness_n_m_per_rad", 0),
+    ("law.filter.damping_n_m_s_per_rad", 1),
+    ("law.filter.ground_damping_n_m_s_per_rad", 1),
+];
+
+/// What each board says of a field's value.
+fn said(field: &Field, value: Decimal) -> [Option<SettingsError>; Board::ALL.len()] {
+    Board::ALL.map(|board| {
+        let mut settings = roomy(board);
+        companions(&mut settings, field.path);
+        assert!(set(&mut settings, field, value), "{}", field.path);
+        checked(&settings, board).err()
+    })
+}
+
 #[test]
 fn both_ends_of_every_range_are_accepted_on_some_board() {
     for field in FIELDS {
         let Some((least, most)) = field.kind.range() else {
             continue;
         };
+        let is_part = PARTS_OF_THE_SUM.iter().any(|(path, _)| *path == field.path);
         for value in [least, most] {
-            let results = Board::ALL.map(|board| {
-                let mut settings = roomy(board);
-                companions(&mut settings, field.path);
-                assert!(set(&mut settings, field, value), "{}", field.path);
-                checked(&settings, board).err()
-            });
-            // The range of a coefficient of the law is that of its crate, for all number formats and rates: the end of it may be more
-            // than this format holds at this rate, and is refused for just that.
-            let too_much = |error: &SettingsError| {
-                field.path.starts_with("law.")
-                    && (error.path, error.reason) == (field.path, Reason::OutOfFormat)
-            };
-            assert!(
-                results.contains(&None) || value == most && results.iter().flatten().all(too_much),
-                "{} = {value}: {results:?}",
-                field.path
+            let accepted = said(field, value).contains(&None);
+            let is_wanted = !(is_part && value == most);
+            assert_eq!(
+                accepted,
+                is_wanted,
+                "{} = {value}: {:?}",
+                field.path,
+                said(field, value)
             );
+        }
+    }
+}
+
+/// Twice the sum is a gain of `fixed32`, which has 12 fractional bits and 19 above the point: each part may come, the others at their
+/// least, just below 2^18 N·m/rad, and is named for what is more.
+#[test]
+fn a_part_of_the_filters_sum_may_be_what_the_format_holds() {
+    let room = Si::from_num(1 << 18);
+    let least_stiffness = Si::lit("0.01");
+    for (path, power) in PARTS_OF_THE_SUM {
+        let field = FIELDS.iter().find(|field| field.path == path);
+        let field = field.expect(path);
+        let refused = |board, value| {
+            let mut settings = roomy(board);
+            let filter = &mut settings.law.filter;
+            filter.mass_kg_m2 = Si::ZERO;
+            filter.stiffness_n_m_per_rad = least_stiffness;
+            filter.damping_n_m_s_per_rad = Si::ZERO;
+            filter.ground_damping_n_m_s_per_rad = Si::ZERO;
+            assert!(set(&mut settings, field, Decimal(value)), "{path}");
+            checked(&settings, board).err()
+        };
+        for board in Board::ALL {
+            let rate = i64::from(roomy(board).timing.rate_hz).pow(power);
+            let others = if power == 0 {
+                Si::ZERO
+            } else {
+                least_stiffness
+            };
+            let largest = Si::from_bits(((room - others).to_bits() - 1) / rate);
+            assert_eq!(refused(board, largest), None, "{path} = {largest}");
+            let error = refused(board, largest + Si::DELTA).expect(path);
+            assert_eq!((error.path, error.reason), (path, Reason::OutOfFormat));
         }
     }
 }

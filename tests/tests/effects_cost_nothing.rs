@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use touchstone_sim::run::{self, record::Trace};
 use touchstone_sim::scene::Scene;
+use touchstone_tests::thesis;
 
 /// Ticks between the two runs. Hash seeds make the start of a process differ by some hundred instructions.
 const TICKS: u64 = 50_000;
@@ -164,13 +165,13 @@ fn changes(scene: &Scene, setting: &str) -> bool {
 #[test]
 fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
     // No dry friction, no torque limit, no encoder.
-    let ideal = Scene::load("press-hold").unwrap();
+    let ideal = thesis("press-hold");
     let device = &ideal.device;
     assert!(device.friction.is_none() && device.torque_limit_n_m.is_none());
     assert!(device.amplifier_step_n_m.is_none() && ideal.timing.computational_delay_s == 0.0);
     assert!(trace(&ideal).force_n_m.iter().any(|&force| force > 0.09));
 
-    let free = Scene::load("free-release").unwrap();
+    let free = thesis("free-release");
     for scene in [&ideal, &free] {
         let name = &scene.name;
         assert!(!changes(scene, "device.torque_limit_n_m=1e9"), "{name}");
@@ -189,12 +190,11 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
 
 #[test]
 fn friction_of_zero_equals_none_to_the_bit_or_in_a_hand_to_rounding() {
-    let free = Scene::load("free-release").unwrap();
+    let free = thesis("free-release");
     assert!(!changes(&free, "device.friction.kinetic_n_m=0"));
     // In a hand the plant locates where the velocity changes sign, and crosses such a tick in two parts. With a linear law in
     // f64 nothing magnifies the rounding of that.
-    let held = Scene::load("press-hold")
-        .unwrap()
+    let held = thesis("press-hold")
         .with_overrides(&[
             "law.kind=spring",
             "wall.k_desired_n_m_per_rad=0.5",

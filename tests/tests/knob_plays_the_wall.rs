@@ -44,6 +44,7 @@ fn replayed(settings: &DeviceSettings, records: &[Record]) {
         assert!(record.law_ran && record.state == State::Armed, "{record:?}");
         let e = scale.penetration::<Fixed32>(record.count);
         let force = wall.tick(e);
+        wall.commanded(Force::zero() - record.torque);
         assert_eq!(
             (record.penetration, record.force),
             (e, force),

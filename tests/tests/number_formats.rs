@@ -8,6 +8,7 @@ use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
 use touchstone_sim::run::wall::{Controlled, Wall};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
+use touchstone_tests::thesis;
 
 /// What the encoder read.
 struct Counts {
@@ -56,7 +57,7 @@ fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
 
 /// The thesis scenes with the enhanced law, by what they are called.
 fn scenes() -> Vec<(String, Scene)> {
-    let base = Scene::load("thesis-knob").unwrap();
+    let base = thesis("thesis-knob");
     let mut scenes = Vec::new();
     for counts in COUNTS {
         for grip in GRIPS {

@@ -5,15 +5,14 @@ use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::{self, Scene};
+use touchstone_tests::thesis;
 
 /// Share by which the rate-hardness may differ: the slope over a depth `w` of a force that is off by up to half a count `q/2` is
 /// off by at most `3 (q/2)/w`. Counts are 0.157 mrad; a press at 1.6 rad/s in a wall of 5 N·m/rad reaches 7 mrad, a tap more.
 const HARDNESS: f64 = 3.0 * 0.0785 / 7.0;
 
 fn summary(name: &str) -> Summary {
-    run::run(&Scene::load(name).unwrap(), false)
-        .unwrap()
-        .summary
+    run::run(&thesis(name), false).unwrap().summary
 }
 
 #[track_caller]
@@ -83,10 +82,7 @@ fn a_tap_meets_the_desired_stiffness_and_gets_no_energy() {
     assert_close(run.rate_hardness, 5.0, HARDNESS);
     assert!(run.contact_ticks > 5, "{}", run.contact_ticks);
     // The wall's own port: the spring of the same stiffness leaks energy at every sample, the law does not.
-    let scene = Scene::load("tap")
-        .unwrap()
-        .with_overrides(&["law.kind=spring"])
-        .unwrap();
+    let scene = thesis("tap").with_overrides(&["law.kind=spring"]).unwrap();
     let spring = run::run(&scene, false).unwrap().summary;
     assert_eq!(run.energy_true_min, 0.0);
     assert!(spring.energy_true_min < -1e-5, "{}", spring.energy_true_min);
@@ -122,10 +118,7 @@ fn a_recorded_hand_moves_the_knob_in_and_out_of_the_wall() {
         println!("skipped: the recording paddle-hand-motion-200hz.csv is not on this machine");
         return;
     }
-    let scene = Scene::load("thesis-knob")
-        .unwrap()
-        .with_recording(&file)
-        .unwrap();
+    let scene = thesis("thesis-knob").with_recording(&file).unwrap();
     let run = run::run(&scene, true).unwrap();
     // 3046 samples at 200 Hz.
     assert_eq!(run.summary.ticks, 15_225);

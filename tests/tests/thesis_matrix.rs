@@ -9,9 +9,10 @@ use touchstone_lab::thesis::{BEYOND, COUNTS, GRIPS, cell};
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::{Grip, Scene};
+use touchstone_tests::thesis;
 
 fn base() -> Scene {
-    Scene::load("thesis-knob").unwrap()
+    thesis("thesis-knob")
 }
 
 fn at(law: LawKind, k_desired: f64, grip: Grip, counts: u32) -> Summary {

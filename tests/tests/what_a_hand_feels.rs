@@ -3,11 +3,11 @@
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
+use touchstone_tests::thesis;
 
 /// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of what this knob is stable with; no encoder, no friction.
 fn spring(delay_s: f64) -> Summary {
-    let mut scene = Scene::load("press-wiggle-release")
-        .unwrap()
+    let mut scene = thesis("press-wiggle-release")
         .with_overrides(&[
             "law.kind=spring",
             "law.number=f64",
@@ -44,8 +44,7 @@ fn a_sampled_spring_lags_by_half_a_tick_and_its_delay_and_by_nothing_else() {
 
 #[test]
 fn a_spring_has_settled_when_it_is_touched_and_a_soft_one_never() {
-    let mut press = Scene::load("press-hold")
-        .unwrap()
+    let mut press = thesis("press-hold")
         .with_overrides(&[
             "law.kind=spring",
             "law.number=f64",
@@ -60,8 +59,7 @@ fn a_spring_has_settled_when_it_is_touched_and_a_soft_one_never() {
     // The knob may bounce before the ramp has ended; a spring without an encoder is exact whenever it is touched.
     assert!(run.settle_time.unwrap_or_else(|| panic!("{run:?}")) < 0.5);
     assert_eq!(run.settle_from_ramp_end_s, Some(0.0));
-    let soft = Scene::load("press-hold")
-        .unwrap()
+    let soft = thesis("press-hold")
         .with_overrides(&[
             "law.kind=fba",
             "wall.k_desired_n_m_per_rad=5",
@@ -92,7 +90,7 @@ fn a_spring_gives_its_hand_what_the_hand_has_stored_in_it() {
 
 #[test]
 fn a_wall_that_is_not_touched_is_not_passive() {
-    let mut scene = Scene::load("free-release").unwrap();
+    let mut scene = thesis("free-release");
     scene.device.initial_angle_rad = Some(scene.wall.surface_rad - 0.1);
     let run = run::run(&scene, false).unwrap().summary;
     assert_eq!(run.contact_ticks, 0);

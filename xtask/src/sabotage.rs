@@ -17,7 +17,7 @@ use crate::{emulator, firmware, shell};
 const LIST: &str = "emulator/sabotage.toml";
 /// What the firmware is made of.
 const PARTS: [&str; 3] = ["control", "protocol", "drive"];
-const MORE: [&str; 2] = ["firmware", "memory.x"];
+const MORE: [&str; 3] = ["firmware", "memory.x", "memory-g474re.x"];
 const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
 const LEAST: usize = 12;
 

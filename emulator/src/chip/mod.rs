@@ -6,7 +6,7 @@ mod system;
 
 use crate::board::Board;
 use crate::cpu::core::Core;
-use crate::cpu::exception::{Handler, Running};
+use crate::cpu::handler::{Handler, Running};
 use crate::cpu::nvic::Nvic;
 use crate::cpu::{RAM, core::Cost};
 use crate::peripheral::adc::Adc;
@@ -87,7 +87,7 @@ impl Chip {
     /// A chip on a board in a world.
     #[must_use]
     pub fn new(board: Board, world: World, lsi_hz: u64) -> Self {
-        let core = Core::new((flash::BASE, 512 * 1024), (RAM, 128 * 1024));
+        let core = Core::new((flash::BASE, board.flash_bytes), (RAM, board.ram_bytes));
         let mut chip = Self {
             core,
             nvic: Nvic::default(),

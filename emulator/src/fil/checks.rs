@@ -7,6 +7,7 @@ use super::fault::Random;
 use super::tally::Tally;
 use super::{press, storage};
 use crate::bench::{Bench, MS, Setup};
+use crate::cpu::RAM;
 use crate::cpu::elf::Program;
 
 /// A check: its name, by which it can be asked for, and what it does.
@@ -172,7 +173,7 @@ fn the_same_twice(program: &Program, setup: &Setup, tally: &mut Tally) {
         bench.arm()?;
         bench.run(100 * MS)?;
         let chip = bench.machine.chip();
-        let memory = bench.machine.memory(crate::cpu::RAM, 32 * 1024);
+        let memory = bench.machine.memory(RAM, chip.board.ram_bytes);
         let world = (
             chip.world.angle_rad().to_bits(),
             chip.core.now,

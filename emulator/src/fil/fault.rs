@@ -79,8 +79,6 @@ pub enum Fault {
 /// The control tick's priority, as BASEPRI has it.
 const CONTROL_PRIORITY: u32 = 2 << 4;
 
-/// Where an endless loop and an undefined instruction are put: behind what the program's map uses.
-const SCRATCH: u32 = 0x2001_0000;
 /// Where interrupts are enabled and disabled, from 0xE000E100.
 const ISER: u32 = 0x00;
 const ICER: u32 = 0x80;
@@ -138,13 +136,15 @@ impl Fault {
             Self::HeldOff(_) => return bench.machine.mask(CONTROL_PRIORITY),
             Self::Hang(level) => {
                 // b .
-                bench.machine.set_memory(SCRATCH, &[0xfe, 0xe7]);
-                return bench.machine.divert(level.exception(), SCRATCH);
+                let place = bench.machine.behind_program();
+                bench.machine.set_memory(place, &[0xfe, 0xe7]);
+                return bench.machine.divert(level.exception(), place);
             }
             Self::Undefined(level) => {
                 // udf #0
-                bench.machine.set_memory(SCRATCH + 4, &[0x00, 0xde]);
-                return bench.machine.divert(level.exception(), SCRATCH + 4);
+                let place = bench.machine.behind_program() + 4;
+                bench.machine.set_memory(place, &[0x00, 0xde]);
+                return bench.machine.divert(level.exception(), place);
             }
             Self::StackOverflow => return bench.machine.exhaust_stack(),
             Self::Supply(volts) => {

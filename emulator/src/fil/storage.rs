@@ -7,11 +7,18 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 use super::fault::Random;
 use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
-use crate::cpu::Halt;
 use crate::cpu::elf::Program;
+use crate::machine::Halt;
 
-/// Where settings are, and how much is kept for them: `memory.x`.
-const SETTINGS: (u32, usize) = (0x0801_c000, 16 * 1024);
+/// Where the program keeps its settings, and how many bytes: `memory.x` says it to the linker.
+fn place(program: &Program) -> Result<(u32, usize), String> {
+    let named = |name: &str| {
+        let missing = || format!("the program has no {name}");
+        program.symbol(name).ok_or_else(missing)
+    };
+    let start = named("_settings_start")?;
+    Ok((start, (named("_settings_end")? - start) as usize))
+}
 
 /// Something to tell apart from the defaults, and from one another.
 fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
@@ -76,6 +83,7 @@ pub fn power_cuts(program: &Program, setup: &Setup, at_most: u64) -> Result<u64,
 /// # Errors
 /// What is wrong after which damage. Else how many of them were noticed.
 pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, String> {
+    let (start, bytes) = place(program)?;
     let mut bench = Bench::new(program, setup)?;
     let Reply::Identity(identity) = bench.boot()? else {
         return Err("the device does not say who it is".into());
@@ -86,7 +94,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     bench.demand(Request::Save)?;
     bench.demand(Request::Save)?;
     let saved = bench.settings()?;
-    let clean = bench.machine.memory(SETTINGS.0, SETTINGS.1);
+    let clean = bench.machine.memory(start, bytes);
     let written: Vec<usize> = (0..clean.len()).filter(|at| clean[*at] != 0xff).collect();
     if written.is_empty() {
         return Err("nothing was written to flash".into());
@@ -103,14 +111,14 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
             bytes[at] ^= 1 << bit;
             places.push((at, bit));
         }
-        bench.machine.set_memory(SETTINGS.0, &bytes);
+        bench.machine.set_memory(start, &bytes);
         restart(&mut bench)?;
         noticed += usize::from(
             is_safe(&mut bench, &saved, &defaults)
                 .map_err(|error| format!("bits {places:?}: {error}"))?,
         );
     }
-    bench.machine.set_memory(SETTINGS.0, &clean);
+    bench.machine.set_memory(start, &clean);
     Ok(noticed)
 }
 

@@ -8,5 +8,6 @@ use touchstone_firmware::{board, clock, run};
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let peripherals = embassy_stm32::init(clock::config());
-    run::run(spawner, board::set_up(peripherals)).await
+    let (serial, storage) = board::set_up(peripherals);
+    run::run(spawner, serial, storage).await
 }

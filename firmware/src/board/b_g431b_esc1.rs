@@ -19,7 +19,6 @@ use static_cell::StaticCell;
 use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
 
 use crate::pwm::{Active, BreakInput, Bridge};
-use crate::run::Board;
 use crate::sense::{Raw, Readings};
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
@@ -48,8 +47,8 @@ const BRIDGE: Bridge = Bridge {
 /// 3 mV/A, the comparators see it before the amplifiers: 160 + 2.13 codes/A of 3.3 V / 4096.
 const BREAK_CODE: u16 = 160 + 64;
 
-/// Sets up every pin and peripheral of the board; outputs stay off.
-pub fn set_up(p: Peripherals) -> Board {
+/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM3.set_priority(Priority::P6);
     interrupt::USART2.set_priority(Priority::P6);
     // The amplifiers are configured until the next reset.
@@ -105,10 +104,7 @@ pub fn set_up(p: Peripherals) -> Board {
         Irqs,
         serial::config(),
     );
-    Board {
-        serial: defmt::unwrap!(serial),
-        storage: Storage::new(p.FLASH),
-    }
+    (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
 /// The comparators against DAC3: the hardware's over-current, which needs no processor.

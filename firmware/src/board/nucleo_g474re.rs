@@ -16,7 +16,6 @@ use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
 use touchstone_drive::{EncoderReading, Hardware, hardware};
 
 use crate::pwm::{Active, BreakInput, Bridge};
-use crate::run::Board;
 use crate::sense::{Raw, Readings};
 use crate::storage::Storage;
 use crate::{analogue, encoder, magnetic, pwm, sense, serial};
@@ -48,8 +47,8 @@ const BREAK_FUNCTION: u8 = 6;
 /// Enables an external servo amplifier while it is high: PC8, on the morpho connector.
 const AMPLIFIER: usize = 8;
 
-/// Sets up every pin and peripheral of the board; outputs stay off.
-pub fn set_up(p: Peripherals) -> Board {
+/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);
     interrupt::LPUART1.set_priority(Priority::P6);
     let mut break_pin = Flex::new(p.PA6);
@@ -108,10 +107,7 @@ pub fn set_up(p: Peripherals) -> Board {
         Irqs,
         serial::config(),
     );
-    Board {
-        serial: defmt::unwrap!(serial),
-        storage: Storage::new(p.FLASH),
-    }
+    (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
 /// Which conversion is what. The third current is the negative sum of the two.

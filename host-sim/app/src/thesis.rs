@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_control::LawKind;
 use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
-use touchstone_lab::thesis::{self, COUNTS, GRIPS, REPLACED, STIFFNESSES, claims};
+use touchstone_lab::thesis::{self, COUNTS, GRIPS, REPLACED, STIFFNESSES, TDPA_OBSERVES, claims};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::record::{Run, Verdict};
 use touchstone_sim::scene::{Preset, Scene};
@@ -26,7 +26,7 @@ pub struct Options {
     #[command(flatten)]
     report: ReportOptions,
     /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
-    /// encoder, which the comparison itself varies.
+    /// encoder, which the comparison itself varies. TDPA keeps the thesis' observer whatever law.observer says.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Refuses an enhanced law beyond its own passivity bounds instead of warning of it; ends with 3 where a run of it gives energy.
@@ -60,7 +60,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let base = Scene::load("thesis-knob")?
         .with_preset(Preset::Thesis)?
         .with_overrides(&options.sets)?;
-    let warnings = check(&base, options.strict_passive)?;
+    let mut notes = check(&base, options.strict_passive)?;
+    notes.push(format!("{TDPA_OBSERVES}."));
     let cells = thesis::cells(&base)?;
     interrupt::clean_up()?;
     interrupt::sweep(&options.out);
@@ -82,7 +83,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .collect();
     tell!("{}", table::render(&plotted, Colour::detect()).trim_end());
     tell!("");
-    tell!("{}", others(&runs));
+    tell!("{} {TDPA_OBSERVES}.", others(&runs));
     tell!("");
     tell!("{}", claims_text(&claims).trim_end());
 
@@ -100,7 +101,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         files,
         k_critical: Some(k_critical),
         runs: &runs,
-        notes: &warnings,
+        notes: &notes,
         row_notes: &row_notes,
         sections: &[section],
     };

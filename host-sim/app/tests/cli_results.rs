@@ -60,11 +60,21 @@ const BOUNDS: [(&str, &str, &[&str]); 3] = [
 fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_strict() {
     let here = folder("bounds");
     for (inside, outside, parts) in BOUNDS {
-        let quiet = run_in(&here, &["run", "tap", "--json", "--set", inside]);
+        let quiet = run_in(
+            &here,
+            &[
+                "run", "tap", "--preset", "thesis", "--json", "--set", inside,
+            ],
+        );
         assert_eq!(quiet.status.code(), Some(0));
         assert_eq!(text(&quiet.stderr), "", "{inside}");
 
-        let warned = run_in(&here, &["run", "tap", "--json", "--set", outside]);
+        let warned = run_in(
+            &here,
+            &[
+                "run", "tap", "--preset", "thesis", "--json", "--set", outside,
+            ],
+        );
         let err = text(&warned.stderr);
         assert_eq!(warned.status.code(), Some(0), "{err}");
         assert_eq!(err.lines().count(), 1, "{err}");
@@ -81,7 +91,9 @@ fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_st
         // The credit is refused as well when strict; without it only the bound is left.
         let credit = ["--set", "law.energy_credit_j=0", "--strict-passive"];
         let strict = |setting: &str| {
-            let mut arguments = vec!["run", "tap", "--json", "--out", "out", "--set", setting];
+            let mut arguments = vec![
+                "run", "tap", "--preset", "thesis", "--json", "--out", "out", "--set", setting,
+            ];
             arguments.extend(credit);
             run_in(&here, &arguments)
         };
@@ -103,7 +115,7 @@ fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_st
 #[test]
 fn strictly_passive_refuses_the_default_credit_and_names_it() {
     let here = folder("credit");
-    for command in ["run thesis-knob", "thesis"] {
+    for command in ["run thesis-knob --preset thesis", "thesis"] {
         let mut arguments: Vec<&str> = command.split(' ').collect();
         arguments.extend(["--strict-passive", "--out", "out"]);
         let output = run_in(&here, &arguments);
@@ -186,6 +198,10 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     let report = here.join("report");
     let page = std::fs::read_to_string(report.join("index.html")).unwrap();
     assert!(page.contains("<svg") && page.ends_with("</html>\n"));
+    // What the comparison replaces without refusing it.
+    for said in [&page, &out] {
+        assert!(said.contains("whatever law.observer says"));
+    }
     // Self-contained: nothing is fetched.
     for outside in ["src=\"http", "href=\"http", "url(http", "@import"] {
         assert!(!page.contains(outside), "{outside}");

@@ -6,10 +6,33 @@ use std::path::Path;
 use crate::answer::Answer;
 use crate::cortex::{Depths, Program, is_panic, is_soft_float, word};
 
-/// Most flash for the program, bytes.
-const FLASH: u32 = 112 * 1024;
-/// Most memory, the stack included, bytes.
-const MEMORY: u32 = 32 * 1024;
+/// The rooms of a board's chip.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Room {
+    /// Flash for the program, bytes: without what is kept for settings.
+    flash: u32,
+    /// Memory, the stack included, bytes.
+    memory: u32,
+}
+
+/// Each board's.
+const ROOMS: [(&str, Room); 2] = [
+    ("nucleo-g474re", room(240, 128)),
+    ("b-g431b-esc1", room(112, 32)),
+];
+
+const fn room(flash_kib: u32, memory_kib: u32) -> Room {
+    Room {
+        flash: flash_kib * 1024,
+        memory: memory_kib * 1024,
+    }
+}
+
+/// Bytes of the crash record, which ends the memory.
+const CRASH: u32 = 64;
+/// Where flash begins, and where memory does.
+const FLASH_START: u32 = 0x0800_0000;
+const MEMORY_START: u32 = 0x2000_0000;
 /// An exception's frame with the float unit's registers, and its alignment, bytes.
 const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
 
@@ -27,6 +50,8 @@ const HEAP: [&str; 4] = [
 /// What was found out about a program.
 #[derive(Debug, Default)]
 struct Report {
+    /// What the chip has.
+    room: Room,
     /// Bytes of code and constants.
     text: u32,
     /// Bytes of variables with a value.
@@ -50,10 +75,11 @@ impl Report {
             bss,
             stack,
             stack_room,
+            room: Room { flash, memory },
             ..
         } = self;
         format!(
-            "flash {} of {FLASH} bytes (text {text}, data {data}); memory {} of {MEMORY} (data {data}, bss {bss}, stack \
+            "flash {} of {flash} bytes (text {text}, data {data}); memory {} of {memory} (data {data}, bss {bss}, stack \
              {stack_room}); worst-case stack {stack}",
             text + data,
             data + bss + stack_room,
@@ -68,9 +94,11 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
         let (board, path) = named
             .split_once('=')
             .ok_or_else(|| format!("`{named}` is not BOARD=ELF"))?;
+        let room = ROOMS.iter().find(|(name, _)| *name == board);
+        let (_, room) = room.ok_or_else(|| format!("no chip is known for the board `{board}`"))?;
         let program = Program::open(Path::new(path))?;
         println!("{board}:");
-        let report = examine(&program);
+        let report = examine(&program, *room);
         lines.push(format!("{board}: {}", report.line()));
         wrong.extend(report.wrong.iter().map(|what| format!("{board}: {what}")));
     }
@@ -86,8 +114,11 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
     })
 }
 
-fn examine(program: &Program) -> Report {
-    let mut report = Report::default();
+fn examine(program: &Program, room: Room) -> Report {
+    let mut report = Report {
+        room,
+        ..Report::default()
+    };
     sizes(program, &mut report);
     for handler in PRIORITIES.iter().flat_map(|row| row.iter()) {
         interrupt(program, handler, &mut report.wrong);
@@ -119,7 +150,7 @@ fn examine(program: &Program) -> Report {
 
 fn sizes(program: &Program, report: &mut Report) {
     for part in &program.parts {
-        let is_variable = part.address >= 0x2000_0000;
+        let is_variable = part.address >= MEMORY_START;
         match (is_variable, part.content.is_empty()) {
             (false, _) => report.text += part.size,
             (true, false) => report.data += part.size,
@@ -128,17 +159,32 @@ fn sizes(program: &Program, report: &mut Report) {
     }
     let symbol = |name| program.symbol(name).unwrap_or(0);
     report.stack_room = symbol("_stack_start").saturating_sub(symbol("_stack_end"));
-    if report.text + report.data > FLASH {
-        report.wrong.push(format!(
-            "{} bytes of flash are more than {FLASH}",
-            report.text + report.data
-        ));
+    let Room { flash, memory } = report.room;
+    let used = report.data + report.bss + report.stack_room;
+    // The linker keeps to the map that it is given: it must be this chip's, and all of it.
+    let settings = symbol("_settings_start");
+    let crash = symbol("_crash_record");
+    for (what, bytes, most) in [
+        ("flash", report.text + report.data, flash),
+        ("memory", used, memory),
+    ] {
+        if bytes > most {
+            let more = format!("{bytes} bytes of {what} are more than {most}");
+            report.wrong.push(more);
+        }
     }
-    let memory = report.data + report.bss + report.stack_room;
-    if memory > MEMORY {
-        report
-            .wrong
-            .push(format!("{memory} bytes of memory are more than {MEMORY}"));
+    for (what, end, right) in [
+        ("settings begin", settings, FLASH_START + flash),
+        (
+            "the crash record ends",
+            crash + CRASH,
+            MEMORY_START + memory,
+        ),
+    ] {
+        if end != right {
+            let wrong = format!("{what} at 0x{end:08x}, by the chip at 0x{right:08x}");
+            report.wrong.push(wrong);
+        }
     }
 }
 

@@ -2,11 +2,9 @@
 //! them ran.
 
 use crate::answer::Answer;
+use crate::budgets::ENHANCED;
 use crate::cortex::{Program, is_panic, is_soft_float};
 use crate::vectors::Report;
-
-/// Most instructions of one tick of the enhanced law: 3.5 µs at 170 MHz, were each one cycle.
-const BUDGET: u64 = 600;
 
 /// Compares what both machines printed and follows a tick through the program.
 pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Result<Answer, String> {
@@ -18,18 +16,37 @@ pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Resul
     println!("\n{}", report.table());
     let mut wrong = report.differences();
     wrong.extend(examine(program));
-    let worst = report.worst_of("enhanced");
-    let budget = if worst > BUDGET { "OVER" } else { "within" };
-    let budget =
-        format!("enhanced tick at most {worst} instructions, {budget} the budget of {BUDGET}");
-    println!("{budget}");
+    let cost = match budget(report.worst_of("enhanced"), ENHANCED) {
+        Ok(cost) => cost,
+        Err(over) => {
+            wrong.push(over.clone());
+            over
+        }
+    };
+    println!("{cost}");
     for what in &wrong {
         println!("WRONG: {what}");
     }
     Ok(match wrong.len() {
-        0 => Answer::Right(format!("{} digests equal; {budget}", report.equal())),
+        0 => Answer::Right(format!("{} digests equal; {cost}", report.equal())),
         count => Answer::Wrong(format!("{count} wrong, the first: {}", wrong[0])),
     })
+}
+
+/// What the worst tick took, in words.
+///
+/// # Errors
+/// It took more than its budget, or was not counted.
+fn budget(worst: u64, most: u64) -> Result<String, String> {
+    match worst {
+        0 => Err("no enhanced tick was counted".into()),
+        worst if worst > most => Err(format!(
+            "enhanced tick at most {worst} instructions, OVER the budget of {most}"
+        )),
+        worst => Ok(format!(
+            "enhanced tick at most {worst} instructions, within the budget of {most}"
+        )),
+    }
 }
 
 /// Prints what a tick reaches; what of it should not be there.
@@ -81,4 +98,17 @@ fn examine(program: &Program) -> Vec<String> {
             .map(|name| format!("in the program: a float, {name}")),
     );
     wrong
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At the budget, above it, and where nothing was counted.
+    #[test]
+    fn a_budget_can_be_broken() {
+        assert!(budget(700, 700).is_ok());
+        assert!(budget(701, 700).is_err_and(|over| over.contains("OVER the budget of 700")));
+        assert!(budget(0, 700).is_err());
+    }
 }

@@ -2,14 +2,14 @@
 
 use crate::fake::{Fake, Trouble};
 use crate::folder;
-use touchstone_protocol::FaultCode;
+use touchstone_protocol::{FaultCode, PROTOCOL_VERSION};
 
 #[test]
 fn a_device_is_calibrated_armed_disarmed_and_stopped() {
     let device = Fake::new();
     let status = device.run(&["device", "status"]).done();
     for part in [
-        "nucleo-g474re, firmware 0.1.0 (0000000000001234), protocol 2",
+        &format!("nucleo-g474re, firmware 0.1.0 (0000000000001234), protocol {PROTOCOL_VERSION}"),
         "state     boot",
         "after: power on",
         "as after a restart",

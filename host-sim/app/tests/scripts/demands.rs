@@ -23,7 +23,7 @@ const ENDS: [(&str, &[&str]); 5] = [
 fn every_verdict_can_be_asked_for() {
     for (verdict, scene) in ENDS {
         for (asked, _) in ENDS {
-            let mut arguments = vec!["run"];
+            let mut arguments = vec!["run", "--preset", "thesis"];
             arguments.extend(scene);
             arguments.extend(["--expect", asked]);
             let said = run(&arguments);
@@ -37,7 +37,7 @@ fn every_verdict_can_be_asked_for() {
             }
         }
         // One of several.
-        let mut arguments = vec!["run"];
+        let mut arguments = vec!["run", "--preset", "thesis"];
         arguments.extend(scene);
         let other = ENDS[usize::from(verdict == ENDS[0].0)].0;
         arguments.extend(["--expect", other, "--expect", verdict]);
@@ -47,7 +47,9 @@ fn every_verdict_can_be_asked_for() {
 
 #[test]
 fn numbers_are_asked_for_from_both_sides() {
-    let results = run(&["run", "thesis-knob", "--json"]).ended(0).json();
+    let results = run(&["run", "thesis-knob", "--preset", "thesis", "--json"])
+        .ended(0)
+        .json();
     let measured = |field: &str| results["runs"][0][field].as_f64().unwrap();
     for (option, field, sign) in [
         ("--max-penetration", "penetration_max", 1.0),
@@ -58,7 +60,7 @@ fn numbers_are_asked_for_from_both_sides() {
         assert!(value > 0.0, "{field}");
         let asked = |share: f64| {
             let limit = (value * (1.0 + sign * share)).to_string();
-            run(&["run", "thesis-knob", option, &limit])
+            run(&["run", "thesis-knob", "--preset", "thesis", option, &limit])
         };
         assert_eq!(asked(1e-3).ended(0).err, "", "{option}");
         let err = asked(-1e-3).ended(3).err;
@@ -104,6 +106,8 @@ fn demands_add_up_and_every_one_that_fails_is_named() {
     let said = run(&[
         "run",
         "thesis-knob",
+        "--preset",
+        "thesis",
         "--json",
         "--expect",
         "passive",

@@ -19,7 +19,13 @@ fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
             &["energy_credit_j", "give 0"],
         ),
     ] {
-        let mut arguments = vec!["run", "thesis-knob", "--strict-passive"];
+        let mut arguments = vec![
+            "run",
+            "thesis-knob",
+            "--preset",
+            "thesis",
+            "--strict-passive",
+        ];
         arguments.extend(options);
         run(&arguments).refused(parts);
     }
@@ -29,7 +35,13 @@ fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
         &["--law", "fba"],
         &["--set", "law.energy_credit_j=0"],
     ] {
-        let mut arguments = vec!["run", "thesis-knob", "--strict-passive"];
+        let mut arguments = vec![
+            "run",
+            "thesis-knob",
+            "--preset",
+            "thesis",
+            "--strict-passive",
+        ];
         arguments.extend(options);
         assert_eq!(run(&arguments).ended(0).err, "", "{options:?}");
     }
@@ -38,7 +50,16 @@ fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
 #[test]
 fn energy_that_is_measured_is_refused_too() {
     // Nothing in the settings of original SFA forbids it: the run shows it.
-    let said = run(&["run", "thesis-knob", "--law", "sfa", "--strict-passive"]).ended(3);
+    let said = run(&[
+        "run",
+        "thesis-knob",
+        "--preset",
+        "thesis",
+        "--law",
+        "sfa",
+        "--strict-passive",
+    ])
+    .ended(3);
     assert_eq!(said.err.lines().count(), 1, "{}", said.err);
     assert!(
         said.err
@@ -46,5 +67,7 @@ fn energy_that_is_measured_is_refused_too() {
         "{}",
         said.err
     );
-    run(&["run", "thesis-knob", "--law", "sfa"]).ended(0);
+    run(&["run", "thesis-knob", "--preset", "thesis", "--law", "sfa"]).ended(0);
+    // The shipped law has no bound of its own.
+    run(&["run", "thesis-knob", "--strict-passive"]).refused(&["k_v = 4.9"]);
 }

@@ -271,12 +271,12 @@ fn the_estimator_holds_what_differences_do_not() {
         .unwrap()
         .with_overrides(&[
             "law.kind=spring-damper".to_owned(),
-            "law.virtual_damping_n_m_s_per_rad=0.02".to_owned(),
+            "law.virtual_damping_n_m_s_per_rad=0.0235".to_owned(),
             "wall.k_desired_n_m_per_rad=20".to_owned(),
             "timing.computational_delay_s=1e-3".to_owned(),
-            "law.estimator.bandwidth_hz=60".to_owned(),
-            "law.estimator.inertia_kg_m2=1e-4".to_owned(),
-            "law.estimator.delay_s=1e-3".to_owned(),
+            "law.estimator.bandwidth_hz=69".to_owned(),
+            "law.estimator.inertia_kg_m2=8e-5".to_owned(),
+            "law.estimator.delay_s=6.4e-4".to_owned(),
         ])
         .unwrap();
     let mut contact = Contact::of(&scene).unwrap();
@@ -287,7 +287,7 @@ fn the_estimator_holds_what_differences_do_not() {
     for (_, hand) in hands::GRIPS {
         assert!(measured.radius(Some(&hand)) > 1.0);
     }
-    // Each alone: the delay is taken to be a tick and the inertia 1e-4 throughout.
+    // Each alone: the delay is taken to be 0.64 ticks and the inertia 8e-5 throughout.
     for (_, hand) in hands::GRIPS {
         for delay_s in [0.0, 1e-4, 5e-4, 1e-3] {
             contact.clock.delay_s = delay_s;

@@ -287,7 +287,8 @@ fn sign_class(sign: Sign) -> &'static str {
 /// A sign around the pen, in fine steps.
 fn sign_path(sign: Sign) -> &'static str {
     match sign {
-        Sign::Dot => "m-38 0a38 38 0 1 0 76 0a38 38 0 1 0 -76 0z",
+        // Of no length: its stroke's round caps are the dot, as large on any screen.
+        Sign::Dot => "h0",
         Sign::Ring => "m-40 0a40 40 0 1 0 80 0a40 40 0 1 0 -80 0z",
         Sign::Triangle => "m0 -46l44 78h-88z",
         Sign::Waves => "m-52 -8q26 -46 52 0t52 0m-104 34q26 -46 52 0t52 0",

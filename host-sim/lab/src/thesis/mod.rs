@@ -38,6 +38,10 @@ pub const REPLACED: [(&str, &str); 5] = [
     ("encoder", "encoders"),
 ];
 
+/// What a [`cell`] replaces of one law, for people.
+pub const TDPA_OBSERVES: &str = "TDPA runs with the thesis' observer, as it was published, whatever law.observer says; \
+                                 the enhanced law runs with law.observer";
+
 /// One cell of the comparison.
 #[derive(Debug, Clone)]
 pub struct Cell {
@@ -49,7 +53,7 @@ pub struct Cell {
 
 /// The scene of one cell: `base` with stiffness, law, grip and encoder.
 ///
-/// TDPA runs with the thesis' observer, since it is the thesis' TDPA that is compared; every other choice is the scene's.
+/// [`TDPA_OBSERVES`], since it is the thesis' TDPA that is compared; every other choice is the scene's.
 ///
 /// # Errors
 /// A base scene that does not go with one of them.

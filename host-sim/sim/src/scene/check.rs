@@ -1,6 +1,6 @@
 //! What must hold between the fields of a scene.
 
-use super::Scene;
+use super::experiment::Scene;
 use super::motion::tap;
 use super::operator::{FASTEST_MOTION_HZ, Grip, MotionSpec};
 use super::problem::Problem;

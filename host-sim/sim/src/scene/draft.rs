@@ -7,13 +7,14 @@ use std::path::Path;
 use toml::Value;
 use toml::de::{DeTable, DeValue};
 
+use super::check;
+use super::experiment::Scene;
 use super::operator::{Grip, Hand};
 use super::origin::{Origin, Place};
 use super::problem::Problem;
 use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::unknown::{explain, join, list};
 use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
-use super::{Scene, check};
 use crate::error::{Error, Result};
 
 /// A scene before its check: fields by their dotted paths.

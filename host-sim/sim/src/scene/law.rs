@@ -4,10 +4,7 @@
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control::choices::*;
-use touchstone_control::{Choice, PositionSettings, Settings, Si, choice, setting_path};
-
-use super::Scene;
-use crate::error::Result;
+use touchstone_control::{Choice, choice};
 
 choice! {
     /// Number format that the law computes in.
@@ -24,7 +21,7 @@ choice! {
     }
 }
 
-/// Type, default, schema and settings of a kind of row.
+/// Type, default and text of a kind of row.
 macro_rules! row {
     (@type number $range:tt) => { f64 };
     (@type flag ()) => { bool };
@@ -35,11 +32,6 @@ macro_rules! row {
     (@default $default:tt flag ()) => { $default };
     (@default $default:tt choice ($choice:ident)) => { $choice::$default };
     (@default $default:tt choice_of_law $choice:tt) => { None };
-
-    (@setting $scene:ident $path:expr, $law:expr, $name:ident: number $range:tt) => { si($scene, $path, $law.$name)? };
-    (@setting $scene:ident $path:expr, $law:expr, $name:ident: flag ()) => { $law.$name };
-    (@setting $scene:ident $path:expr, $law:expr, $name:ident: choice $choice:tt) => { $law.$name };
-    (@setting $scene:ident $path:expr, $law:expr, $name:ident: choice_of_law $choice:tt) => { $law.$name() };
 
     (@leaf choice ($choice:ident)) => { row!(@leaf_of $choice); };
     (@leaf choice_of_law ($choice:ident)) => { row!(@leaf_of $choice); };
@@ -73,25 +65,6 @@ macro_rules! law {
         $(law! { @table $(#[$doc])* $Group { $($name: $kind $range = $default, $unit, $about;)+ } {} })+
         $(row!(@leaf $l_kind $l_range);)+
         $($(row!(@leaf $kind $range);)+)+
-
-        impl Scene {
-            /// The settings of the scene's law.
-            ///
-            /// # Errors
-            /// A value that the control crate cannot hold.
-            pub fn settings(&self) -> Result<Settings> {
-                let (wall, law) = (&self.wall, &self.law);
-                Ok(Settings {
-                    rate_hz: self.timing.rate_hz,
-                    $($w_field: si(self, setting_path!((wall) $w_name), wall.$w_name)?,)+
-                    $($l_field: row!(@setting self setting_path!((law) $l_name), law, $l_name: $l_kind $l_range),)+
-                    $($group: touchstone_control::settings::$Group {
-                        $($field: row!(@setting self setting_path!((law $group) $name), law.$group, $name: $kind $range),)+
-                    },)+
-                    position: self.position_settings(),
-                })
-            }
-        }
     };
     (@table $(#[$doc:meta])* $Table:ident {
         $($name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
@@ -129,35 +102,6 @@ impl Law {
             _ => FirstContact::ZeroOffset,
         })
     }
-}
-
-impl Scene {
-    /// What the encoder makes of a position; nothing where there is none.
-    fn position_settings(&self) -> PositionSettings {
-        let count = self
-            .encoder
-            .as_ref()
-            .map_or(0.0, |encoder| encoder.step_rad());
-        PositionSettings {
-            // Rounded up.
-            count: Si::saturating_from_num(count).saturating_add(if count > 0.0 {
-                Si::DELTA
-            } else {
-                Si::ZERO
-            }),
-        }
-    }
-}
-
-/// An SI value of a scene in the control crate's exact format.
-fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
-    Si::checked_from_num(value).ok_or_else(|| {
-        scene.error(
-            path,
-            format!("{value} is too large"),
-            "give a value below 2e9",
-        )
-    })
 }
 
 /// How a parameter stands in a scene's text.

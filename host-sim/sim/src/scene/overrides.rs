@@ -4,8 +4,8 @@ use std::path::Path;
 
 use toml::Value;
 
-use super::Scene;
 use super::draft::Draft;
+use super::experiment::Scene;
 use super::origin::Place;
 use super::renamed::renamed;
 use super::schema::{self, Field, Kind, MOTION_KIND};

@@ -1,6 +1,6 @@
 //! Sets of the law's parameters that belong together.
 
-use super::Scene;
+use super::experiment::Scene;
 use super::origin::Place;
 use crate::error::Result;
 use touchstone_control::setting_path;

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use toml::Value;
 
 use super::draft::Draft;
+use super::experiment::Scene;
+use super::operator::Grip;
 use super::schema::{self, FIELDS, Field, Kind};
-use super::{Grip, Scene};
 
 impl Scene {
     /// The scene as TOML, every default filled in, with units and meanings as comments; it reads back as the same

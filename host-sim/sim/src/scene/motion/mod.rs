@@ -10,7 +10,8 @@ mod tests;
 pub use recording::Recording;
 pub use resample::{Curve, SMOOTHING_HZ};
 
-use super::{APPROACH_RAD, MotionSpec, Scene};
+use super::experiment::Scene;
+use super::operator::{APPROACH_RAD, MotionSpec};
 use crate::error::Result;
 use press::Press;
 use tap::TapPath;
@@ -30,6 +31,15 @@ enum Shape {
     Press(Press),
     Tap(TapPath),
     Recorded(Curve),
+}
+
+impl Scene {
+    /// Angle at which the device starts, rad: the one given, else where the hand's rest point starts.
+    pub fn start_rad(&self, motion: &Motion) -> f64 {
+        self.device
+            .initial_angle_rad
+            .unwrap_or_else(|| motion.rest_rad(0.0))
+    }
 }
 
 impl Motion {

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::minimum_jerk;
-use crate::scene::{Hand, PressWiggleRelease, RampAndHold, TouchAndPress, Wall};
+use crate::scene::device::Wall;
+use crate::scene::operator::{Hand, PressWiggleRelease, RampAndHold, TouchAndPress};
 
 /// Rest point of a press.
 ///

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
-use crate::scene::Recorded;
+use crate::scene::operator::Recorded;
 use crate::scene::units::{self, Dimension, UNITS};
 
 /// Columns of the program's own files that tell how a hand moved, the best first: a run's trace knows where the hand wanted to be,

@@ -9,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
-use crate::scene::{Device, Hand, Tap};
+use crate::scene::device::Device;
+use crate::scene::operator::{Hand, Tap};
 
 /// The bump is `sin⁶` over half a turn: five continuous derivatives, which the inversion uses up (two for each mass
 /// and a slope). It is steepest where `tan² = 5`, at this height ...

@@ -6,6 +6,8 @@ mod round_trip;
 
 use std::path::Path;
 
+use crate::error::Result;
+
 use super::*;
 
 /// Parses text as the file `s.toml`.

@@ -2,27 +2,9 @@
 
 use unicorn_engine::RegisterARM;
 
-use super::core::Cost;
-use super::decode::{EXCEPTION, TAIL_CHAIN};
-use super::nvic::{HARD_FAULT, Masks};
-use super::{Halt, Machine};
-
-/// R0 to R12.
-pub(crate) const GENERAL: [RegisterARM; 13] = [
-    RegisterARM::R0,
-    RegisterARM::R1,
-    RegisterARM::R2,
-    RegisterARM::R3,
-    RegisterARM::R4,
-    RegisterARM::R5,
-    RegisterARM::R6,
-    RegisterARM::R7,
-    RegisterARM::R8,
-    RegisterARM::R9,
-    RegisterARM::R10,
-    RegisterARM::R11,
-    RegisterARM::R12,
-];
+use super::state::{Halt, Machine};
+use crate::cpu::decode::{EXCEPTION, TAIL_CHAIN};
+use crate::cpu::nvic::{HARD_FAULT, Masks};
 
 /// What the frame holds, from its lower end.
 const FRAME: [RegisterARM; 8] = [
@@ -42,30 +24,6 @@ const FRAME_BYTES: u32 = 0x20;
 const EXTENDED_BYTES: u32 = 0x68;
 /// In the stacked xPSR: the stack was moved by four to be aligned to eight.
 const ALIGNED: u32 = 1 << 9;
-
-/// A running exception.
-#[derive(Debug, Clone, Copy)]
-pub struct Running {
-    /// Its number.
-    pub exception: usize,
-    /// When it was entered.
-    pub entered: u64,
-    /// The counters of its level at its entry.
-    pub begin: Cost,
-}
-
-/// What the handlers of an exception have cost, without those that interrupted them.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Handler {
-    /// How often it ran.
-    pub runs: u64,
-    /// Most of one run, entry and return not counted.
-    pub worst: Cost,
-    /// When the worst run was entered.
-    pub worst_at: u64,
-    /// Longest time from entry to return, with what interrupted it, cycles.
-    pub longest: u64,
-}
 
 impl Machine {
     fn masks(&self) -> Masks {

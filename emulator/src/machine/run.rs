@@ -1,0 +1,119 @@
+//! The run loop: a slice of instructions, what came meanwhile, the next slice.
+
+use unicorn_engine::RegisterARM;
+
+use super::state::{Halt, Machine};
+use crate::cpu::core::Stop;
+use crate::peripheral::NEVER;
+use crate::peripheral::flash::{self, Change};
+
+impl Machine {
+    /// Runs until a time.
+    ///
+    /// # Errors
+    /// Why it ended before.
+    pub fn run_until(&mut self, until: u64) -> Result<(), Halt> {
+        while self.chip().core.now < until {
+            self.slice(until)?;
+        }
+        Ok(())
+    }
+
+    fn slice(&mut self, until: u64) -> Result<(), Halt> {
+        self.apply_flash_changes()?;
+        self.chip_mut().advance();
+        if let Some(cause) = self.chip_mut().reset_request.take() {
+            self.reset(cause);
+            return Ok(());
+        }
+        let chip = self.chip_mut();
+        let next = chip.next_event().min(until);
+        if chip.flash.busy_until() > chip.core.now {
+            // Fetches from the bank that is written wait, and so does everything else.
+            chip.core.now = next.min(chip.flash.busy_until());
+            return Ok(());
+        }
+        if self.locked {
+            let chip = self.chip_mut();
+            let next = chip.next_event().min(until);
+            chip.core.now = next.max(chip.core.now + 1);
+            return Ok(());
+        }
+        self.deliver();
+        if let Some(sleep) = self.asleep {
+            let chip = self.chip_mut();
+            let wakes = match sleep {
+                Stop::WaitEvent => std::mem::take(&mut chip.core.event),
+                _ => chip.nvic.any_pending(),
+            };
+            if !wakes {
+                let next = chip.next_event().min(until);
+                chip.core.now = next.max(chip.core.now + 1);
+                return Ok(());
+            }
+            self.asleep = None;
+        }
+        self.execute(until)
+    }
+
+    fn execute(&mut self, until: u64) -> Result<(), Halt> {
+        let chip = self.chip_mut();
+        chip.core.interrupted = false;
+        chip.core.limit = chip.next_event().min(until);
+        chip.core.stop = Stop::Slice;
+        let start = u64::from(self.register(RegisterARM::PC) | 1);
+        let ended = self.unicorn.emu_start(start, NEVER >> 1, 0, 0);
+        let pc = self.register(RegisterARM::PC);
+        // Unicorn does not fetch from there, but raises an exception of its own.
+        if pc & 0xffff_ff80 == 0xffff_ff80 {
+            return self.leave(pc | 1);
+        }
+        if let Err(error) = ended {
+            return self.fault(pc, &format!("{error:?}"));
+        }
+        match self.chip().core.stop {
+            Stop::Slice => Ok(()),
+            stop @ (Stop::WaitEvent | Stop::WaitInterrupt) => {
+                self.set_register(RegisterARM::PC, (pc + 2) | 1);
+                self.asleep = Some(stop);
+                Ok(())
+            }
+            Stop::Unsupported => Err(Halt::Unsupported(format!("the instruction at 0x{pc:08x}"))),
+        }
+    }
+
+    /// What was programmed and erased, done to the memory.
+    fn apply_flash_changes(&mut self) -> Result<(), Halt> {
+        for (address, before) in std::mem::take(&mut self.chip_mut().flash.stores) {
+            self.set_memory(address, &before.to_le_bytes());
+        }
+        if self.chip().flash.changes.is_empty() {
+            return Ok(());
+        }
+        let flash = &mut self.chip_mut().flash;
+        let changes = std::mem::take(&mut flash.changes);
+        let cut = flash.cut_at.is_some_and(|at| flash.count > at);
+        for change in changes {
+            match change {
+                Change::Program(address, bytes) => {
+                    let before = self.memory(address, 8);
+                    // The error correction forbids to program twice, but for zeros.
+                    if before.iter().any(|byte| *byte != 0xff) && bytes != [0; 8] {
+                        self.chip_mut().flash.refuse();
+                    } else if cut {
+                        // Cut in the middle: some bits have fallen, and the check bits are wrong.
+                        let torn: Vec<u8> = bytes.iter().map(|byte| byte | 0xa4).collect();
+                        self.set_memory(address, &torn);
+                    } else {
+                        self.set_memory(address, &bytes);
+                    }
+                }
+                Change::Erase(address) => {
+                    let length = if cut { flash::PAGE / 2 } else { flash::PAGE };
+                    self.set_memory(address, &vec![0xff; length as usize]);
+                }
+            }
+        }
+        if cut { Err(Halt::PowerCut) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,264 @@
+//! The machine: Unicorn with the chip behind it, its registers and memory, and how it starts.
+
+use unicorn_engine::unicorn_const::{Arch, MemType, Mode, Prot, uc_error};
+use unicorn_engine::{ArmCpuModel, HookType, RegisterARM, Unicorn};
+
+use crate::chip::{Chip, ResetCause};
+use crate::cpu::RAM;
+use crate::cpu::core::{Core, Stop};
+use crate::cpu::decode::{decode, is_wide, with_block};
+use crate::cpu::elf::Program;
+use crate::peripheral::flash;
+
+/// R0 to R12.
+const GENERAL: [RegisterARM; 13] = [
+    RegisterARM::R0,
+    RegisterARM::R1,
+    RegisterARM::R2,
+    RegisterARM::R3,
+    RegisterARM::R4,
+    RegisterARM::R5,
+    RegisterARM::R6,
+    RegisterARM::R7,
+    RegisterARM::R8,
+    RegisterARM::R9,
+    RegisterARM::R10,
+    RegisterARM::R11,
+    RegisterARM::R12,
+];
+
+/// What RAM holds before anything was written to it: for the stack's watermark.
+const UNTOUCHED: u8 = 0xa5;
+
+/// Why a run ended before its time.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Halt {
+    /// A return from an exception that does not run: a mistake of the emulator, or a program that has lost its stack.
+    BadReturn(String),
+    /// The power was cut at a write to flash, as asked for.
+    PowerCut,
+    /// Something that is not modelled.
+    Unsupported(String),
+}
+
+/// The chip with its processor.
+pub struct Machine {
+    pub(super) unicorn: Unicorn<'static, Chip>,
+    pub(super) asleep: Option<Stop>,
+    /// A fault that could not be handled stopped the processor: only a reset helps.
+    pub(super) locked: bool,
+    behind_program: u32,
+    /// Resets since power came on: when, and why.
+    pub resets: Vec<(u64, ResetCause)>,
+}
+
+/// What Unicorn said, as text.
+fn said(what: &str) -> impl Fn(uc_error) -> String {
+    let what = what.to_owned();
+    move |error| format!("Unicorn, {what}: {error:?}")
+}
+
+impl Machine {
+    /// A chip with a program in its flash, before power is on.
+    ///
+    /// # Errors
+    /// What Unicorn refuses, or a segment outside of flash.
+    pub fn new(chip: Chip, program: &Program) -> Result<Self, String> {
+        let (flash_bytes, ram_bytes) = (chip.board.flash_bytes, chip.board.ram_bytes);
+        let mut unicorn = Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, chip)
+            .map_err(said("open"))?;
+        unicorn
+            .ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32)
+            .map_err(said("model"))?;
+        let map = said("map");
+        unicorn
+            .mem_map(
+                u64::from(flash::BASE),
+                flash_bytes as u64,
+                Prot::READ | Prot::EXEC,
+            )
+            .map_err(&map)?;
+        unicorn
+            .mem_map(u64::from(RAM), ram_bytes as u64, Prot::ALL)
+            .map_err(&map)?;
+        for (base, size) in [
+            (0x4000_0000, 0x2000_0000),
+            (0xe000_0000, 0x10_0000),
+            (0x1fff_7000, 0x1000),
+        ] {
+            let read = move |uc: &mut Unicorn<'_, Chip>, offset: u64, size: usize| {
+                u64::from(uc.get_data_mut().read((base + offset) as u32, size))
+            };
+            let write = move |uc: &mut Unicorn<'_, Chip>, offset: u64, size: usize, value: u64| {
+                uc.get_data_mut()
+                    .write((base + offset) as u32, value as u32, size);
+            };
+            unicorn
+                .mmio_map(base, size, Some(read), Some(write))
+                .map_err(&map)?;
+        }
+        unicorn
+            .add_code_hook(1, 0, on_instruction)
+            .map_err(said("hook"))?;
+        let on_store =
+            move |uc: &mut Unicorn<'_, Chip>, _: MemType, address: u64, size: usize, value: i64| {
+                let is_flash = (u64::from(flash::BASE)
+                    ..u64::from(flash::BASE) + flash_bytes as u64)
+                    .contains(&address);
+                if is_flash && size == 4 {
+                    let mut before = [0; 4];
+                    let _ = uc.mem_read(address, &mut before);
+                    let before = u32::from_le_bytes(before);
+                    uc.get_data_mut()
+                        .store_to_flash(address as u32, before, value as u32);
+                }
+                is_flash
+            };
+        unicorn
+            .add_mem_hook(HookType::MEM_WRITE_PROT, 1, 0, on_store)
+            .map_err(said("hook"))?;
+        unicorn
+            .mem_write(u64::from(flash::BASE), &vec![0xff; flash_bytes])
+            .map_err(said("flash"))?;
+        for (address, content) in &program.segments {
+            unicorn
+                .mem_write(u64::from(*address), content)
+                .map_err(said("a segment outside of flash"))?;
+        }
+        let ends = program.segments.iter();
+        let ends = ends.map(|(address, content)| address + content.len() as u32);
+        Ok(Self {
+            unicorn,
+            asleep: None,
+            locked: false,
+            behind_program: ends.max().unwrap_or(flash::BASE).next_multiple_of(8),
+            resets: Vec::new(),
+        })
+    }
+
+    /// The chip.
+    #[must_use]
+    pub fn chip(&self) -> &Chip {
+        self.unicorn.get_data()
+    }
+
+    /// The chip, to be changed.
+    pub fn chip_mut(&mut self) -> &mut Chip {
+        self.unicorn.get_data_mut()
+    }
+
+    pub(super) fn register(&self, register: RegisterARM) -> u32 {
+        self.unicorn.reg_read(register).unwrap_or(0) as u32
+    }
+
+    pub(super) fn set_register(&mut self, register: RegisterARM, value: u32) {
+        // Only an unknown register is refused.
+        let _ = self.unicorn.reg_write(register, u64::from(value));
+    }
+
+    /// A word of memory; 0 where there is none.
+    #[must_use]
+    pub fn word(&self, address: u32) -> u32 {
+        let mut bytes = [0; 4];
+        let _ = self.unicorn.mem_read(u64::from(address), &mut bytes);
+        u32::from_le_bytes(bytes)
+    }
+
+    /// Bytes of memory.
+    #[must_use]
+    pub fn memory(&self, address: u32, length: usize) -> Vec<u8> {
+        self.unicorn
+            .mem_read_as_vec(u64::from(address), length)
+            .unwrap_or_default()
+    }
+
+    /// Overwrites memory, flash too, as a debugger or a stray particle would.
+    pub fn set_memory(&mut self, address: u32, bytes: &[u8]) {
+        let _ = self.unicorn.mem_write(u64::from(address), bytes);
+    }
+
+    /// Switches the chip on: RAM is without a meaning.
+    pub fn power_on(&mut self, cause: ResetCause) {
+        let ram_bytes = self.chip().board.ram_bytes;
+        self.set_memory(RAM, &vec![UNTOUCHED; ram_bytes]);
+        self.reset(cause);
+    }
+
+    /// Resets; flash, RAM and the world around stay as they are.
+    pub fn reset(&mut self, cause: ResetCause) {
+        self.resets.push((self.chip().core.now, cause));
+        self.chip_mut().reset(cause);
+        self.asleep = None;
+        self.locked = false;
+        let (stack, start) = (self.word(flash::BASE), self.word(flash::BASE + 4));
+        for register in GENERAL {
+            self.set_register(register, 0xdead_beef);
+        }
+        for mask in [
+            RegisterARM::PRIMASK,
+            RegisterARM::BASEPRI,
+            RegisterARM::FAULTMASK,
+            RegisterARM::CONTROL,
+        ] {
+            self.set_register(mask, 0);
+        }
+        self.set_register(RegisterARM::XPSR, 1 << 24);
+        self.set_register(RegisterARM::SP, stack);
+        self.set_register(RegisterARM::LR, 0xffff_ffff);
+        self.set_register(RegisterARM::PC, start | 1);
+    }
+
+    /// Where the flash holds no program any more: room for what nobody has written.
+    #[must_use]
+    pub fn behind_program(&self) -> u32 {
+        self.behind_program
+    }
+
+    /// Bytes of the stack, which begins at RAM's start, that were ever used.
+    #[must_use]
+    pub fn stack_used(&self, top: u32) -> u32 {
+        let stack = self.memory(RAM, (top - RAM) as usize);
+        let untouched = stack.iter().take_while(|byte| **byte == UNTOUCHED).count();
+        top - RAM - untouched as u32
+    }
+
+    /// Stops the processor for good, and tells what the chip has for that: the break of TIM1, where the program asked for it.
+    pub(super) fn lock_up(&mut self, what: String) {
+        self.locked = true;
+        let chip = self.chip_mut();
+        chip.faults.push(format!("lockup: {what}"));
+        chip.lock_up();
+    }
+}
+
+fn on_instruction(uc: &mut Unicorn<'_, Chip>, address: u64, size: u32) {
+    let address = address as u32;
+    let core: &mut Core = &mut uc.get_data_mut().core;
+    let Some(info) = core.known(address) else {
+        learn(uc, address);
+        return on_instruction(uc, u64::from(address), size);
+    };
+    let stops = if core.may_be_watched(address) {
+        let link = uc.reg_read(RegisterARM::LR).unwrap_or(0) as u32;
+        let core = &mut uc.get_data_mut().core;
+        core.watch_at(address, link);
+        core.step(address, size, info)
+    } else {
+        core.step(address, size, info)
+    };
+    if stops {
+        let _ = uc.emu_stop();
+    }
+}
+
+/// Decodes an instruction that is met for the first time.
+#[cold]
+fn learn(uc: &mut Unicorn<'_, Chip>, address: u32) {
+    let mut bytes = [0; 20];
+    let _ = uc.mem_read(u64::from(address), &mut bytes);
+    let half = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+    let halves: Vec<u16> = (0..20).step_by(2).map(half).collect();
+    let second = if is_wide(halves[0]) { halves[1] } else { 0 };
+    let info = with_block(decode(halves[0], second), &halves[1..]);
+    uc.get_data_mut().core.learn(address, info);
+}

@@ -1,0 +1,28 @@
+//! What the interrupts leave for one another and for the thread.
+
+use core::sync::atomic::{AtomicBool, AtomicU32};
+
+use touchstone_drive::CurrentConfig;
+use touchstone_drive::exchange::{CommandBox, ReportBox};
+
+use crate::shared::Slot;
+
+/// From the control tick to the current loop.
+pub static COMMAND: CommandBox = CommandBox::new();
+/// From the current loop to the control tick.
+pub static REPORT: ReportBox = ReportBox::new();
+/// The timer's break has pulled, and was not cleared by command since.
+pub static BREAK: AtomicBool = AtomicBool::new(false);
+/// The supply has sagged, and that was not cleared by command since.
+pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);
+/// Most cycles that the current loop has taken.
+pub static CURRENT_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
+/// PWM periods in which new compare values came after the counter's turn, so that they counted a period later.
+pub static LATE_PERIODS: AtomicU32 = AtomicU32::new(0);
+/// The current loop ran since the supervisor looked.
+pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
+/// The control tick ran since the supervisor looked.
+pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
+
+/// Other coefficients for the current loop.
+pub static CONFIG: Slot<CurrentConfig> = Slot::new();

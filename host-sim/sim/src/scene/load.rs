@@ -1,0 +1,121 @@
+//! Where scenes come from: shipped ones, files, text, and other scenes that are changed.
+
+use std::path::{Path, PathBuf};
+
+use super::draft::Draft;
+use super::experiment::Scene;
+use super::motion::Recording;
+use super::operator::{MotionSpec, Recorded};
+use super::origin::Place;
+use super::{shipped, unknown};
+use crate::error::{Error, Result};
+
+impl Scene {
+    /// Loads a shipped scene by its name, any other from its file. A file that bears the name of a shipped scene is
+    /// meant when it is written as a path: `./tap`.
+    ///
+    /// # Errors [`Error::Io`] where there is neither, [`Error::File`] for what is wrong in the file.
+    pub fn load(name_or_path: &str) -> Result<Scene> {
+        if let Some((name, text)) = shipped::SHIPPED
+            .iter()
+            .find(|(name, _)| *name == name_or_path)
+        {
+            return Scene::parse(text, Path::new(&format!("scenes/{name}.toml")));
+        }
+        let path = PathBuf::from(name_or_path);
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            let names = shipped::names();
+            let fix = match (error.kind(), unknown::nearest(name_or_path, &names)) {
+                (std::io::ErrorKind::NotFound, Some(near)) => {
+                    format!("did you mean the shipped scene {near}?")
+                }
+                (std::io::ErrorKind::NotFound, None) => {
+                    format!(
+                        "give the path of a scene's file, or a shipped scene: {}",
+                        unknown::list(&names)
+                    )
+                }
+                (std::io::ErrorKind::InvalidData, _) => {
+                    "save the scene as plain text in UTF-8".to_owned()
+                }
+                _ => "give a readable file".to_owned(),
+            };
+            let problem = match error.kind() {
+                std::io::ErrorKind::NotFound => "no such scene or file".to_owned(),
+                _ => error.to_string(),
+            };
+            Error::Io {
+                path: path.clone(),
+                problem,
+                fix,
+            }
+        })?;
+        Scene::parse(&text, &path)
+    }
+
+    /// Reads a scene from TOML text; `file` is its name in messages, and relative paths in it start from its folder.
+    ///
+    /// # Errors
+    /// [`Error::File`] for the first problem in the text.
+    pub fn parse(text: &str, file: &Path) -> Result<Scene> {
+        Draft::from_toml(text, file)?.build()
+    }
+
+    /// Checks a scene that was made or changed in code as one that is read from a file.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`]; a field that was never written is reported as [`Error::Option`] under its dotted path.
+    pub fn check(&self) -> Result<()> {
+        Draft::from_scene(self).build().map(drop)
+    }
+
+    /// The scene with fields changed in code, checked as one that is read from a file.
+    ///
+    /// What is wrong with a changed field is reported with its new value; every other field keeps the place where it was written.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for what the change breaks.
+    pub fn with(&self, change: impl FnOnce(&mut Scene)) -> Result<Scene> {
+        let mut changed = self.clone();
+        change(&mut changed);
+        Draft::from_scene(&changed)
+            .changed_since(&Draft::from_scene(self))
+            .build()
+    }
+
+    /// Lets a recording move the hand instead of the scene's own motion (`--operator-motion FILE`).
+    ///
+    /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall;
+    /// the run takes as long as the recording; the device starts at rest where the hand starts. `--set
+    /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`Motion::note`] says in
+    /// words what was chosen.
+    ///
+    /// # Errors Whatever is wrong with the recording, see [`Recording::read`]; [`Error::Option`] where the scene has
+    /// no hand.
+    pub fn with_recording(&self, file: &Path) -> Result<Scene> {
+        let option = format!("--operator-motion {}", file.display());
+        if self.operator.hand().is_none() {
+            let problem = format!("nobody holds the device in the scene {}", self.name);
+            return Err(Error::Option {
+                option,
+                problem,
+                fix: "add --set operator.grip=medium before it".into(),
+            });
+        }
+        let recording = Recording::read(file)?;
+        let mut scene = self.clone();
+        scene.operator.motion = MotionSpec::Recorded(Recorded::new(file.to_owned()));
+        scene.timing.duration_s = recording.length_s();
+        scene.device.initial_angle_rad = None;
+        scene.device.initial_velocity_rad_per_s = 0.0;
+        for path in [
+            "operator.motion.file",
+            "operator.motion",
+            "timing.duration_s",
+        ] {
+            scene.origin.put(path, Place::Option(option.clone()));
+        }
+        scene.check()?;
+        Ok(scene)
+    }
+}
