@@ -44,6 +44,10 @@ pub struct SceneOptions {
     /// (shipped); or below the thesis' own bounds, on measured states, without a guard (thesis).
     #[arg(long, value_name = "NAME", default_value = "shipped", value_parser = preset())]
     preset: Preset,
+    /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it; --set and the like change them
+    /// afterwards.
+    #[arg(long, value_name = "FILE.toml")]
+    settings: Option<std::path::PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
@@ -84,7 +88,11 @@ impl SceneOptions {
         if let Some(file) = &self.operator_motion {
             scene = scene.with_recording(file)?;
         }
-        scene = scene.with_preset(self.preset)?.with_overrides(&self.sets)?;
+        scene = scene.with_preset(self.preset)?;
+        if let Some(file) = &self.settings {
+            scene = scene.with_settings(file)?;
+        }
+        scene = scene.with_overrides(&self.sets)?;
         if let Some(integrator) = &self.integrator {
             scene = scene.with_option("plant.integrator", integrator, "--integrator")?;
         }

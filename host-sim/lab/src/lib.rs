@@ -5,4 +5,6 @@ pub mod certify;
 pub mod hard;
 pub mod identify;
 pub mod report;
+pub mod scorecard;
 pub mod thesis;
+pub mod tune;

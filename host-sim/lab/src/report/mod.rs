@@ -20,6 +20,7 @@ mod label;
 mod matrix;
 pub mod measures;
 pub mod origin;
+pub mod pages;
 pub mod parquet;
 mod picture;
 pub mod plain_schema;
@@ -90,6 +91,8 @@ pub struct Section {
     pub title: String,
     /// Content, from top to bottom.
     pub body: Vec<Block>,
+    /// Whether it is folded at first, on a page of sections alone; a report of runs decides by itself.
+    pub folded: bool,
 }
 
 /// A piece of a [`Section`]. Texts are plain: the page escapes them.
@@ -106,6 +109,8 @@ pub enum Block {
         /// Cells, row by row.
         rows: Vec<Vec<String>>,
     },
+    /// A drawing, as SVG made by this program.
+    Figure(String),
 }
 
 /// What [`write::write`] writes, and over what.
