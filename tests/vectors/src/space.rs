@@ -15,8 +15,9 @@ use touchstone_control::{
 pub type Wall = SpaceWall<Fixed32, Shape<Fixed32>, AnyLaw<Fixed32>>;
 
 /// Names of the cases.
-pub const SPACE_CASES: [&str; 4] = [
+pub const SPACE_CASES: [&str; 5] = [
     "ball-magnitude",
+    "ball-magnitude-without-friction",
     "ball-per-axis",
     "ball-restricted",
     "corner-magnitude",
@@ -63,21 +64,20 @@ pub fn space_wall(case: &str) -> Option<Wall> {
     };
     let centre = Vector::default();
     let radius = Position::from_si(cm("3"))?;
-    let plane = |normal| Plane {
-        normal,
-        height: Position::zero(),
-    };
+    let plane = |normal, height| Position::from_si(height).map(|height| Plane { normal, height });
     let shape = if case == "corner-magnitude" {
         let tilted = Direction::of(place(cm("1"), cm("-0.5"), cm("2")))?;
         Shape::Corner(Corner::new([
-            plane(Direction::along(0, false)),
-            plane(tilted),
+            plane(Direction::along(0, false), cm("2"))?,
+            plane(tilted, cm("2.84"))?,
         ]))
     } else {
         Shape::Sphere(Sphere { centre, radius })
     };
     let rule = match case {
-        "ball-restricted" => Rule::Restricted(Turn::of_ratio(Position::from_si(cm("0.001"))?.0)),
+        "ball-restricted" => Rule::Restricted(Turn::of_ratio(
+            Position::<Fixed32>::from_si(Si::lit("0.00005"))?.0,
+        )),
         _ => Rule::Closest,
     };
     let limit = Force::from_si(const { Si::lit("12") })?;
@@ -88,7 +88,9 @@ pub fn space_wall(case: &str) -> Option<Wall> {
         kinetic_coefficient: const { Si::lit("0.3") },
     };
     let friction = friction.friction(unit, 1000, const { Si::lit("2") }).ok()?;
-    wall.friction = Some((friction, FrictionState::default()));
+    if case != "ball-magnitude-without-friction" {
+        wall.friction = Some((friction, FrictionState::default()));
+    }
     let (guard, device) = unit.guard(
         &GuardSettings {
             capacity: const { Si::lit("0.02") },
