@@ -15,9 +15,11 @@ mod float_free;
 mod fmt;
 mod inspect;
 mod lint;
+mod live;
 mod mutants;
 mod outcome;
 mod packages;
+mod page;
 mod prove;
 mod sabotage;
 mod schema;
@@ -95,10 +97,26 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "wasm",
-        about: "control and the simulator's crates that a browser needs build for wasm32-unknown-unknown",
+        about: "control and the simulator's crates that a browser needs build for wasm32-unknown-unknown; the live page's module is what \
+                its source gives",
         in_test: true,
         quick: Quick::LeftOut,
         run: wasm::run,
+    },
+    Step {
+        name: "live",
+        about: "makes the live page's WebAssembly anew, `host-sim/live/module`: after every change of what it is made of",
+        in_test: false,
+        quick: Quick::LeftOut,
+        run: live::run,
+    },
+    Step {
+        name: "page",
+        about: "the live page in a Chromium without a window: every control and preset, ticks in real time, a record that replays to the \
+                bit: `page [SECONDS [FOLDER FOR PICTURES]]`",
+        in_test: true,
+        quick: Quick::LeftOut,
+        run: page::run,
     },
     Step {
         name: "thumb",

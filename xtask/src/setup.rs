@@ -66,10 +66,18 @@ const TOOLS: &[Tool] = &[
     Tool {
         name: "python3",
         required: false,
-        purpose: "prove: the integer obligations",
+        purpose: "prove: the integer obligations; page: the browser's script",
         version: || first_line(&["python3", "--version"]),
         hint: "apt-get install python3",
         packages: &["python3"],
+    },
+    Tool {
+        name: "chromium",
+        required: false,
+        purpose: "page: drives the live page",
+        version: || first_line(&["chromium", "--version"]),
+        hint: "apt-get install chromium",
+        packages: &["chromium"],
     },
     Tool {
         name: "venv",

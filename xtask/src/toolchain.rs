@@ -110,7 +110,8 @@ impl Compiler {
         has_it.then(|| self.cargo_for("clippy", &["core"]))
     }
 
-    fn cargo_for(&self, subcommand: &str, libraries: &[&str]) -> (Command, Vec<String>) {
+    /// Any other command of cargo with it, and the options that belong to it.
+    pub fn cargo_for(&self, subcommand: &str, libraries: &[&str]) -> (Command, Vec<String>) {
         let mut cargo = match &self.origin {
             Origin::Active => shell::cargo_locked(subcommand),
             Origin::Toolchain(name) => {

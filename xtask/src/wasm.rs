@@ -1,7 +1,7 @@
 //! `cargo xtask wasm`: what a browser needs builds for `wasm32-unknown-unknown`, which has neither files nor threads nor a clock.
 
 use crate::outcome::Outcome;
-use crate::{shell, toolchain};
+use crate::{live, shell, toolchain};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const PACKAGES: [&str; 3] = ["touchstone-control", "touchstone-world", "touchstone-sim"];
@@ -26,8 +26,14 @@ pub fn run(args: &[String]) -> Outcome {
     for package in PACKAGES {
         cargo.args(["--package", package]);
     }
-    match shell::run(cargo.args(options)) {
-        Outcome::Ok(_) => Outcome::Ok(format!("{} built", PACKAGES.join(", "))),
+    let built = shell::run(cargo.args(options));
+    if !matches!(built, Outcome::Ok(_)) {
+        return built;
+    }
+    let words = |module: &str| Outcome::Ok(format!("{} built; {module}", PACKAGES.join(", ")));
+    match live::check(&compiler) {
+        // The build itself is done.
+        Outcome::Ok(module) | Outcome::NotRun(module) => words(&module),
         other => other,
     }
 }

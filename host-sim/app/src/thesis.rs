@@ -223,6 +223,7 @@ fn claims_text(claims: &[claims::Claim]) -> String {
 fn claims_section(claims: &[claims::Claim]) -> Section {
     Section {
         title: "What the thesis claims, and what the simulation shows".to_owned(),
+        folded: true,
         body: vec![
             Block::Text("Each statement is checked against the runs of this report and a few more. One that does not reproduce is listed so.".to_owned()),
             Block::Table {

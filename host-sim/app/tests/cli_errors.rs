@@ -263,3 +263,30 @@ fn a_folder_that_cannot_be_written_is_named_and_what_is_there_stays() {
         );
     }
 }
+
+#[test]
+fn a_live_page_replaces_its_own_kind_only() {
+    let folder = Folder::new("live");
+    folder.write("thesis.html", "<!doctype html>\n<title>mine</title>\n");
+    let words = ["live", "tap", "--no-open", "--out"];
+    let with = |file| [&words[..], &[file]].concat();
+    folder.refused(&with("thesis.html"), &["thesis.html", "no page", "--out"]);
+    folder.refused(&with("nowhere/page.html"), &["nowhere/page.html", "--out"]);
+    folder.refused(&["live", "tapp", "--no-open"], &["tapp", "did you mean"]);
+    for law in ["spring", "fba"] {
+        let output = folder.run(&[&with("page.html")[..], &["--law", law, "--json"]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let said: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let page = std::fs::read_to_string(folder.0.join("page.html")).unwrap();
+        assert_eq!(said["bytes"], page.len());
+        assert!(
+            page.contains(&format!("kind = \\\"{law}\\\"")),
+            "{law} is in the scene"
+        );
+        assert!(
+            page.contains(&format!("tap --law {law}")),
+            "and in the command"
+        );
+    }
+    assert_eq!(folder.names(), ["page.html", "thesis.html"]);
+}

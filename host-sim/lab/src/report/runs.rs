@@ -11,7 +11,7 @@ use super::matrix::Matrix;
 use super::measures::facts;
 use super::origin::Origin;
 use super::quantity::{plain, with_unit};
-use super::summary::{badge, command};
+use super::summary::{badge, command, try_it};
 use super::svg::{self, Size, escape, typeset};
 use super::view::{Ranges, View};
 use touchstone_sim::run::record::{Run, Verdict};
@@ -243,6 +243,7 @@ fn body(
         );
     }
     page.push_str("</dl>\n");
+    page.push_str(&try_it(origin, index));
     let Some(view) = view else {
         let _ = writeln!(
             page,

@@ -21,6 +21,35 @@ pub trait Mechanics {
 
     /// True angle of the device, rad.
     fn angle_rad(&self) -> f64;
+
+    /// Where device and hand are, and how fast they move.
+    fn standing(&self) -> Standing;
+}
+
+/// Device and hand at one instant; without a hand, its values are the device's own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// Angle of the device, rad.
+    pub angle_rad: f64,
+    /// Velocity of the device, rad/s.
+    pub velocity_rad_per_s: f64,
+    /// Angle of the hand's mass, rad.
+    pub hand_rad: f64,
+    /// Velocity of the hand's mass, rad/s.
+    pub hand_velocity_rad_per_s: f64,
+}
+
+impl Standing {
+    /// Device and hand as one, at this angle and velocity.
+    #[must_use]
+    pub fn together(angle_rad: f64, velocity_rad_per_s: f64) -> Self {
+        Self {
+            angle_rad,
+            velocity_rad_per_s,
+            hand_rad: angle_rad,
+            hand_velocity_rad_per_s: velocity_rad_per_s,
+        }
+    }
 }
 
 /// A plant behind its crossing, with its state. The loop is compiled once for each.
@@ -54,5 +83,14 @@ impl<C: Crossing> Mechanics for Moving<C> {
 
     fn angle_rad(&self) -> f64 {
         self.state.position()
+    }
+
+    fn standing(&self) -> Standing {
+        Standing {
+            angle_rad: self.state.position(),
+            velocity_rad_per_s: self.state.velocity(),
+            hand_rad: self.state.hand_position(),
+            hand_velocity_rad_per_s: self.state.hand_velocity(),
+        }
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod chain;
 pub mod judge;
+pub mod live;
 pub mod measure;
 pub mod mechanics;
 pub mod passivity;

@@ -5,12 +5,15 @@
 use super::chain::{
     Control, Counts, Crossing, Delayed, ExactAngle, Limited, Prompt, Sampled, Staged, Stepped,
 };
-use super::mechanics::{Mechanics, Moving};
+use super::mechanics::{Mechanics, Moving, Standing};
 use super::settings;
 use super::wall::Controlled;
 use crate::error::{Error, Result};
-use crate::scene::{Motion, Number, Scene};
+use crate::scene::{self, Integrator, Motion, Number, Scene};
 use touchstone_control::{ChangeOfForce, CountScale, Fixed16, Fixed32, Reported, Si};
+use touchstone_world::integrator::{
+    ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4, SemiImplicitEuler, Substepped,
+};
 use touchstone_world::plant::{
     self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, Kinematics as _, State, Stepper,
 };
@@ -35,7 +38,7 @@ impl Plan {
         let motion = Motion::from_scene(scene)?;
         Ok(Self {
             control,
-            mechanics: mechanics(scene, &motion)?,
+            mechanics: mechanics(scene, start(scene, &motion))?,
             motion,
         })
     }
@@ -136,19 +139,85 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     })
 }
 
-/// Device and hand of a scene, at rest where they start.
-fn mechanics(scene: &Scene, motion: &Motion) -> Result<Box<dyn Mechanics>> {
+/// Where device and hand of a scene start.
+#[must_use]
+pub fn start(scene: &Scene, motion: &Motion) -> Standing {
+    Standing::together(
+        scene.start_rad(motion),
+        scene.device.initial_velocity_rad_per_s,
+    )
+}
+
+/// Device and hand of a scene, from where they are.
+///
+/// # Errors
+/// A plant that cannot be built, at its place in the scene.
+pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
     let device = device(scene);
-    let angle_rad = scene.start_rad(motion);
-    let velocity = scene.device.initial_velocity_rad_per_s;
+    let (angle_rad, velocity) = (from.angle_rad, from.velocity_rad_per_s);
     let bare = State::from_array([angle_rad, velocity]);
-    let held = State::from_array([angle_rad, velocity, angle_rad, velocity]);
+    let held = State::from_array([
+        angle_rad,
+        velocity,
+        from.hand_rad,
+        from.hand_velocity_rad_per_s,
+    ]);
+    if let Some(method) = scene
+        .plant
+        .as_ref()
+        .filter(|plant| plant.integrator != Integrator::Exact)
+    {
+        let refused = |invalid| refused(scene, &invalid);
+        return match hand(scene) {
+            None => {
+                let model = Model::bare(&device).map_err(refused)?;
+                stepped(scene, method, &model, bare)
+            }
+            Some(hand) => {
+                let model = Model::held(&device, &hand).map_err(refused)?;
+                stepped(scene, method, &model, held)
+            }
+        };
+    }
     match (hand(scene), device.friction.is_some()) {
         (None, false) => crossed(scene, |h| BareLinear::new(&device, h), bare),
         (None, true) => crossed(scene, |h| BareCoulomb::new(&device, h), bare),
         (Some(hand), false) => crossed(scene, |h| HeldLinear::new(&device, &hand, h), held),
         (Some(hand), true) => crossed(scene, |h| HeldCoulomb::new(&device, &hand, h), held),
     }
+}
+
+/// A plant that a method steps over, in the place of the exact one.
+fn stepped<const N: usize>(
+    scene: &Scene,
+    plant: &scene::Plant,
+    model: &Model<N>,
+    state: State<N>,
+) -> Result<Box<dyn Mechanics>> {
+    match plant.integrator {
+        Integrator::SemiImplicitEuler => by::<SemiImplicitEuler<N>, N>(scene, plant, model, state),
+        Integrator::ImplicitMidpoint => by::<ImplicitMidpoint<N>, N>(scene, plant, model, state),
+        Integrator::RungeKutta4 => by::<RungeKutta4<N>, N>(scene, plant, model, state),
+        Integrator::ImplicitEuler | Integrator::Exact => {
+            by::<ImplicitEuler<N>, N>(scene, plant, model, state)
+        }
+    }
+}
+
+fn by<M: Method<N> + 'static, const N: usize>(
+    scene: &Scene,
+    plant: &scene::Plant,
+    model: &Model<N>,
+    state: State<N>,
+) -> Result<Box<dyn Mechanics>> {
+    // The parts of a delayed tick share its substeps by their lengths.
+    let per_s = f64::from(plant.substeps) / scene.timing.period_s();
+    let substeps = |interval_s: f64| (interval_s * per_s).round().max(1.0) as u32;
+    crossed(
+        scene,
+        |h| Substepped::<M, N>::new(model, h, substeps(h)),
+        state,
+    )
 }
 
 /// A plant with what lies between it and the torque.

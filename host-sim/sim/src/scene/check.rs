@@ -2,7 +2,7 @@
 
 use super::experiment::Scene;
 use super::motion::tap;
-use super::operator::{FASTEST_MOTION_HZ, Grip, MotionSpec};
+use super::operator::{FASTEST_MOTION_HZ, Grip, MotionSpec, Recorded};
 use super::problem::Problem;
 use super::schema::MOTION_KIND;
 use super::units::tidy;
@@ -82,19 +82,30 @@ fn motion(scene: &Scene) -> Option<Problem> {
                 )
             })
         }
-        MotionSpec::Recorded(recorded) => (!recorded.file.is_file()).then(|| {
-            let problem = format!("no file {}", recorded.file.display());
-            Problem::new(
-                "operator.motion.file",
-                problem,
-                "give the path of a CSV file, relative to the scene's folder",
-            )
-        }),
+        MotionSpec::Recorded(recorded) => recording(recorded),
         MotionSpec::None
         | MotionSpec::RampAndHold(_)
         | MotionSpec::PressWiggleRelease(_)
         | MotionSpec::TouchAndPress(_) => None,
     }
+}
+
+fn recording(recorded: &Recorded) -> Option<Problem> {
+    if !recorded.file.is_file() {
+        return Some(Problem::new(
+            "operator.motion.file",
+            format!("no file {}", recorded.file.display()),
+            "give the path of a CSV file, relative to the scene's folder",
+        ));
+    }
+    let moved = recorded.scale != 1.0 || recorded.offset_rad != 0.0;
+    (recorded.exact && moved).then(|| {
+        Problem::new(
+            "operator.motion.exact",
+            "takes the recording as it stands, but scale or offset_rad would move it",
+            "give scale = 1 and offset_rad = 0, or exact = false",
+        )
+    })
 }
 
 fn duration(scene: &Scene) -> Option<Problem> {

@@ -340,7 +340,7 @@ impl Default for PressWiggleRelease {
     }
 }
 
-/// Follows a recording: rest point = surface + offset + scale · (angle - mean angle).
+/// Follows a recording: rest point = surface + offset + scale · (angle - mean angle), or the recorded rest point itself.
 ///
 /// With the defaults the recording's mean lies on the surface, so the hand goes in and out of the wall whatever was
 /// recorded.
@@ -356,6 +356,10 @@ pub struct Recorded {
     /// Distance of the recording's mean from the surface, rad, positive inside. Default 0.
     #[serde(default)]
     pub offset_rad: f64,
+    /// Takes the angles as the rest point as they stand, each until the next: a record of ticks is repeated to the bit.
+    /// Scale and offset must then be 1 and 0. Default `false`: placed and smoothed.
+    #[serde(default)]
+    pub exact: bool,
 }
 
 /// As recorded.
@@ -370,6 +374,7 @@ impl Recorded {
             file,
             scale: unchanged(),
             offset_rad: 0.0,
+            exact: false,
         }
     }
 }

@@ -40,8 +40,8 @@
 mod bare;
 mod bare_coulomb;
 mod cartesian;
-mod device;
-mod flow;
+pub(crate) mod device;
+pub(crate) mod flow;
 mod hand;
 mod held;
 mod held_coulomb;

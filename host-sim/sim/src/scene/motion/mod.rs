@@ -1,5 +1,6 @@
 //! The hand's rest point as a function of time.
 
+mod held;
 mod press;
 mod recording;
 mod resample;
@@ -13,6 +14,7 @@ pub use resample::{Curve, SMOOTHING_HZ};
 use super::experiment::Scene;
 use super::operator::{APPROACH_RAD, MotionSpec};
 use crate::error::Result;
+use held::Held;
 use press::Press;
 use tap::TapPath;
 
@@ -31,6 +33,7 @@ enum Shape {
     Press(Press),
     Tap(TapPath),
     Recorded(Curve),
+    Held(Held),
 }
 
 impl Scene {
@@ -80,12 +83,25 @@ impl Motion {
             }
             MotionSpec::Recorded(spec) => {
                 let recording = Recording::read(&spec.file)?;
+                if spec.exact {
+                    let held = Held::of(&recording);
+                    let shape = Shape::Held(held);
+                    return Ok(Motion { shape, note: None });
+                }
                 let curve = recording.placed(surface, spec);
                 note = Some(recording.note(surface, spec, &curve));
                 Shape::Recorded(curve)
             }
         };
         Ok(Motion { shape, note })
+    }
+
+    /// A hand whose rest point stays.
+    pub fn still(rest_rad: f64) -> Motion {
+        Motion {
+            shape: Shape::Still(rest_rad),
+            note: None,
+        }
     }
 
     /// Rest point at a time, rad. Evaluated once per tick.
@@ -95,6 +111,7 @@ impl Motion {
             Shape::Press(press) => press.rest_rad(time_s),
             Shape::Tap(tap) => tap.rest_rad(time_s),
             Shape::Recorded(curve) => curve.at(time_s),
+            Shape::Held(held) => held.at(time_s),
         }
     }
 

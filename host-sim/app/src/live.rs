@@ -1,0 +1,137 @@
+//! `touchstone live`: a scene under the mouse, in one file for any browser.
+
+use super::SceneOptions;
+use super::out::{note, result, tell};
+use super::report_options::program;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use touchstone_live::page::{self, Content};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::{MotionSpec, Scene};
+
+/// Options of `live`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Name of a shipped scene (see `touchstone scenes`) or path of a scene's TOML file.
+    #[arg(default_value = "thesis-knob")]
+    scene: String,
+    #[command(flatten)]
+    changes: SceneOptions,
+    /// File to write; one that is no such page is left alone.
+    #[arg(long, value_name = "PAGE.html", default_value = "touchstone-live.html")]
+    out: PathBuf,
+    /// Writes the page and does not open it.
+    #[arg(long)]
+    no_open: bool,
+}
+
+/// Writes the page, and opens it.
+pub fn main(options: &Options) -> Result<()> {
+    let (scene, _) = options.changes.load(&options.scene)?;
+    let scene = without_files(scene)?;
+    let command = super::command_line();
+    let source = source(&options.scene, &command);
+    let program = program();
+    let commit = program.commit.map(|commit| format!(", commit {commit}"));
+    let changed = if program.modified {
+        " with changes"
+    } else {
+        ""
+    };
+    let page = page::render(&Content {
+        scene: &scene.to_toml(),
+        name: &scene.name,
+        description: &scene.description,
+        source: &source,
+        program: &format!(
+            "Touchstone {}{}{changed}",
+            program.version,
+            commit.unwrap_or_default()
+        ),
+    });
+    write(&options.out, &page)?;
+    let path = std::path::absolute(&options.out).unwrap_or_else(|_| options.out.clone());
+    result(
+        || serde_json::json!({ "page": path, "bytes": page.len() }),
+        || {
+            tell!("page    {} ({} kB)", path.display(), page.len() / 1000);
+            Ok(())
+        },
+    )?;
+    if !options.no_open && !open(&path) {
+        note!("note: no browser was found; open {} in one", path.display());
+    }
+    Ok(())
+}
+
+/// The scene's words on the command line, without the options that are this page's own.
+fn source(scene: &str, command: &str) -> String {
+    let mut words = command
+        .split_whitespace()
+        .skip_while(|word| *word != "live");
+    words.next();
+    let mut kept = vec![scene.to_owned()];
+    while let Some(word) = words.next() {
+        match word {
+            "--out" => drop(words.next()),
+            "--no-open" | "--json" | "--quiet" | "-q" => {}
+            word if word == scene || word.starts_with("--out=") => {}
+            word => kept.push(word.to_owned()),
+        }
+    }
+    kept.join(" ")
+}
+
+/// A page cannot read a recording: whoever holds the mouse moves the hand.
+fn without_files(scene: Scene) -> Result<Scene> {
+    if !matches!(scene.operator.motion, MotionSpec::Recorded(_)) {
+        return Ok(scene);
+    }
+    note!("note: the page has no recording; its hand is the mouse");
+    scene.with(|scene| scene.operator.motion = MotionSpec::None)
+}
+
+fn write(path: &Path, page: &str) -> Result<()> {
+    let io = |error: std::io::Error| Error::Io {
+        path: path.to_owned(),
+        problem: error.to_string(),
+        fix: "give a file that can be written, with --out".to_owned(),
+    };
+    match std::fs::read(path) {
+        Ok(before) if !before.starts_with(page::MARK.as_bytes()) => {
+            return Err(Error::Io {
+                path: path.to_owned(),
+                problem: "is there, and is no page of `touchstone live`".to_owned(),
+                fix: "give another file with --out, or remove it".to_owned(),
+            });
+        }
+        _ => {}
+    }
+    // Whole or not at all: a page that is half there is none.
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".part");
+    let beside = PathBuf::from(beside);
+    std::fs::write(&beside, page).map_err(io)?;
+    std::fs::rename(&beside, path).map_err(io)
+}
+
+/// Hands the page to the desktop's browser; whether something took it.
+fn open(path: &Path) -> bool {
+    let openers: &[&[&str]] = if cfg!(target_os = "macos") {
+        &[&["open"]]
+    } else if cfg!(windows) {
+        &[&["cmd", "/C", "start", ""]]
+    } else {
+        &[&["xdg-open"], &["gio", "open"]]
+    };
+    openers.iter().any(|words| {
+        Command::new(words[0])
+            .args(&words[1..])
+            .arg(path)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success())
+    })
+}

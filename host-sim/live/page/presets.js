@@ -1,0 +1,20 @@
+// The story in seven steps. `sets` are changes of the shipped scene thesis-knob, `b` are those of the run beside it on top of them.
+const PRESETS = [
+  { name: "A spring that rings", sets: ["preset=thesis", "law.kind=spring"],
+    text: "A plain spring of 5 N·m/rad, sampled a thousand times a second: five times what the device's damping makes up for. Touch it and it rings: each sample comes too late, and gives back more than it took." },
+  { name: "Count the energy: TDPA", sets: ["preset=thesis", "law.kind=tdpa"],
+    text: "The time-domain passivity approach counts the energy and shrinks the force when the wall would give more than it got. As the thesis counts, it still gives; and the force jumps, so the wall chatters." },
+  { name: "Stay soft: FBA", sets: ["preset=thesis", "law.kind=fba"],
+    text: "The force bounding approach never lets the force grow beyond what the damping can absorb. Quiet, but whatever you ask for, you get about 1 N·m/rad: watch the displayed stiffness stay below the dashed line." },
+  { name: "Move the wall: SFA", sets: ["preset=thesis", "law.kind=sfa"],
+    text: "Successive force augmentation starts as a soft spring and moves its surface outwards, step by step, until the force is that of a stiff one. The original takes its steps at once, and throws the hand out." },
+  { name: "The law as published",
+    sets: ["preset=thesis", "law.kind=enhanced-sfa", "law.observer=thesis", "law.offset_update=inward", "law.ideal_step=position", "law.filter.ground_damping_n_m_s_per_rad=8e-4"],
+    text: "Enhanced SFA puts a small virtual mass between hand and wall and moves the surface behind it. As it was published, the offset goes inwards only, and the observer has the sign of the sampling leak wrong." },
+  { name: "Ours, at 14 N·m/rad", sets: ["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=14"], b: ["law.kind=spring", "law.states=measured", "law.guard.on=false"],
+    text: "The same idea with the books kept right, an offset that follows the hand both ways, estimated states and an energy guard: fourteen times the critical stiffness. Beside it, under the same hand, a bare spring of the same stiffness." },
+  { name: "The adversary, guarded",
+    sets: ["preset=thesis", "law.kind=spring", "law.guard.on=true", "law.force_limit_n_m=0.3", "operator.motion.kind=press-wiggle-release", "operator.motion.wiggle_frequency_hz=10", "operator.motion.wiggle_amplitude_n_m=0.1", "operator.motion.wiggle_s=3", "timing.duration_s=5.5"],
+    b: ["law.guard.on=false"],
+    text: "A hand that shakes the worst law ten times a second to get energy out. The energy guard behind it pays at most 20 mJ, whatever law and hand do, and half a milliwatt after that: then the wall is soft. Beside it the same spring without a guard." },
+];

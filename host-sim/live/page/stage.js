@@ -1,0 +1,192 @@
+// The stage: the knob as one sees it, the lens on the wall's surface, and the last moments as a strip below.
+
+/** Shows a run's last row in a part of the canvas. */
+class Stage {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.views = [new Lens(), new Lens()];
+    this.knobs = [];
+  }
+  draw(runs, hand) {
+    const { g, width, height } = sheet(this.canvas);
+    const wide = width > 620 || runs.length === 1;
+    this.knobs = [];
+    runs.forEach((run, i) => {
+      const n = runs.length;
+      const box = wide ? { x: (width / n) * i, y: 0, w: width / n, h: height } : { x: 0, y: (height / n) * i, w: width, h: height / n };
+      this.side(g, box, run, this.views[i], hand, n > 1);
+    });
+  }
+  side(g, box, run, lens, hand, named) {
+    const sideways = box.w > 1.5 * box.h;
+    const knob = sideways ? { x: box.x, y: box.y, w: box.w * 0.36, h: box.h } : { x: box.x, y: box.y, w: box.w, h: box.h * 0.5 };
+    const rest = sideways ? { x: box.x + box.w * 0.37, y: box.y, w: box.w * 0.62, h: box.h } : { x: box.x + 6, y: box.y + box.h * 0.5, w: box.w - 12, h: box.h * 0.5 };
+    const colour = run.second ? ink.b : ink.a;
+    if (named) {
+      g.fillStyle = colour;
+      g.textAlign = "left";
+      g.textBaseline = "top";
+      g.font = "600 13px system-ui, sans-serif";
+      g.fillText(`${run.second ? "beside: " : ""}${run.title}`, box.x + 6, box.y + 1);
+      g.font = "12px system-ui, sans-serif";
+    }
+    this.knob(g, knob, run, colour, hand);
+    lens.draw(g, rest, run, colour, !named || !sideways);
+  }
+  knob(g, box, run, colour, hand) {
+    const r = Math.max(20, Math.min(box.w, box.h) * 0.32), x = box.x + box.w / 2, y = box.y + box.h / 2 + 6;
+    this.knobs.push({ x, y, r });
+    const turn = (angle) => angle - Math.PI / 2, at = (angle, d) => [x + d * Math.cos(turn(angle)), y + d * Math.sin(turn(angle))];
+    const { surface_rad: surface } = run.facts, row = run.last;
+    // The wall: a hatched sector, clockwise from its surface.
+    g.fillStyle = ink.wall;
+    g.beginPath();
+    g.moveTo(...at(surface, r * 1.08));
+    g.arc(x, y, r * 1.4, turn(surface), turn(surface + 0.9));
+    g.arc(x, y, r * 1.08, turn(surface + 0.9), turn(surface), true);
+    g.fill();
+    for (let a = surface; a < surface + 0.9; a += 0.09) stroke(g, ink.hatch, 1, [], () => { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); });
+    stroke(g, ink.text, 2.5, [], () => { g.moveTo(...at(surface, r * 1.04)); g.lineTo(...at(surface, r * 1.44)); });
+    g.fillStyle = ink.panel;
+    g.beginPath();
+    g.arc(x, y, r, 0, 7);
+    g.fill();
+    stroke(g, ink.muted, 2, [], () => g.arc(x, y, r, 0, 7));
+    if (!row) return;
+    for (let i = 0; i < 24; i += 1) {
+      const a = row.angle_rad + (i * Math.PI) / 12;
+      stroke(g, ink.line, 2, [], () => { g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); });
+    }
+    // Where the law sees its surface: moved outwards by the offset.
+    if (row.surface_shifted_rad < surface - 1e-4) {
+      const moved = Math.max(row.surface_shifted_rad, surface - 2.5);
+      stroke(g, ink.shift, 2.5, [4, 3], () => { g.moveTo(...at(moved, r * 1.04)); g.lineTo(...at(moved, r * 1.36)); });
+    }
+    // The hand's aim, on its own ring, and the spring that pulls the knob there.
+    if (run.facts.reach_rad_per_n_m > 0 && hand !== null) {
+      const aim = Math.max(-2.8, Math.min(hand, surface + 2.2));
+      stroke(g, ink.hand, 2, [2, 4], () => g.arc(x, y, r * 1.2, turn(Math.min(aim, row.angle_rad)), turn(Math.max(aim, row.angle_rad))));
+      g.fillStyle = ink.hand;
+      g.beginPath();
+      g.arc(...at(aim, r * 1.2), 7, 0, 7);
+      g.fill();
+    }
+    // The force, as an arc backwards from the pointer.
+    const push = Math.min(1.4, Math.abs(row.motor_force_n_m) * 4) * Math.sign(row.motor_force_n_m);
+    if (Math.abs(push) > 0.01) {
+      const from = row.angle_rad, to = from - push;
+      stroke(g, ink.force, 5, [], () => g.arc(x, y, r * 0.62, turn(Math.min(from, to)), turn(Math.max(from, to))));
+      const [hx, hy] = at(to, r * 0.62), along = turn(to) - (Math.PI / 2) * Math.sign(push);
+      g.fillStyle = ink.force;
+      g.beginPath();
+      for (const [d, w] of [[11, 0], [0, 7], [0, -7]]) g.lineTo(hx + d * Math.cos(along) - w * Math.sin(along), hy + d * Math.sin(along) + w * Math.cos(along));
+      g.fill();
+    }
+    stroke(g, colour, 6, [], () => { g.moveTo(...at(row.angle_rad, r * 0.35)); g.lineTo(...at(row.angle_rad, r * 0.97)); });
+    g.fillStyle = colour;
+    g.beginPath();
+    g.arc(x, y, r * 0.12, 0, 7);
+    g.fill();
+  }
+}
+
+/** What happens at the surface, enlarged: to the right is into the wall. */
+class Lens {
+  constructor() { this.half = 0.02; }
+  draw(g, box, run, colour, titled) {
+    const { facts, ring, last: row } = run;
+    const surface = facts.surface_rad, h = box.h;
+    let widest = 0.01;
+    ring.since(0.6, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - surface))); });
+    // Steps of the scale that last: a lens that breathes cannot be read.
+    const wanted = round(widest * 1.25);
+    this.half += (wanted > this.half ? 0.4 : 0.15) * (wanted - this.half);
+    const X = (angle) => box.x + box.w * (0.5 + (angle - surface) / (2 * this.half)), top = box.y + 18, line = box.y + h * 0.3, strip = box.y + h * 0.56, low = box.y + h - 20;
+    g.save();
+    g.beginPath();
+    g.rect(box.x, box.y, box.w, h);
+    g.clip();
+    g.fillStyle = ink.wall;
+    g.fillRect(X(surface), top, box.x + box.w - X(surface), low - top);
+    for (let at = X(surface) - h; at < box.x + box.w; at += 12) {
+      g.save();
+      g.beginPath();
+      g.rect(X(surface), top, box.w, low - top);
+      g.clip();
+      stroke(g, ink.hatch, 0.7, [], () => { g.moveTo(at, low); g.lineTo(at + low - top, top); });
+      g.restore();
+    }
+    stroke(g, ink.text, 2.5, [], () => { g.moveTo(X(surface), top); g.lineTo(X(surface), low); });
+    g.fillStyle = ink.muted;
+    g.textBaseline = "bottom";
+    g.textAlign = "center";
+    for (const v of marks(-this.half, this.half, 5)) {
+      const at = box.x + box.w * (0.5 + v / (2 * this.half));
+      stroke(g, ink.muted, 1, [], () => { g.moveTo(at, low); g.lineTo(at, low + 4); });
+      if (Math.abs(v) < 0.78 * this.half) g.fillText(number(v * 1e3), at, low + 18);
+    }
+    g.textAlign = "right";
+    g.fillText("mrad", box.x + box.w - 2, low + 18);
+    if (titled) {
+      g.textAlign = "left";
+      g.textBaseline = "top";
+      g.fillText("the surface, enlarged: wall to the right", box.x + 4, box.y + 1);
+    }
+    if (row) {
+      this.strip(g, run, X, strip, low, colour);
+      this.parts(g, box, run, row, X, top, line, strip, colour);
+    }
+    g.restore();
+  }
+  /** The last 0.6 s, falling: a limit cycle is a zigzag. */
+  strip(g, { ring }, X, top, low, colour) {
+    const now = ring.at("clock", 0), Y = (t) => top + ((now - t) / 0.6) * (low - top);
+    const series = [["surface_shifted_rad", ink.shift, 1.4, [4, 3]], ["mass_rad", ink.mass, 1.4, [2, 2]], ["angle_rad", colour, 2, []]];
+    for (const [name, ink, wide, dash] of series) {
+      stroke(g, ink, wide, dash, () => ring.since(0.6, (i) => g.lineTo(X(ring.columns[name][i]), Y(ring.columns.clock[i]))));
+    }
+  }
+  parts(g, box, run, row, X, top, line, strip, colour) {
+    const x = X(row.angle_rad), left = box.x + 4, right = box.x + box.w - 4;
+    const shown = Math.max(left, Math.min(right, x));
+    // The surface that the law uses.
+    const shifted = X(row.surface_shifted_rad);
+    if (row.surface_shifted_rad < run.facts.surface_rad - 1e-7) {
+      const at = Math.max(left, shifted);
+      stroke(g, ink.shift, 2.5, [5, 4], () => { g.moveTo(at, top); g.lineTo(at, strip); });
+      g.fillStyle = ink.shift;
+      g.textAlign = "left";
+      g.textBaseline = "bottom";
+      g.fillText(shifted < left ? "◂ offset surface" : "offset surface", at + 4, strip - 2);
+    }
+    // Where a real wall of the desired stiffness would hold the knob against this force.
+    if (row.force_n_m > 1e-4) {
+      const ideal = X(run.facts.surface_rad + row.force_n_m / run.facts.k_desired_n_m_per_rad);
+      stroke(g, ink.muted, 1.6, [], () => { g.moveTo(ideal, line - 16); g.lineTo(ideal - 6, line - 24); g.lineTo(ideal + 6, line - 24); g.closePath(); });
+    }
+    // The virtual mass on its spring.
+    if (Math.abs(row.mass_rad - row.angle_rad) > 1e-6) {
+      const m = Math.max(left, Math.min(right, X(row.mass_rad))), y = line + 24;
+      stroke(g, ink.mass, 1.4, [], () => { for (let i = 0; i <= 8; i += 1) g.lineTo(m + ((shown - m) * i) / 8, y + (i % 2 ? 4 : -4) * (i > 0 && i < 8)); });
+      g.fillStyle = ink.mass;
+      g.fillRect(m - 6, y - 6, 12, 12);
+    }
+    // The force.
+    const long = Math.min(box.w * 0.45, (Math.abs(row.motor_force_n_m) / 0.3) * box.w * 0.4);
+    if (long > 1) {
+      const to = shown - long * Math.sign(row.motor_force_n_m), back = Math.sign(shown - to) * Math.min(9, long);
+      stroke(g, ink.force, 4, [], () => { g.moveTo(shown, line); g.lineTo(to + back * 0.7, line); });
+      g.fillStyle = ink.force;
+      g.beginPath();
+      g.moveTo(to, line);
+      g.lineTo(to + back, line - 7);
+      g.lineTo(to + back, line + 7);
+      g.fill();
+    }
+    stroke(g, colour, 1.2, [], () => { g.moveTo(shown, line - 12); g.lineTo(shown, strip); });
+    g.fillStyle = colour;
+    g.beginPath();
+    g.arc(shown, line, 8, 0, 7);
+    g.fill();
+  }
+}

@@ -1,0 +1,222 @@
+"use strict";
+// The loop: ticks in real time, beside the page's own thread, so that drawing never delays a tick.
+//
+// A tick is late when it is done more than LATE_MS after its time; ticks for which there was no time at all (the machine slept, the
+// page was hidden) are skipped and counted apart.
+
+const LATE_MS = 10, MOST_BEHIND_MS = 250, POST_MS = 15;
+// A pointer is read some 60 times a second; a hand moves smoothly up to some 10 Hz.
+const HAND_HZ = 8;
+// Ten minutes at 1 kHz with 13 columns are 62 MB.
+const MOST_RECORDED = 600000;
+
+let wasm, ROW, FACTS, TRACE;
+const sides = [null, null];
+let aim = null, strength = 0.3, automatic = false;
+let running = false, speed = 1, origin = 0, due = 0;
+let hand = { x: 0, v: 0 }, ticks = 0, autoTick = 0, dirty = 0;
+let count = { done: 0, late: 0, skipped: 0 };
+let record = null, posted = 0, every = 1;
+
+const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));
+const given = () => text(wasm.live_text(), wasm.live_text_bytes());
+
+function put(string) {
+  const bytes = new TextEncoder().encode(string);
+  const room = wasm.live_text_room(bytes.length);
+  new Uint8Array(wasm.memory.buffer, room, bytes.length).set(bytes);
+}
+
+function numbers(address, n) {
+  return new Float64Array(wasm.memory.buffer, address, n);
+}
+
+function factsOf(side) {
+  const values = numbers(wasm.live_facts(side.handle), FACTS.length);
+  return Object.fromEntries(FACTS.map((name, i) => [name, values[i]]));
+}
+
+/** Opens, changes or closes a side; an error leaves it as it was. */
+function setSide(index, scene, keep) {
+  const side = sides[index];
+  if (scene === null) {
+    if (side) wasm.live_close(side.handle);
+    sides[index] = null;
+    return null;
+  }
+  put(scene);
+  let handle;
+  if (side && keep) {
+    if (wasm.live_change(side.handle) < 0) return given();
+    handle = side.handle;
+  } else {
+    handle = wasm.live_open();
+    if (handle < 0) return given();
+    if (side) wasm.live_close(side.handle);
+  }
+  sides[index] = { handle, rows: [] };
+  sides[index].facts = factsOf(sides[index]);
+  return null;
+}
+
+function told(index) {
+  const side = sides[index];
+  if (!side) return null;
+  wasm.live_printed(side.handle);
+  const printed = given();
+  wasm.live_warnings(side.handle);
+  return { facts: side.facts, printed, warnings: given() };
+}
+
+function open({ a, b, keep }) {
+  stopRecord("the settings changed");
+  const before = [sides[0], sides[1]];
+  const error = setSide(0, a, keep) ?? setSide(1, b, keep && before[1] !== null);
+  if (error !== null) {
+    postMessage({ type: "error", text: error });
+    return;
+  }
+  if (!keep) rest();
+  clock();
+  every = Math.max(1, Math.ceil(sides[0].facts.rate_hz / 4000));
+  postMessage({ type: "opened", a: told(0), b: told(1), keep });
+}
+
+/** The hand lets go and waits where the loop starts. */
+function rest() {
+  hand = { x: sides[0].facts.angle_rad, v: 0 };
+  aim = null;
+  autoTick = 0;
+}
+
+function reset() {
+  for (const side of sides) if (side) wasm.live_reset(side.handle);
+  rest();
+  clock();
+}
+
+/** Time starts anew at the next tick: what passed while nothing ran is not made up for. */
+function clock() {
+  origin = performance.now();
+  due = 0;
+}
+
+/** Where the hand means to be: outside with the pointer, inside as far as the pointer's push needs against a perfect wall. */
+function target() {
+  const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad } = sides[0].facts;
+  if (automatic && motion_s > 0) {
+    const time = (autoTick / rate_hz) % (motion_s + 0.3);
+    return wasm.live_own_rest(sides[0].handle, Math.min(time, motion_s));
+  }
+  const at = aim ?? Math.min(angle_rad, surface_rad - 0.05);
+  const inside = at - surface_rad;
+  return inside > 0 ? surface_rad + inside * Math.max(1, strength * reach_rad_per_n_m) : at;
+}
+
+function tick() {
+  const period = 1 / sides[0].facts.rate_hz;
+  const goal = target();
+  if (automatic) {
+    // The scene's own motion is smooth, and is played as it stands.
+    autoTick += 1;
+    hand = { x: goal, v: 0 };
+  } else {
+    const w = Math.min(2 * Math.PI * HAND_HZ, 0.5 / period);
+    hand.v += (w * w * (goal - hand.x) - 2 * w * hand.v) * period;
+    hand.x += hand.v * period;
+  }
+  const time = ticks * period;
+  ticks += 1;
+  for (let i = 0; i < 2; i += 1) {
+    const side = sides[i];
+    if (!side) continue;
+    const row = numbers(wasm.live_tick(side.handle, hand.x), ROW.length);
+    if (record) for (let c = 0; c < TRACE; c += 1) record.rows[i].push(row[c]);
+    if (ticks % every === 0) side.rows.push(time, ...row);
+  }
+  count.done += 1;
+  dirty += 1;
+  if (record && (record.ticks += 1) >= MOST_RECORDED) stopRecord("it is full");
+}
+
+function post(now) {
+  posted = now;
+  if (!dirty) return;
+  dirty = 0;
+  const rows = sides.map((side) => (side ? Float64Array.from(side.rows) : null));
+  for (const side of sides) if (side) side.rows = [];
+  const recorded = record ? record.ticks : null;
+  postMessage({ type: "rows", a: rows[0], b: rows[1], count, recorded }, rows.filter((r) => r).map((r) => r.buffer));
+}
+
+function work() {
+  const now = performance.now();
+  if (running && sides[0]) {
+    const perMs = (sides[0].facts.rate_hz * speed) / 1000;
+    const behind = now - origin - due / perMs;
+    if (behind > MOST_BEHIND_MS) {
+      count.skipped += Math.floor(behind * perMs);
+      origin += behind;
+    }
+    const last = Math.floor((now - origin) * perMs);
+    while (due < last) {
+      // Judged when it is done, not when the batch began.
+      const lateness = performance.now() - origin - (due + 1) / perMs;
+      if (lateness > LATE_MS) count.late += 1;
+      due += 1;
+      tick();
+    }
+  }
+  if (now - posted >= POST_MS) post(now);
+  setTimeout(work, 1);
+}
+
+function startRecord() {
+  reset();
+  record = { ticks: 0, rows: [[], []] };
+}
+
+function stopRecord(why) {
+  if (!record) return;
+  const done = record;
+  record = null;
+  const files = sides.map((side, i) => {
+    if (!side || done.ticks === 0) return null;
+    put(`live-${"ab"[i]}.csv`);
+    wasm.live_replay(side.handle);
+    return { rows: Float64Array.from(done.rows[i]), scene: given() };
+  });
+  postMessage({ type: "recorded", ticks: done.ticks, files, why });
+}
+
+const acts = {
+  start: async (message) => {
+    ({ ROW, FACTS, TRACE } = message);
+    wasm = (await WebAssembly.instantiate(message.module, {})).exports;
+    postMessage({ type: "ready" });
+    work();
+  },
+  open,
+  aim: (message) => { aim = message.rad; },
+  strength: (message) => { strength = message.n_m_per_rad; },
+  automatic: (message) => { automatic = message.on; autoTick = 0; hand.v = 0; },
+  run: (message) => {
+    running = message.on;
+    speed = message.speed;
+    clock();
+  },
+  step: () => { if (!running && sides[0]) { tick(); post(performance.now()); } },
+  reset: () => { stopRecord("the run started again"); reset(); postMessage({ type: "reset" }); },
+  record: (message) => { if (message.on) startRecord(); else stopRecord(""); },
+  zero: () => { count = { done: 0, late: 0, skipped: 0 }; },
+};
+
+onmessage = (event) => {
+  try {
+    const done = acts[event.data.type](event.data);
+    if (done) done.catch((error) => postMessage({ type: "error", text: String(error) }));
+  } catch (error) {
+    running = false;
+    postMessage({ type: "error", text: `the loop stopped: ${error}` });
+  }
+};

@@ -1,0 +1,88 @@
+//! The page as one file: nothing is loaded from elsewhere, and its content security policy says so.
+
+use crate::desk::{FACTS, ROW, TRACE_COLUMNS};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use sha2::{Digest, Sha256};
+
+/// The loop for browsers, made by `cargo xtask live`; how and from what stands beside it.
+pub const MODULE: &[u8] = include_bytes!("../module/touchstone_live.wasm");
+
+/// First words of every page, by which the program knows its own.
+pub const MARK: &str = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\"";
+
+const PAGE: &str = include_str!("../page/page.html");
+const STYLE: &str = include_str!("../page/page.css");
+const WORKER: &str = include_str!("../page/worker.js");
+const SCRIPT: [&str; 6] = [
+    "\"use strict\";\n",
+    include_str!("../page/presets.js"),
+    include_str!("../page/view.js"),
+    include_str!("../page/stage.js"),
+    include_str!("../page/page.js"),
+    include_str!("../page/start.js"),
+];
+
+/// What the page starts with.
+#[derive(Debug, Clone, Copy)]
+pub struct Content<'a> {
+    /// The scene as TOML, changes included.
+    pub scene: &'a str,
+    /// Its name.
+    pub name: &'a str,
+    /// What it shows.
+    pub description: &'a str,
+    /// The command's words after `touchstone live` that give the same scene.
+    pub source: &'a str,
+    /// Name, version and commit of the program.
+    pub program: &'a str,
+}
+
+/// The page.
+#[must_use]
+pub fn render(content: &Content) -> String {
+    let script = SCRIPT.concat();
+    let data = serde_json::json!({
+        "scene": content.scene,
+        "name": content.name,
+        "description": content.description,
+        "source": content.source,
+        "row": ROW,
+        "facts": FACTS,
+        "trace": TRACE_COLUMNS,
+    });
+    let policy = format!(
+        "default-src 'none'; script-src '{}' 'wasm-unsafe-eval'; style-src '{}'; worker-src blob:; img-src data: blob:; base-uri 'none'; form-action 'none'",
+        hash(&script),
+        hash(STYLE)
+    );
+    let parts: [(&str, &str); 7] = [
+        ("POLICY", &policy),
+        ("STYLE", STYLE),
+        ("PROGRAM", &escape(content.program)),
+        // The one sequence that would end a block of data.
+        ("CONTENT", &data.to_string().replace('<', "\\u003c")),
+        ("MODULE", &BASE64.encode(MODULE)),
+        ("WORKER", WORKER),
+        ("SCRIPT", &script),
+    ];
+    let mut page = String::with_capacity(1 << 20);
+    let mut rest = PAGE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+        page.push_str(before);
+        let part = parts.iter().find(|(known, _)| *known == name);
+        page.push_str(part.map_or("", |(_, text)| text));
+        rest = after;
+    }
+    page + rest
+}
+
+/// A block's hash, as a policy names it.
+fn hash(text: &str) -> String {
+    format!("sha256-{}", BASE64.encode(Sha256::digest(text)))
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}

@@ -1,0 +1,321 @@
+"""Drives the live page in a Chromium without a window: every control, every preset, real time, a record that the program repeats.
+
+    drive.py PROGRAM [SECONDS [FOLDER]]    ticks are counted over SECONDS (20), pictures go to FOLDER
+
+Exit code 0: all holds; 1: something does not; 77: no Chromium here.
+"""
+
+import csv
+import glob
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+
+from browser import Browser, find
+
+# A page of this many bytes is still one to send by mail.
+MOST_BYTES = 1_500_000
+failures = []
+
+
+def check(holds, words):
+    print(("ok   " if holds else "FAIL ") + words, flush=True)
+    if not holds:
+        failures.append(words)
+
+
+def running(page):
+    page.until("runs.length > 0 && !pending && runs[0].ring.size > 20")
+
+
+def shown(page):
+    return page.run("document.getElementById('error').hidden ? '' : document.getElementById('error').textContent")
+
+
+def choose(page, control, value, event="change"):
+    page.run(f"(() => {{ const c = document.getElementById('{control}'); c.value = {value!r}; "
+             f"c.dispatchEvent(new Event('{event}', {{bubbles: true}})); }})()")
+    page.wait(0.15)
+    running(page)
+
+
+def click(page, control):
+    page.run(f"document.getElementById('{control}').click()")
+    page.wait(0.1)
+
+
+def value(page, path):
+    return page.run(f"fields.get({path!r})?.value ?? null")
+
+
+def presets(page, folder):
+    for step in range(8):
+        page.key(str(step))
+        page.wait(0.3)
+        running(page)
+        page.wait(3.2 if step else 0.3)
+        title = page.run("document.querySelector('[aria-current=step]').textContent")
+        moved = page.run("Math.max(...runs[0].ring.columns.force_n_m)")
+        check(shown(page) == "" and title.startswith(str(step)) and (step == 0 or moved > 0.01), f"preset {title}: largest force {moved:.3f} N·m")
+        if folder:
+            page.picture(os.path.join(folder, f"preset-{step}.png"))
+        if step == 6:
+            shown_k = page.run("stiffnessShown(Object.fromEntries(COLUMNS.map((n) => [n, [runs[0].last[n]]])), 0, runs[0])")
+            check(abs(shown_k - 14) < 0.7, f"ours shows {shown_k:.2f} of 14 N·m/rad in the press, and lets {1e3 * page.run('runs[0].got'):.2f} mJ out")
+        if step == 7:
+            guarded, bare = page.run("[runs[0].got, runs[1].got]")
+            check(guarded <= 0.0205 < 0.1 < bare, f"the adversary gets out {1e3 * guarded:.1f} mJ with the guard, {1e3 * bare:.0f} mJ without")
+
+
+def controls(page):
+    page.key("0")
+    running(page)
+    for control, choice, path, wanted in (
+        ("law", "fba", "law.kind", "fba"),
+        ("law", "enhanced-sfa", "law.kind", "enhanced-sfa"),
+        ("stiffness-n", "20", "wall.k_desired_n_m_per_rad", "20.0"),
+        ("stiffness", "0.5", "wall.k_desired_n_m_per_rad", "3.16"),
+        ("grip", "firm", "operator.grip", "firm"),
+        ("grip", "none", "operator.grip", "none"),
+        ("grip", "medium", "operator.grip", "medium"),
+        ("delay", "1.5", "timing.computational_delay_s", "0.0015"),
+        ("delay-n", "0", "timing.computational_delay_s", "0.0"),
+        ("encoder", "4096", "encoder.counts_per_rev", "4096"),
+        ("encoder", "none", "encoder.counts_per_rev", None),
+        ("encoder", "40000", "encoder.counts_per_rev", "40000"),
+    ):
+        choose(page, control, choice)
+        found = value(page, path)
+        check(found == wanted and shown(page) == "", f"{control} {choice}: {path} = {found}")
+    check("Nobody holds" not in page.run("document.getElementById('warnings').textContent"), "somebody holds the knob again")
+    for control, path, on in (("friction", "device.friction.kinetic_n_m", lambda v: v is not None), ("guard", "law.guard.on", lambda v: v == "true")):
+        before = on(value(page, path))
+        click(page, control)
+        page.wait(0.2)
+        running(page)
+        once = on(value(page, path))
+        click(page, control)
+        page.wait(0.2)
+        running(page)
+        check(once != before and on(value(page, path)) == before, f"{control}: off and on")
+    choose(page, "other", "spring")
+    check(page.run("runs.length") == 2 and page.run("runs[1].title").startswith("spring"), "a second law beside it")
+    choose(page, "other", "")
+    check(page.run("runs.length") == 1, "and away again")
+    page.run("document.getElementById('all').open = true")
+    page.wait(0.2)
+    shown_fields = page.run("document.querySelectorAll('#fields label').length")
+    check(shown_fields > 40, f"all settings: {shown_fields} fields")
+    page.run("(() => { const label = [...document.querySelectorAll('#fields label')].find((l) => l.textContent.startsWith('law.energy_credit_j'));"
+             " const input = label.querySelector('input'); input.value = '-3'; input.dispatchEvent(new Event('change')); })()")
+    page.wait(0.3)
+    check("law.energy_credit_j" in shown(page) and page.run("runs[0].ring.size") > 0, f"a wrong value is refused: {shown(page)}")
+    page.run("document.getElementById('all').open = false")
+    page.key("0")
+    page.wait(0.2)
+    running(page)
+    choose(page, "strength", "1", "input")
+    check(page.run("chosen.strength") == 1, "strength of the push")
+    choose(page, "strength", "0.3", "input")
+
+
+def transport(page):
+    click(page, "run")
+    page.wait(0.2)
+    before = page.run("counted.done")
+    for _ in range(3):
+        click(page, "step")
+    page.wait(0.1)
+    check(page.run("counted.done") == before + 3, "paused; three single ticks are three ticks")
+    page.key(".")
+    page.wait(0.1)
+    check(page.run("counted.done") == before + 4, "and one by the keyboard")
+    page.key(" ")
+    page.wait(0.3)
+    check(page.run("counted.done") > before + 100 and page.run("running"), "runs again")
+    choose(page, "speed", "0.05")
+    start = page.run("[counted.done, performance.now()]")
+    page.wait(2)
+    end = page.run("[counted.done, performance.now()]")
+    rate = 1e3 * (end[0] - start[0]) / (end[1] - start[1])
+    check(40 < rate < 60, f"slow motion: {rate:.1f} ticks a second of 50")
+    choose(page, "speed", "1")
+    click(page, "automatic")
+    page.wait(3.2)
+    check(page.run("runs[0].last.force_n_m") > 0.05, "it presses by itself")
+    click(page, "reset")
+    page.wait(0.3)
+    page.key("p")
+    click(page, "sound")
+    page.wait(0.5)
+    check(page.run("audio.state") == "running", "the force is heard")
+    page.key("s")
+    page.wait(0.2)
+    check(page.run("audio.state") == "suspended", "and silent again")
+
+
+def hands(page):
+    """The four ways to turn the knob."""
+    def depth():
+        return page.run("1e3 * (runs[0].last.angle_rad - runs[0].facts.surface_rad)")
+
+    def released(words):
+        page.key("h")
+        page.wait(0.7)
+        check(depth() < 0, f"{words}; let go, it comes out: {depth():.1f} mrad")
+
+    released("keyboard")
+    page.key("ArrowRight", hold=0.8)
+    page.wait(0.3)
+    inside = depth()
+    check(inside > 0, f"the arrow key pushes in: {inside:.2f} mrad")
+    released("keyboard")
+    box = page.run("(() => { const b = document.getElementById('stage').getBoundingClientRect(), k = stage.knobs[0]; return [b.left + k.x, b.top + k.y, k.r]; })()")
+    x, y, r = box
+    page.mouse("mousePressed", x, y - 0.7 * r)
+    for i in range(12):
+        page.mouse("mouseMoved", x + 0.07 * i * r, y - 0.7 * r)
+        page.wait(0.02)
+    page.wait(0.5)
+    inside = depth()
+    check(inside > 0, f"the mouse pushes in: {inside:.2f} mrad")
+    page.mouse("mouseReleased", x + r, y)
+    released("mouse")
+    for _ in range(12):
+        page.mouse("mouseWheel", x, y, deltaX=0, deltaY=100)
+    page.wait(0.5)
+    check(depth() > 0, f"the wheel pushes in: {depth():.2f} mrad")
+    released("wheel")
+    page.call("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    def touch(kind, at):
+        page.call("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": at, "y": y - 0.7 * r}] if kind != "touchEnd" else []})
+    touch("touchStart", x)
+    for i in range(12):
+        touch("touchMove", x + 0.07 * i * r)
+        page.wait(0.02)
+    page.wait(0.5)
+    check(depth() > 0, f"a finger pushes in: {depth():.2f} mrad")
+    touch("touchEnd", 0)
+    page.wait(0.5)
+
+
+def read(path):
+    with open(path, newline="") as file:
+        rows = list(csv.reader(file))
+    return {name: [float(row[i]) for row in rows[1:]] for i, name in enumerate(rows[0])}
+
+
+def same(a, b):
+    return struct.pack("<d", a) == struct.pack("<d", b) or (a != a and b != b)
+
+
+def record(page, program, folder):
+    for law in ("enhanced-sfa", "spring"):
+        for file in glob.glob(os.path.join(folder, "live-*")):
+            os.remove(file)
+        choose(page, "law", law)
+        page.key("c")
+        page.wait(0.3)
+        page.key("ArrowRight", hold=1.0)
+        page.wait(0.5)
+        page.key("ArrowLeft", hold=0.3)
+        page.wait(0.5)
+        page.key("c")
+        page.until("recorded !== null && !recording")
+        click(page, "csv")
+        click(page, "scene")
+        paths = [os.path.join(folder, f"live-a.{end}") for end in ("csv", "toml")]
+        for _ in range(100):
+            if all(os.path.isfile(path) for path in paths):
+                break
+            page.wait(0.1)
+        out = os.path.join(folder, f"again-{law}")
+        done = subprocess.run([program, "run", paths[1], "--out", out], capture_output=True, text=True)
+        check(done.returncode == 0, f"the recorded scene runs {done.stderr.strip()[-200:]}")
+        if done.returncode:
+            continue
+        live, again = read(paths[0]), read(glob.glob(os.path.join(out, "traces", "*.csv"))[0])
+        differing = [name for name in live if len(live[name]) != len(again[name]) or not all(map(same, live[name], again[name]))]
+        touched = sum(force != 0 for force in live["force_n_m"])
+        check(not differing and touched > 100 and list(live) == list(again),
+              f"{law}: {len(live['time_s'])} ticks recorded, {touched} with a force, {len(live)} columns the same to the bit in the program {differing}")
+
+
+def link(page, url):
+    page.key("6")
+    page.wait(0.2)
+    running(page)
+    choose(page, "grip", "firm")
+    address = page.run("location.hash")
+    page.call("Page.navigate", {"url": "about:blank"})
+    page.call("Page.navigate", {"url": url + address})
+    page.wait(0.5)
+    running(page)
+    check(value(page, "operator.grip") == "firm" and value(page, "wall.k_desired_n_m_per_rad") == "14.0" and page.run("runs.length") == 2,
+          f"a link carries the settings: {address}")
+    click(page, "link")
+
+
+def pace(page, seconds):
+    page.key("6")
+    page.wait(1)
+    running(page)
+    page.run("worker.postMessage({type: 'zero'}); window.frames0 = 0; (function f() { window.frames0 += 1; requestAnimationFrame(f); })()")
+    page.wait(0.3)
+    start = page.run("[counted.done, performance.now(), frames0]")
+    page.wait(seconds)
+    end = page.run("[counted.done, performance.now(), frames0, counted.late, counted.skipped]")
+    took = (end[1] - start[1]) / 1e3
+    rate, frames = (end[0] - start[0]) / took, (end[2] - start[2]) / took
+    late = 100 * end[3] / max(1, end[0])
+    check(rate > 950, f"two laws for {took:.1f} s: {rate:.1f} ticks a second of 1000, {end[3]} of {end[0]} late by more than 10 ms ({late:.2f} %), "
+          f"{end[4]} skipped, {frames:.0f} frames a second")
+
+
+def main():
+    program = os.path.abspath(sys.argv[1])
+    seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 20
+    pictures = sys.argv[3] if len(sys.argv) > 3 else None
+    if find() is None:
+        print("no Chromium here: install chromium, or name one in CHROMIUM")
+        return 77
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "page.html")
+        subprocess.run([program, "--quiet", "live", "--no-open", "--out", file], check=True)
+        size = os.path.getsize(file)
+        check(size <= MOST_BYTES, f"the page has {size} bytes")
+        url = f"file://{file}"
+        page = Browser(url, downloads=folder)
+        try:
+            page.wait(0.5)
+            running(page)
+            presets(page, pictures)
+            controls(page)
+            transport(page)
+            hands(page)
+            record(page, program, folder)
+            link(page, url)
+            pace(page, seconds)
+            for width in (400, 800, 1600):
+                page.size(width, 900)
+                page.wait(0.4)
+                over = page.run("document.documentElement.scrollWidth - innerWidth")
+                check(over <= 0, f"{width} px wide: nothing sticks out ({over})")
+                if pictures:
+                    page.picture(os.path.join(pictures, f"width-{width}.png"), whole=True)
+            page.size(1280, 900)
+            page.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+            page.wait(0.6)
+            if pictures:
+                page.picture(os.path.join(pictures, "dark.png"))
+            check(not page.problems, f"no complaint of the browser {page.problems[:3]}")
+        finally:
+            page.close()
+    print(f"the page: {len(failures)} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,33 @@
+//! `cargo xtask page`: the live page in a real browser, driven by a script.
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+pub fn run(args: &[String]) -> Outcome {
+    if args.len() > 2
+        || args
+            .first()
+            .is_some_and(|seconds| seconds.parse::<f64>().is_err())
+    {
+        return Outcome::Usage("cargo xtask page [SECONDS [FOLDER]]".into());
+    }
+    if shell::capture(shell::program("python3").arg("--version")).is_none() {
+        return Outcome::NotRun("no python3".into());
+    }
+    let built = shell::run(shell::cargo_locked("build").args(["--package", "touchstone"]));
+    if built.is_failure() {
+        return built;
+    }
+    let program = shell::target("debug").join("touchstone");
+    let mut script = shell::program("python3");
+    script.arg("tests/page/drive.py").arg(program).args(args);
+    let mut last = String::new();
+    match shell::exit_code(&mut script, |line| last = line.to_owned()) {
+        Ok(Some(code)) => Outcome::of_code(code).map_or_else(
+            || Outcome::Failed(last.clone()),
+            |outcome| outcome(last.clone()),
+        ),
+        Ok(None) => Outcome::Failed("the script was stopped".into()),
+        Err(error) => Outcome::Failed(error.to_string()),
+    }
+}
