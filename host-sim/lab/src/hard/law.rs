@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "saturation",
         about: "two minutes far beyond the force limit, with a jitter of a count",
-        oracle: "never beyond the limit, and nothing is wound up: the next press has the bits of a fresh law",
+        oracle: "never beyond the limit, and after leaving the bits of a fresh law",
         unit: "ticks that break it",
         run: saturation,
     },
