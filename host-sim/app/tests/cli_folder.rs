@@ -340,3 +340,25 @@ fn settings_obey_their_documented_schema_and_it_refuses_others() {
     ];
     assert_eq!(valid(&here, "settings", &bad), [false; 6]);
 }
+
+#[test]
+#[ignore = "needs Python's jsonschema: cargo xtask schema"]
+fn accuracy_and_hard_cases_obey_their_documented_schemas() {
+    let here = folder("schema-accuracy");
+    for (name, command, field) in [
+        ("accuracy", "accuracy --quick --json", "plant"),
+        (
+            "hard",
+            "hard --only stick --only mass-ratio --json",
+            "cases",
+        ),
+    ] {
+        let printed: Value = serde_json::from_slice(&run_in(&here, command).stdout).unwrap();
+        let mut spoilt = printed.clone();
+        spoilt[field][0]["more"] = 1.into();
+        let mut less = printed.clone();
+        less.as_object_mut().unwrap().remove(field);
+        let said = valid(&here, name, &[printed, spoilt, less]);
+        assert_eq!(said, [true, false, false], "{name}");
+    }
+}
