@@ -56,6 +56,7 @@ pub mod observer;
 pub mod quantity;
 pub mod reciprocal;
 pub mod settings;
+pub mod space;
 pub mod states;
 pub mod table;
 pub mod validate;

@@ -1,13 +1,22 @@
-//! Tells the program which commit it was built from. Outside a checkout of this repository it knows none, and says so.
+//! Tells the program which commit and which compiler it was built from. Outside a checkout of this repository it knows none, and says so.
 
 use std::path::Path;
 use std::process::Command;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rustc-env=TOUCHSTONE_COMPILER={}", compiler());
     let (commit, modified) = checkout().or_else(packaged).unwrap_or_default();
     println!("cargo::rustc-env=TOUCHSTONE_COMMIT={commit}");
     println!("cargo::rustc-env=TOUCHSTONE_MODIFIED={modified}");
+}
+
+/// The compiler's own name for itself.
+fn compiler() -> String {
+    std::env::var_os("RUSTC")
+        .and_then(|rustc| Command::new(rustc).arg("--version").output().ok())
+        .and_then(|output| String::from_utf8(output.stdout).ok())
+        .map_or("unknown".to_owned(), |text| text.trim().to_owned())
 }
 
 fn git(arguments: &[&str]) -> Option<String> {

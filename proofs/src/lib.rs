@@ -24,6 +24,7 @@ pub mod heart;
 pub mod offset;
 pub mod settings;
 pub mod source;
+pub mod space;
 pub mod spring_sfa;
 pub mod tdpa;
 pub mod valid;

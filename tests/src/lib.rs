@@ -10,6 +10,8 @@ pub mod port;
 pub mod random;
 pub mod search;
 pub mod si;
+pub mod space;
+pub mod space_port;
 pub mod variants;
 
 /// A shipped scene with the thesis' law, which is what most tests are about.

@@ -1,6 +1,6 @@
 //! A device's settings: both sides of every bound, the bounds between settings, and what a refusal says.
 
-use touchstone_control::{LawKind, Regulate, Si, StatesKind};
+use touchstone_control::{LawKind, Regulate, Si};
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::fields::{FIELDS, Field, Kind};
 use touchstone_protocol::settings::{

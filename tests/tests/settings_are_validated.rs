@@ -9,7 +9,7 @@ use touchstone_tests::si::{assert_one_line, next, si};
 /// A setting, how to set it, and its smallest and largest value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
-const BOUNDS: [Bound; 13] = [
+const BOUNDS: [Bound; 24] = [
     (Field::KDesired, |s, x| s.k_desired = x, "0", "500000"),
     (Field::KSoft, |s, x| s.k_soft = x, "0.01", "500000"),
     (
@@ -58,6 +58,48 @@ const BOUNDS: [Bound; 13] = [
         "0.000001",
         "100",
     ),
+    // Measured states and no guard here: what either asks beside, and only where it is used, is in its own tests.
+    (
+        Field::EstimatorBandwidth,
+        |s, x| s.estimator.bandwidth_hz = x,
+        "0.002",
+        "20000",
+    ),
+    (
+        Field::EstimatorInertia,
+        |s, x| s.estimator.inertia = x,
+        "0",
+        "10000",
+    ),
+    (
+        Field::EstimatorDamping,
+        |s, x| s.estimator.damping = x,
+        "0",
+        "10000",
+    ),
+    (
+        Field::EstimatorDelay,
+        |s, x| s.estimator.delay_s = x,
+        "0",
+        "2",
+    ),
+    (Field::GuardCapacity, |s, x| s.guard.capacity = x, "0", "16"),
+    (Field::GuardRefill, |s, x| s.guard.refill = x, "0", "1"),
+    (Field::GuardDamping, |s, x| s.guard.damping = x, "0", "1000"),
+    (
+        Field::GuardShare,
+        |s, x| s.guard.share_of_damping = x,
+        "0",
+        "1",
+    ),
+    (
+        Field::GuardOverspeed,
+        |s, x| s.guard.overspeed = x,
+        "0.001",
+        "1000",
+    ),
+    (Field::GuardDelay, |s, x| s.guard.delay = x, "0", "1"),
+    (Field::GuardLag, |s, x| s.guard.lag = x, "0", "1"),
 ];
 
 fn with(set: fn(&mut Settings, Si), value: Si) -> Settings {
@@ -131,6 +173,9 @@ fn no_field_is_without_a_bound_and_every_name_is_its_own() {
         Field::Regulate,
         Field::OffsetUpdate,
         Field::IdealStep,
+        Field::States,
+        Field::Guard,
+        Field::GuardChange,
     ]);
     let mut names = Vec::new();
     for field in Field::ALL {

@@ -4,7 +4,7 @@ use std::path::Path;
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
-use touchstone_sim::scene::{self, Scene};
+use touchstone_sim::scene;
 use touchstone_tests::thesis;
 
 /// Share by which the rate-hardness may differ: the slope over a depth `w` of a force that is off by up to half a count `q/2` is

@@ -2,7 +2,6 @@
 
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
-use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
 /// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of what this knob is stable with; no encoder, no friction.

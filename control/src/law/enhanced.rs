@@ -165,7 +165,9 @@ impl<N: Number> EnhancedSfa<N> {
             Regulate::Hip => (state.force, e),
             Regulate::Mass | Regulate::MassCompensated => (held.at_mass, held.mass.position),
         };
-        let wanted = (self.target * at).towards_zero();
+        // What the limit will take away again is no reason for an offset: it would grow for as long as a hand leans on a wall at its
+        // limit, and push the mass out at the energy's cost.
+        let wanted = (self.target * at).towards_zero().min(self.limit);
         let step = self.augmentation.step(wanted, shown, at);
         let changed = if shown < wanted {
             held.offset + step

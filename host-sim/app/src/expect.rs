@@ -36,6 +36,17 @@ pub struct Expectations {
     junit: Option<PathBuf>,
 }
 
+impl Expectations {
+    /// Whether anything is asked.
+    pub fn any(&self) -> bool {
+        !self.expect.is_empty()
+            || self.max_penetration.is_some()
+            || self.min_stiffness.is_some()
+            || self.max_energy_out.is_some()
+            || self.junit.is_some()
+    }
+}
+
 /// The verdicts with their meanings, for the help and for completions.
 fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))

@@ -1,5 +1,6 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
+mod accuracy;
 mod certify;
 mod complain;
 mod config;
@@ -7,6 +8,7 @@ mod device;
 mod doctor;
 mod expect;
 mod flash;
+mod hard;
 mod identify;
 mod interrupt;
 mod json_schema;
@@ -15,11 +17,16 @@ mod monitor;
 mod number;
 mod out;
 mod port;
+mod progress;
 mod report_options;
 mod run;
 mod scene_options;
+mod scorecard;
 mod shell;
 mod thesis;
+mod thesis_space;
+mod tune;
+mod wall_options;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use out::say;
@@ -65,6 +72,14 @@ enum Command {
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
+    /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
+    Accuracy(accuracy::Options),
+    /// Runs the hard cases, each against what must come out, and tells the worst margin.
+    Hard(hard::Options),
+    /// Compares laws by what a hand feels of a wall: one row a law, on the device as it is and as it may also be.
+    Scorecard(scorecard::Options),
+    /// Finds settings of a law for a device: the best worst figure of its scorecard.
+    Tune(tune::Options),
     /// Lists the scenes that come with the program.
     Scenes {
         /// Prints the JSON schema of a scene instead.
@@ -149,9 +164,13 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Thesis(options) => return thesis::main(options),
         Command::Run(options) => return run::main(options),
         Command::Doctor(options) => return Ok(doctor::main(options)),
+        Command::Hard(options) => return hard::main(options),
         Command::Live(options) => live::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
+        Command::Accuracy(options) => accuracy::main(options),
+        Command::Scorecard(options) => scorecard::main(options),
+        Command::Tune(options) => tune::main(options),
         Command::Scenes { json_schema: true } => {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }

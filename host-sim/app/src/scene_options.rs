@@ -7,11 +7,11 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::{self as runner, passivity};
 use touchstone_sim::scene::{Preset, Scene, choices, path_of};
 
-/// The laws' names for help and completions; what is none of them is refused by the scene, as it is in a file.
+/// Words of a field for help and completions; what is none of them is refused by the scene, as it is in a file.
 #[derive(Debug, Clone, Copy)]
-struct Laws;
+struct Words(&'static str);
 
-impl TypedValueParser for Laws {
+impl TypedValueParser for Words {
     type Value = String;
 
     fn parse_ref(
@@ -24,7 +24,7 @@ impl TypedValueParser for Laws {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(choices("law.kind").iter().map(PossibleValue::new)))
+        Some(Box::new(choices(self.0).iter().map(PossibleValue::new)))
     }
 }
 
@@ -32,15 +32,22 @@ impl TypedValueParser for Laws {
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct SceneOptions {
     /// Control law.
-    #[arg(long, value_parser = Laws)]
+    #[arg(long, value_parser = Words("law.kind"))]
     law: Option<String>,
     /// Desired stiffness k_de, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
+    /// Method by which device and hand cross a tick; all but `exact`, the default, divide it into `plant.substeps`.
+    #[arg(long, value_parser = Words("plant.integrator"))]
+    integrator: Option<String>,
     /// The parameters of the law that the scene does not write itself: tuned, on estimated states, behind the energy guard
     /// (shipped); or below the thesis' own bounds, on measured states, without a guard (thesis).
     #[arg(long, value_name = "NAME", default_value = "shipped", value_parser = preset())]
     preset: Preset,
+    /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it; --set and the like change them
+    /// afterwards.
+    #[arg(long, value_name = "FILE.toml")]
+    settings: Option<std::path::PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
@@ -81,7 +88,14 @@ impl SceneOptions {
         if let Some(file) = &self.operator_motion {
             scene = scene.with_recording(file)?;
         }
-        scene = scene.with_preset(self.preset)?.with_overrides(&self.sets)?;
+        scene = scene.with_preset(self.preset)?;
+        if let Some(file) = &self.settings {
+            scene = scene.with_settings(file)?;
+        }
+        scene = scene.with_overrides(&self.sets)?;
+        if let Some(integrator) = &self.integrator {
+            scene = scene.with_option("plant.integrator", integrator, "--integrator")?;
+        }
         if let Some(law) = &self.law {
             scene = scene.with_option("law.kind", law, "--law")?;
         }

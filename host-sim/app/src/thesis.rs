@@ -12,7 +12,7 @@ use std::time::Instant;
 use touchstone_control::LawKind;
 use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
 use touchstone_lab::thesis::{self, COUNTS, GRIPS, REPLACED, STIFFNESSES, TDPA_OBSERVES, claims};
-use touchstone_sim::error::Result;
+use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::{Run, Verdict};
 use touchstone_sim::scene::{Preset, Scene};
 
@@ -25,6 +25,10 @@ pub struct Options {
     out: PathBuf,
     #[command(flatten)]
     report: ReportOptions,
+    /// Degrees of freedom: 1, a knob (§5.1), or 3, an omega.3 at a plane, an inclined plane and a sphere of 30 mm at 5 and 25 N/mm (§5.2),
+    /// whose settings are its own.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
+    dof: u8,
     /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
     /// encoder, which the comparison itself varies. TDPA keeps the thesis' observer whatever law.observer says.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -42,6 +46,7 @@ impl Default for Options {
         Self {
             out: PathBuf::from("touchstone-report"),
             report: ReportOptions::default(),
+            dof: 1,
             sets: Vec::new(),
             strict_passive: false,
             expectations: Expectations::default(),
@@ -51,6 +56,17 @@ impl Default for Options {
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
+    match options.dof {
+        1 => {}
+        3 => return space(options),
+        other => {
+            return Err(Error::Option {
+                option: format!("--dof {other}"),
+                problem: "no comparison has so many degrees of freedom".to_owned(),
+                fix: "give 1 or 3".to_owned(),
+            });
+        }
+    }
     let started = Instant::now();
     options.expectations.validate(options.strict_passive)?;
     refuse_replaced("thesis", &options.sets, &REPLACED)?;
@@ -129,6 +145,27 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     checked.conclude()
 }
 
+/// The comparison in three degrees of freedom.
+fn space(options: &Options) -> Result<ExitCode> {
+    let lost = [
+        ("--set", !options.sets.is_empty()),
+        ("--strict-passive", options.strict_passive),
+        ("--expect", options.expectations.any()),
+    ];
+    if let Some((option, _)) = lost.into_iter().find(|(_, given)| *given) {
+        return Err(Error::Option {
+            option: option.to_owned(),
+            problem: "has no meaning with --dof 3, whose settings are its own".to_owned(),
+            fix: "leave it out".to_owned(),
+        });
+    }
+    let bar = ProgressBar::new(0).with_style(style());
+    if quiet() {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    super::thesis_space::main(&options.out, &options.report, &bar)
+}
+
 /// A claim for programs.
 fn claim(claim: &claims::Claim) -> serde_json::Value {
     serde_json::json!({
@@ -186,6 +223,7 @@ fn claims_text(claims: &[claims::Claim]) -> String {
 fn claims_section(claims: &[claims::Claim]) -> Section {
     Section {
         title: "What the thesis claims, and what the simulation shows".to_owned(),
+        folded: true,
         body: vec![
             Block::Text("Each statement is checked against the runs of this report and a few more. One that does not reproduce is listed so.".to_owned()),
             Block::Table {

@@ -1,6 +1,10 @@
 //! Experiments over runs, and what a person reads of them: the thesis' comparison, Algorithm 2.1 as an instrument, reports.
 
+pub mod accuracy;
 pub mod certify;
+pub mod hard;
 pub mod identify;
 pub mod report;
+pub mod scorecard;
 pub mod thesis;
+pub mod tune;

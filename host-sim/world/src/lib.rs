@@ -5,5 +5,6 @@
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod integrator;
 pub mod motor;
 pub mod plant;

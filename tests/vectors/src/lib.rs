@@ -8,6 +8,7 @@
 mod cases;
 mod digest;
 mod motion;
+pub mod space;
 
 pub use cases::{Case, cases};
 pub use digest::{Bits, Digest};

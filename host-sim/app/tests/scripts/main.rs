@@ -6,6 +6,7 @@ mod demands;
 mod interrupt;
 mod motion;
 mod strict;
+mod tuning;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -30,6 +30,7 @@ fn main() -> touchstone_sim::error::Result<()> {
         .collect();
     let sections = [Section {
         title: "Claims".to_owned(),
+        folded: true,
         body: vec![
             Block::Text("A caller's own section; the numbers are made up.".to_owned()),
             Block::Table {

@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::matrix::{Matrix, matrices};
 use super::origin::Origin;
+use super::pages::Page;
 use super::quantity::plain;
 use super::svg::{escape, typeset};
 use super::view::View;
-use super::{Block, ReportInput, Section, anchor, compare, runs, summary};
+use super::{Block, Program, ReportInput, Section, anchor, compare, runs, summary};
 
 /// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
 /// that lie beside the page; with the default, nothing leads to any.
@@ -66,6 +67,30 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
         "<script>\n{}</script>\n</body>\n</html>\n",
         include_str!("page.js")
     );
+    page
+}
+
+/// A page of sections alone.
+pub fn of_sections(input: &Page) -> String {
+    let mut page = String::new();
+    let title = escape(input.title);
+    let _ = write!(
+        page,
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n<p>{}</p>\n</header>\n<main>\n",
+        include_str!("page.css"),
+        escape(input.intro)
+    );
+    input
+        .sections
+        .iter()
+        .for_each(|section| write_section(&mut page, section, section.folded));
+    page.push_str("</main>\n<footer>\n");
+    again(&mut page, input.command);
+    signature(&mut page, &input.program);
+    page.push_str("</body>\n</html>\n");
     page
 }
 
@@ -168,18 +193,15 @@ fn write_block(page: &mut String, block: &Block) {
             }
             page.push_str("</tbody></table></div>\n");
         }
+        Block::Figure(svg) => {
+            let _ = writeln!(page, "<figure>{svg}</figure>");
+        }
     }
 }
 
 fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
     page.push_str("<footer>\n");
-    if !input.command.is_empty() {
-        let _ = writeln!(
-            page,
-            "<p>This report again:</p>\n<pre>{}</pre>",
-            escape(input.command)
-        );
-    }
+    again(page, input.command);
     if !origin.runs.is_empty() {
         let csv = origin.runs.iter().any(|run| run.csv.is_some());
         let every = match input.files.every {
@@ -197,7 +219,20 @@ fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
             }
         );
     }
-    let program = &input.program;
+    signature(page, &input.program);
+}
+
+fn again(page: &mut String, command: &str) {
+    if !command.is_empty() {
+        let _ = writeln!(
+            page,
+            "<p>This report again:</p>\n<pre>{}</pre>",
+            escape(command)
+        );
+    }
+}
+
+fn signature(page: &mut String, program: &Program) {
     let commit = match (program.commit, program.modified) {
         (Some(commit), false) => format!(", commit {commit}"),
         (Some(commit), true) => format!(", commit {commit} with changes"),
@@ -241,6 +276,7 @@ mod tests {
         let sections = [Section {
             title: "Extra".to_owned(),
             body: vec![Block::Text("a <b> c".to_owned())],
+            folded: true,
         }];
         let input = ReportInput {
             title: "T <script>",

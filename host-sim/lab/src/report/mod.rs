@@ -13,18 +13,22 @@ pub mod csv;
 mod decimate;
 pub mod figure;
 mod figures;
+pub mod folder;
 pub mod html;
 pub mod json;
 mod label;
 mod matrix;
 pub mod measures;
 pub mod origin;
+pub mod pages;
 pub mod parquet;
 mod picture;
+pub mod plain_schema;
 mod previous;
 mod quantity;
 mod runs;
 pub mod schema;
+pub mod space;
 pub mod staging;
 mod summary;
 mod svg;
@@ -38,6 +42,7 @@ pub mod write;
 mod synthetic;
 
 pub use origin::Program;
+pub use picture::standalone;
 pub use previous::check as check_folder;
 pub use table::Colour;
 pub use write::{Written, write};
@@ -86,6 +91,8 @@ pub struct Section {
     pub title: String,
     /// Content, from top to bottom.
     pub body: Vec<Block>,
+    /// Whether it is folded at first, on a page of sections alone; a report of runs decides by itself.
+    pub folded: bool,
 }
 
 /// A piece of a [`Section`]. Texts are plain: the page escapes them.
@@ -102,6 +109,8 @@ pub enum Block {
         /// Cells, row by row.
         rows: Vec<Vec<String>>,
     },
+    /// A drawing, as SVG made by this program.
+    Figure(String),
 }
 
 /// What [`write::write`] writes, and over what.

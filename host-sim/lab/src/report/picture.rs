@@ -227,9 +227,11 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
 /// The picture as a file of its own, in the reader's light or dark theme.
 pub fn alone(input: &ReportInput) -> Option<String> {
     let figures = figures(input);
-    if figures.is_empty() {
-        return None;
-    }
+    (!figures.is_empty()).then(|| standalone(input.title, &figures))
+}
+
+/// Figures side by side as a file of its own, in the reader's light or dark theme.
+pub fn standalone(title: &str, figures: &[Figure]) -> String {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();
     let plots = css.split("/* plots */").nth(1).unwrap_or_default();
@@ -242,7 +244,7 @@ pub fn alone(input: &ReportInput) -> Option<String> {
          <title>{}</title>\n<style>\n{variables}{plots}text {{ font-family: system-ui, sans-serif; fill: var(--text); font-size: 10.5px; }}\n\
          .ground {{ fill: var(--page); }} .head {{ font-size: 14px; font-weight: 600; }}\n</style>\n\
          <rect class=\"ground\" width=\"{width}\" height=\"{height}\"/>\n",
-        escape(input.title)
+        escape(title)
     );
     for (index, figure) in figures.iter().enumerate() {
         let left = gap + index as u32 * (SIZE.width + gap);
@@ -277,5 +279,5 @@ pub fn alone(input: &ReportInput) -> Option<String> {
         );
     }
     out.push_str("</svg>\n");
-    Some(out)
+    out
 }

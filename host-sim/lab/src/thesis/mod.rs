@@ -5,6 +5,7 @@
 //! each statement of the thesis against them.
 
 pub mod claims;
+pub mod space;
 
 use rayon::prelude::*;
 use touchstone_control::{LawKind, ObserverForm};

@@ -9,8 +9,11 @@ use super::mechanics::{Mechanics, Moving, Standing};
 use super::settings;
 use super::wall::Controlled;
 use crate::error::{Error, Result};
-use crate::scene::{Motion, Number, Scene};
+use crate::scene::{self, Integrator, Motion, Number, Scene};
 use touchstone_control::{ChangeOfForce, CountScale, Fixed16, Fixed32, Reported, Si};
+use touchstone_world::integrator::{
+    ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4, SemiImplicitEuler, Substepped,
+};
 use touchstone_world::plant::{
     self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, Kinematics as _, State, Stepper,
 };
@@ -159,12 +162,62 @@ pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
         from.hand_rad,
         from.hand_velocity_rad_per_s,
     ]);
+    if let Some(method) = scene
+        .plant
+        .as_ref()
+        .filter(|plant| plant.integrator != Integrator::Exact)
+    {
+        let refused = |invalid| refused(scene, &invalid);
+        return match hand(scene) {
+            None => {
+                let model = Model::bare(&device).map_err(refused)?;
+                stepped(scene, method, &model, bare)
+            }
+            Some(hand) => {
+                let model = Model::held(&device, &hand).map_err(refused)?;
+                stepped(scene, method, &model, held)
+            }
+        };
+    }
     match (hand(scene), device.friction.is_some()) {
         (None, false) => crossed(scene, |h| BareLinear::new(&device, h), bare),
         (None, true) => crossed(scene, |h| BareCoulomb::new(&device, h), bare),
         (Some(hand), false) => crossed(scene, |h| HeldLinear::new(&device, &hand, h), held),
         (Some(hand), true) => crossed(scene, |h| HeldCoulomb::new(&device, &hand, h), held),
     }
+}
+
+/// A plant that a method steps over, in the place of the exact one.
+fn stepped<const N: usize>(
+    scene: &Scene,
+    plant: &scene::Plant,
+    model: &Model<N>,
+    state: State<N>,
+) -> Result<Box<dyn Mechanics>> {
+    match plant.integrator {
+        Integrator::SemiImplicitEuler => by::<SemiImplicitEuler<N>, N>(scene, plant, model, state),
+        Integrator::ImplicitMidpoint => by::<ImplicitMidpoint<N>, N>(scene, plant, model, state),
+        Integrator::RungeKutta4 => by::<RungeKutta4<N>, N>(scene, plant, model, state),
+        Integrator::ImplicitEuler | Integrator::Exact => {
+            by::<ImplicitEuler<N>, N>(scene, plant, model, state)
+        }
+    }
+}
+
+fn by<M: Method<N> + 'static, const N: usize>(
+    scene: &Scene,
+    plant: &scene::Plant,
+    model: &Model<N>,
+    state: State<N>,
+) -> Result<Box<dyn Mechanics>> {
+    // The parts of a delayed tick share its substeps by their lengths.
+    let per_s = f64::from(plant.substeps) / scene.timing.period_s();
+    let substeps = |interval_s: f64| (interval_s * per_s).round().max(1.0) as u32;
+    crossed(
+        scene,
+        |h| Substepped::<M, N>::new(model, h, substeps(h)),
+        state,
+    )
 }
 
 /// A plant with what lies between it and the torque.

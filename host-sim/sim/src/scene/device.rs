@@ -1,7 +1,7 @@
 //! What the hand moves and how it is measured, timed and stopped: device, encoder, timing, wall.
 
 use serde::{Deserialize, Serialize};
-use touchstone_control::Settings;
+use touchstone_control::{Settings, choice};
 
 /// A knob with one degree of freedom: `inertia · x'' + damping · x' + friction = torques`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,6 +93,47 @@ impl Default for Encoder {
         // An optical disc of 10,000 lines, read at four edges a line. A 14-bit magnetic sensor has 16,384.
         Encoder {
             counts_per_rev: 40_000.0,
+        }
+    }
+}
+
+choice! {
+    /// By what device and hand cross a tick.
+    Integrator {
+        /// The exact step, with no step size.
+        #[default]
+        Exact = "exact",
+        /// Implicit Euler with set-valued friction.
+        ImplicitEuler = "implicit-euler",
+        /// Implicit midpoint with set-valued friction.
+        ImplicitMidpoint = "implicit-midpoint",
+        /// Semi-implicit Euler.
+        SemiImplicitEuler = "semi-implicit-euler",
+        /// Classical Runge–Kutta, with smoothed friction.
+        RungeKutta4 = "runge-kutta-4",
+    }
+}
+
+/// How the plant crosses a tick, for those who want to see what another method than the exact step would have made of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plant {
+    /// The method. Default `exact`.
+    #[serde(
+        serialize_with = "super::law::word",
+        deserialize_with = "super::law::of_word"
+    )]
+    pub integrator: Integrator,
+    /// Substeps a tick, 1 to 100,000; the exact step has none. Default 16.
+    pub substeps: u32,
+}
+
+impl Default for Plant {
+    fn default() -> Self {
+        Plant {
+            integrator: Integrator::default(),
+            // Enough for an explicit method beside a pole of a few kilohertz at 1 kHz.
+            substeps: 16,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::device::{Device, Encoder, Timing, Wall};
+use super::device::{Device, Encoder, Plant, Timing, Wall};
 use super::law::Law;
 use super::operator::Operator;
 use super::origin::Origin;
@@ -21,6 +21,9 @@ pub struct Scene {
     /// Position sensor. Absent: the law sees the exact position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoder: Option<Encoder>,
+    /// How the plant crosses a tick. Absent: by the exact step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<Plant>,
     /// Rate, duration, delay.
     pub timing: Timing,
     /// The virtual wall.

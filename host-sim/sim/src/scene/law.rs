@@ -162,9 +162,16 @@ impl Serialize for Number {
 
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
-        let text = String::deserialize(from)?;
-        Self::of_word(&text).ok_or_else(|| D::Error::custom("unknown word"))
+        of_word(from)
     }
+}
+
+/// A choice from its word, for `#[serde(deserialize_with)]`.
+pub(crate) fn of_word<'de, T: Choice, D: Deserializer<'de>>(
+    from: D,
+) -> std::result::Result<T, D::Error> {
+    let text = String::deserialize(from)?;
+    T::of_word(&text).ok_or_else(|| D::Error::custom("unknown word"))
 }
 
 /// A choice as its word, for `#[serde(serialize_with)]`.

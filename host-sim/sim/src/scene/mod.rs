@@ -27,7 +27,7 @@ mod units;
 mod unknown;
 mod value;
 
-pub use device::{Device, Encoder, Friction, Timing, Wall};
+pub use device::{Device, Encoder, Friction, Integrator, Plant, Timing, Wall};
 pub use experiment::Scene;
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number};
@@ -41,5 +41,6 @@ pub use overrides::path_of;
 pub use preset::Preset;
 pub use renamed::renamed;
 pub use shipped::names;
+pub use touchstone_control::Choice;
 pub use unknown::{list, nearest};
 pub use value::choices;

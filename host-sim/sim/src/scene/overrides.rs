@@ -1,5 +1,7 @@
 //! `--set key=value`: one field changed from the command line.
 
+use std::path::Path;
+
 use toml::Value;
 
 use super::draft::Draft;
@@ -51,6 +53,65 @@ impl Scene {
         let mut draft = Draft::from_scene(self);
         apply(&mut draft, key, value, option.to_owned())?;
         draft.build()
+    }
+}
+
+/// Tables of which a file of settings may have fields.
+const SETTINGS: [&str; 3] = ["timing", "wall", "law"];
+
+impl Scene {
+    /// The scene with the settings of a file, such as `tune` writes: fields of `timing`, `wall` and `law`, all taken at once.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be read; [`Error::Option`], which names file and field, for what is no TOML, no such
+    /// setting, or no value that the scene's check accepts.
+    pub fn with_settings(&self, file: &Path) -> Result<Scene> {
+        let text = std::fs::read_to_string(file).map_err(|error| Error::Io {
+            path: file.to_owned(),
+            problem: error.to_string(),
+            fix: "give a file of settings, as `touchstone tune --out FILE` writes it".into(),
+        })?;
+        let option = |key: &str| format!("--settings {}: {key}", file.display());
+        let table: toml::Table = text
+            .parse()
+            .map_err(|error: toml::de::Error| Error::Option {
+                option: option("TOML"),
+                problem: error.message().to_owned(),
+                fix: "mend the form of the file".into(),
+            })?;
+        let mut leaves = Vec::new();
+        flatten("", &table, &mut leaves);
+        let mut draft = Draft::from_scene(self);
+        for (path, value) in leaves {
+            let first = path.split('.').next().unwrap_or_default();
+            if !SETTINGS.contains(&first) || schema::at(&path).is_none() {
+                return Err(Error::Option {
+                    option: option(&path),
+                    problem: "no setting of a law".into(),
+                    fix: format!("leave it out; settings are fields of {}", list(&SETTINGS)),
+                });
+            }
+            let value = match value {
+                Value::String(word) => word.clone(),
+                other => other.to_string(),
+            };
+            apply(&mut draft, &path, &value, option(&path))?;
+        }
+        draft.build()
+    }
+}
+
+/// Every value of a table with its path.
+fn flatten<'v>(name: &str, table: &'v toml::Table, leaves: &mut Vec<(String, &'v Value)>) {
+    for (key, value) in table {
+        let path = match name {
+            "" => key.clone(),
+            name => format!("{name}.{key}"),
+        };
+        match value {
+            Value::Table(inner) => flatten(&path, inner, leaves),
+            leaf => leaves.push((path, leaf)),
+        }
     }
 }
 

@@ -78,7 +78,7 @@ impl Coulomb {
     }
 }
 
-pub(super) fn positive(field: &'static str, value: f64) -> Result<(), Invalid> {
+pub(crate) fn positive(field: &'static str, value: f64) -> Result<(), Invalid> {
     // A subnormal inertia has no finite reciprocal.
     let ok = value.is_normal() && value > 0.0;
     ok.then_some(()).ok_or(Invalid {
@@ -88,7 +88,7 @@ pub(super) fn positive(field: &'static str, value: f64) -> Result<(), Invalid> {
     })
 }
 
-pub(super) fn not_negative(field: &'static str, value: f64) -> Result<(), Invalid> {
+pub(crate) fn not_negative(field: &'static str, value: f64) -> Result<(), Invalid> {
     let ok = value.is_finite() && value >= 0.0;
     ok.then_some(()).ok_or(Invalid {
         field,

@@ -19,7 +19,7 @@ const SERIES_NORM: f64 = 0.5;
 const TERMS: u32 = 18;
 
 /// Largest row sum of magnitudes, a norm for which `norm(M^k) <= norm(M)^k`.
-pub(super) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
+pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
     m.row_iter()
         .map(|row| row.iter().map(|entry| entry.abs()).sum())
         .fold(0.0, f64::max)
@@ -34,9 +34,25 @@ fn halvings(norm: f64) -> u32 {
     }
 }
 
+/// Beyond this norm of `M h` the flow is squared beside its integral. Sensible plants are far below it.
+const STIFF_NORM: f64 = 4096.0;
+
 /// `Ψ(h) = ∫₀ʰ exp(M t) dt`: Taylor series over `h / 2ⁿ`, then `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
-pub(super) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
-    let doublings = halvings(row_sum_norm(m) * h);
+pub(crate) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
+    let norm = row_sum_norm(m) * h;
+    if norm > STIFF_NORM {
+        return stiff_flow(m, h).1;
+    }
+    let doublings = halvings(norm);
+    let mut psi = series(m, h, doublings);
+    for _ in 0..doublings {
+        psi = psi * 2.0 + m * psi * psi;
+    }
+    psi
+}
+
+/// The series over `h / 2ⁿ`.
+fn series<const K: usize>(m: &SMatrix<f64, K, K>, h: f64, doublings: u32) -> SMatrix<f64, K, K> {
     let base = libm::ldexp(h, -(doublings as i32));
     let mut term = SMatrix::<f64, K, K>::identity() * base;
     let mut psi = term;
@@ -44,14 +60,31 @@ pub(super) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> S
         term = m * term * (base / f64::from(k));
         psi += term;
     }
-    for _ in 0..doublings {
-        psi = psi * 2.0 + m * psi * psi;
-    }
     psi
 }
 
+/// `exp(M h)` and `Ψ(h)` of a stiff system. `M Ψ Ψ` would multiply the rounding of one rate's part by another's: `M` is large where
+/// `Ψ` is small, and the two need not meet. `X = Φ - I` by itself, `X(2t) = 2 X + X X` and `Ψ(2t) = 2 Ψ + X Ψ`, has no large factor, and
+/// keeps the digits of what is slow.
+fn stiff_flow<const K: usize>(
+    m: &SMatrix<f64, K, K>,
+    h: f64,
+) -> (SMatrix<f64, K, K>, SMatrix<f64, K, K>) {
+    let doublings = halvings(row_sum_norm(m) * h);
+    let mut psi = series(m, h, doublings);
+    let mut moved = m * psi;
+    for _ in 0..doublings {
+        psi = psi * 2.0 + moved * psi;
+        moved = moved * 2.0 + moved * moved;
+    }
+    (SMatrix::identity() + moved, psi)
+}
+
 /// `exp(M h)`.
-pub(super) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
+pub(crate) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
+    if row_sum_norm(m) * h > STIFF_NORM {
+        return stiff_flow(m, h).0;
+    }
     SMatrix::identity() + m * flow_integral(m, h)
 }
 
@@ -59,7 +92,7 @@ pub(super) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f6
 ///
 /// Van Loan reads it off one exponential of twice the size that holds `exp(-Mᵀ h)` too, which overflows for stiff plants;
 /// `S(2t) = S(t) + Φ(t)ᵀ S(t) Φ(t)` only ever adds energies.
-pub(super) fn quadratic_integral<const K: usize>(
+pub(crate) fn quadratic_integral<const K: usize>(
     m: &SMatrix<f64, K, K>,
     q: &SMatrix<f64, K, K>,
     h: f64,
@@ -84,7 +117,7 @@ pub(super) fn quadratic_integral<const K: usize>(
 }
 
 /// Columns of a matrix as plain arrays, the form in which a tick reads it.
-pub(super) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
+pub(crate) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
     m: &SMatrix<T, N, K>,
 ) -> [[T; N]; K] {
     std::array::from_fn(|column| std::array::from_fn(|row| m[(row, column)]))
@@ -92,7 +125,7 @@ pub(super) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
 
 /// Matrix times vector, column by column: independent sums that the compiler puts side by side into one register.
 #[inline(always)]
-pub(super) fn apply<const N: usize, const K: usize>(
+pub(crate) fn apply<const N: usize, const K: usize>(
     columns: &[[f64; N]; K],
     drive: &[f64; K],
 ) -> [f64; N] {
@@ -107,7 +140,7 @@ pub(super) fn apply<const N: usize, const K: usize>(
 
 /// `yᵀ S y`.
 #[inline(always)]
-pub(super) fn quadratic<const K: usize>(s: &[[f64; K]; K], drive: &[f64; K]) -> f64 {
+pub(crate) fn quadratic<const K: usize>(s: &[[f64; K]; K], drive: &[f64; K]) -> f64 {
     apply(s, drive)
         .iter()
         .zip(drive)
@@ -170,6 +203,25 @@ mod tests {
         let psi = flow_integral(&m, 1.0);
         assert!((psi[(0, 0)] - 1e-9).abs() < 1e-22);
         assert!((psi[(1, 1)] - (1.0 - (-1.0_f64).exp())).abs() < 1e-14);
+    }
+
+    #[test]
+    fn rates_that_are_far_apart_do_not_multiply_each_others_rounding() {
+        // A light mass on a stiff spring and a strong damper: some 1.6e3 and 1e6 1/s, and an entry of 1.6e9.
+        let m = matrix![0.0, 1.0; -1.6e9, -1e6];
+        let h = 1e-2;
+        let spread = (1e12_f64 - 4.0 * 1.6e9).sqrt();
+        let (slow, fast) = (-1.6e9 / (0.5 * (1e6 + spread)), -0.5 * (1e6 + spread));
+        let mean = |rate: f64| (rate * h).exp_m1() / rate;
+        let expected = (mean(slow) * -fast + mean(fast) * slow) / (slow - fast);
+        let psi = flow_integral(&m, h);
+        assert!(
+            (psi[(0, 0)] / expected - 1.0).abs() < 1e-10,
+            "{psi} {expected}"
+        );
+        let phi = flow(&m, h);
+        let expected = ((slow * h).exp() * -fast + (fast * h).exp() * slow) / (slow - fast);
+        assert!((phi[(0, 0)] - expected).abs() < 1e-10, "{phi} {expected}");
     }
 
     #[test]

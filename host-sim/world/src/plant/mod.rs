@@ -29,6 +29,8 @@
 //! All four are [`Stepper`]s: configuration for one fixed interval, applied to a small separate [`State`]. A
 //! computational delay of a fraction of a tick is two steppers, `delay` and `T - delay`, taking turns on one state.
 //!
+//! Three translations are three axes, each with a stepper of its own: [`Cartesian`].
+//!
 //! Units are those of a knob (rad, N·m, kg·m²). One axis of a translational device obeys the same equations with
 //! m, N and kg; only the names of the fields then say the wrong unit.
 //!
@@ -37,8 +39,9 @@
 
 mod bare;
 mod bare_coulomb;
-mod device;
-mod flow;
+mod cartesian;
+pub(crate) mod device;
+pub(crate) mod flow;
 mod hand;
 mod held;
 mod held_coulomb;
@@ -49,6 +52,7 @@ mod taylor;
 
 pub use bare::BareLinear;
 pub use bare_coulomb::BareCoulomb;
+pub use cartesian::{Cartesian, FIRM_TRANSLATION, Limits, OMEGA3, OMEGA3_AXIS};
 pub use device::{Coulomb, Device, Invalid};
 pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
 pub use held::HeldLinear;

@@ -37,10 +37,17 @@ impl<S: Stage> Staged<S> {
     fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
         let torque_n_m = self.stage.torque_n_m(wanted_n_m);
         if torque_n_m != wanted_n_m {
-            self.inner.commanded(torque_n_m);
+            tell(self.inner.as_mut(), torque_n_m);
         }
         torque_n_m
     }
+}
+
+/// Apart, so that a tick in which the stage changes nothing does not make room for the call.
+#[cold]
+#[inline(never)]
+fn tell(inner: &mut dyn Control, torque_n_m: f64) {
+    inner.commanded(torque_n_m);
 }
 
 impl<S: Stage> Control for Staged<S> {

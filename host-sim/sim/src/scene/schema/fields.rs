@@ -3,6 +3,7 @@
 use super::Kind::{Choice, Flag, Text, Whole};
 use super::Range::{Any, AtLeast, Exactly, NotNegative, NotZero, Positive, UpTo, Within};
 use super::{Field, Kind, Range};
+use crate::scene::device::Integrator;
 use crate::scene::law::Number;
 use crate::scene::operator::{FASTEST_MOTION_HZ, FASTEST_RAMP_S};
 use touchstone_control::choices::*;
@@ -73,6 +74,7 @@ pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("device.friction", "no dry friction"),
     ("encoder", "exact position"),
     ("operator.hand", "the grip's values"),
+    ("plant", "the exact step"),
 ];
 
 const DEVICE: &[Field] = &[
@@ -135,6 +137,18 @@ const DEVICE: &[Field] = &[
         "",
         Positive,
         "the encoder's counts in one turn",
+    ),
+    field(
+        "plant.integrator",
+        "",
+        Choice(Integrator::WORDS),
+        "the method by which device and hand cross a tick",
+    ),
+    field(
+        "plant.substeps",
+        "",
+        Whole(1, 100_000),
+        "the method's substeps in a tick (the exact step has none)",
     ),
 ];
 

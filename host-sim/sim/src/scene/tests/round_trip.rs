@@ -51,6 +51,10 @@ fn full_scenes() -> Vec<Scene> {
         encoder: Some(Encoder {
             counts_per_rev: 16_384.0,
         }),
+        plant: Some(Plant {
+            integrator: Integrator::RungeKutta4,
+            substeps: 7,
+        }),
         timing: Timing {
             rate_hz: 12_345,
             computational_delay_s: 1.7e-3,
@@ -148,6 +152,7 @@ fn every_number_ends_in_its_unit() {
         names,
         [
             "counts_per_rev",
+            "substeps",
             "step_of_ideal",
             "limit_of_force",
             "limit_of_penetration",

@@ -1,0 +1,64 @@
+//! Force bounding of several degrees of freedom: a vector spring, and one energy that bounds the length of its force.
+//!
+//! `E += F·Δx + (c_i/T) |Δx|²` and `|F| <= sqrt(4 E c_i/T)`, the form for a damping that is the same in all directions. The coefficients
+//! are those of [`crate::law::Fba`], and along a fixed normal with a hand that moves along it the force is the same.
+
+use super::number::Spatial;
+use super::touch::{Touch, Track};
+use super::vector::Vector;
+use crate::law::Fba;
+use crate::{Energy, Force, Number, Position};
+
+/// Vector force bounding around the spring `k_de`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounding<N: Spatial> {
+    /// The coefficients.
+    pub law: Fba<N>,
+    track: Track<N>,
+    energy: Energy<N>,
+    force: Vector<Force<N>>,
+}
+
+impl<N: Spatial> Bounding<N> {
+    /// Outside, at rest.
+    pub fn new(law: Fba<N>) -> Self {
+        Self {
+            law,
+            track: Track::default(),
+            energy: Energy::zero(),
+            force: Vector::default(),
+        }
+    }
+
+    /// What it has observed, J.
+    pub fn energy(&self) -> Energy<N> {
+        self.energy
+    }
+
+    /// One control period: the force on the HIP.
+    pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
+        let moved = self.track.moved(touch);
+        self.track.keep(touch);
+        if touch.depth <= Position::zero() {
+            (self.energy, self.force) = (Energy::zero(), Vector::default());
+            return self.force;
+        }
+        // The force pushes: what the hand does against it is taken in.
+        let absorbed = (-self.force).work(moved);
+        self.energy = (self.energy + absorbed + damped(&self.law, moved)).min(self.law.energy_cap);
+        let wanted = (self.law.desired * touch.depth).towards_zero();
+        let bound = self.law.largest_force(self.energy);
+        self.force = touch
+            .normal
+            .times_force(wanted.min(self.law.limit).min(bound));
+        self.force
+    }
+}
+
+/// What the device's damping took, rounded down.
+fn damped<N: Number + Spatial>(law: &Fba<N>, moved: Vector<Position<N>>) -> Energy<N> {
+    let [x, y, z] = moved
+        .map(|part| crate::observer::damping_loss(law.device_damping, part))
+        .0;
+    x + y + z
+}

@@ -1,0 +1,57 @@
+//! A convex body of many planes.
+
+use super::{Nearest, Plane, Surface};
+use crate::Position;
+use crate::space::number::Spatial;
+use crate::space::vector::{Direction, Vector};
+
+/// What lies below all of its planes. Inside the depth is within a quantum; outside it is that below the plane that is furthest, which at an edge is less than the
+/// distance. Planes may coincide; one without a direction counts as none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facets<'a, N: Spatial> {
+    /// Its planes.
+    pub planes: &'a [Plane<N>],
+}
+
+impl<N: Spatial> Facets<'_, N> {
+    fn real(&self) -> impl Iterator<Item = &Plane<N>> {
+        let nothing = [N::Signal::default(); 3];
+        self.planes
+            .iter()
+            .filter(move |plane| plane.normal.0 != nothing)
+    }
+}
+
+impl<N: Spatial> Surface<N> for Facets<'_, N> {
+    fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N> {
+        let mut nearest: Option<Nearest<N>> = None;
+        for plane in self.real() {
+            let here = plane.nearest(at, side);
+            // Of planes as close, the one that was.
+            let closer = nearest.is_none_or(|nearest| {
+                here.depth < nearest.depth || here.depth == nearest.depth && here.normal == *side
+            });
+            if closer {
+                nearest = Some(here);
+            }
+        }
+        // Without planes there is no object.
+        nearest.unwrap_or(Nearest {
+            normal: *side,
+            depth: -Position::quantum(),
+        })
+    }
+    fn exit(
+        &self,
+        at: Vector<Position<N>>,
+        along: &Direction<N>,
+        side: &Direction<N>,
+    ) -> Option<Position<N>> {
+        self.real()
+            .filter_map(|plane| plane.exit(at, along, side))
+            .reduce(Position::min)
+    }
+    fn ways(&self, visit: &mut dyn FnMut(Direction<N>)) {
+        self.real().for_each(|plane| visit(plane.normal));
+    }
+}

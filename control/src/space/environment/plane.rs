@@ -1,0 +1,53 @@
+//! A half-space.
+
+use super::{Nearest, Surface, slanted};
+use crate::Position;
+use crate::space::number::Spatial;
+use crate::space::vector::{Direction, Vector};
+
+/// What lies below a plane. The depth is within a quantum, and exact where the normal is an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane<N: Spatial> {
+    /// Out of the object.
+    pub normal: Direction<N>,
+    /// Of the plane over the origin, along the normal.
+    pub height: Position<N>,
+}
+
+impl<N: Spatial> Plane<N> {
+    /// How far above the plane, negative below.
+    #[inline(always)]
+    #[must_use]
+    pub fn above(&self, at: Vector<Position<N>>) -> Position<N> {
+        self.normal.component(at) - self.height
+    }
+    /// The same plane, seen from below.
+    #[must_use]
+    pub fn flipped(&self) -> Self {
+        Self {
+            normal: self.normal.opposite(),
+            height: -self.height,
+        }
+    }
+}
+
+impl<N: Spatial> Surface<N> for Plane<N> {
+    #[inline]
+    fn nearest(&self, at: Vector<Position<N>>, _: &Direction<N>) -> Nearest<N> {
+        Nearest {
+            normal: self.normal,
+            depth: -self.above(at),
+        }
+    }
+    fn exit(
+        &self,
+        at: Vector<Position<N>>,
+        along: &Direction<N>,
+        _: &Direction<N>,
+    ) -> Option<Position<N>> {
+        slanted(-self.above(at), self.normal.cosine(along))
+    }
+    fn ways(&self, visit: &mut dyn FnMut(Direction<N>)) {
+        visit(self.normal);
+    }
+}

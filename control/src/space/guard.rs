@@ -1,0 +1,194 @@
+//! The energy guard on the port of three axes: one account, forces and displacements as vectors.
+//!
+//! Its theorem is that of [`crate::guard`] with products read as scalar products and moduli as lengths: the port's books are the sum of
+//! three axes', each of which has its own inequality, and a displacement of length `d` costs a force of length `|F|` at most `|F| d`. A position
+//! vector whose coordinates are each right to half a count is right to `√3/2` counts. So the coefficients are those of the guard of
+//! one axis with `√3 δ` for its `δ`; only what each axis pays by itself for a change of its force takes `δ`. Derivation:
+//! `docs/three-axes.md`.
+//!
+//! The force is shortened and never turned.
+
+use super::number::Spatial;
+use super::vector::Vector;
+use crate::guard::{Guard, Overspeed};
+use crate::{Energy, Force, GuardSettings, GuardedDevice, Position, SettingsError, Si};
+
+/// The guard's coefficients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VectorGuard<N: Spatial> {
+    /// As for one axis; its counts are those of a position vector, its slack that of one axis.
+    pub of_length: Guard<N>,
+}
+
+/// The guard's memory. It starts full, once.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VectorGuardState<N: Spatial> {
+    /// What the hand may still get out.
+    pub account: Energy<N>,
+    /// Against the force of the last tick: what a displacement along it puts in.
+    pub against: Vector<Force<N>>,
+    /// That of the tick before it.
+    pub older: Vector<Force<N>>,
+    /// No force of the last tick was longer.
+    pub size: Force<N>,
+}
+
+/// A little more than the root of three.
+const ROOT_OF_THREE: Si = Si::lit("1.7320509");
+
+impl<N: Spatial> VectorGuard<N> {
+    /// Validates the settings and computes the coefficients. Both are in the device's unit: [`super::LengthUnit::guard`].
+    ///
+    /// # Errors
+    /// As [`Guard::new`].
+    pub fn new(settings: &GuardSettings, device: &GuardedDevice) -> Result<Self, SettingsError> {
+        let of_axis = Guard::new(settings, device)?;
+        let of_length: Guard<N> = Guard::new(
+            settings,
+            &GuardedDevice {
+                count: device.count.saturating_mul(ROOT_OF_THREE),
+                ..*device
+            },
+        )?;
+        // The quantum that a position is rounded by, as a vector: one more than along an axis.
+        Ok(Self {
+            of_length: Guard {
+                slack: of_axis.slack,
+                count: of_length.count + Position::quantum(),
+                in_flight: of_length.in_flight + Position::quantum(),
+                ..of_length
+            },
+        })
+    }
+
+    /// Memory at power-up: a full account, no force.
+    #[must_use]
+    pub fn full(&self) -> VectorGuardState<N> {
+        VectorGuardState {
+            account: self.of_length.capacity,
+            ..VectorGuardState::default()
+        }
+    }
+
+    /// One control period, with positions taken once in it: how far the device moved since the last tick and the force on the hand
+    /// that is wanted, to the force that it may have: the same direction, the same length or less.
+    ///
+    /// # Errors
+    /// Overspeed: from now on the force is 0.
+    #[inline]
+    pub fn tick(
+        &self,
+        state: &mut VectorGuardState<N>,
+        moved: Vector<Position<N>>,
+        wanted: Vector<Force<N>>,
+    ) -> Result<Vector<Force<N>>, Overspeed> {
+        self.tick_with_change(state, moved, Vector::default(), wanted)
+    }
+
+    /// One control period where the position was also taken when the force changed: `before_change` is the part of `moved` that
+    /// came before.
+    ///
+    /// # Errors
+    /// As [`VectorGuard::tick`].
+    #[inline]
+    pub fn tick_with_change(
+        &self,
+        state: &mut VectorGuardState<N>,
+        moved: Vector<Position<N>>,
+        before_change: Vector<Position<N>>,
+        wanted: Vector<Force<N>>,
+    ) -> Result<Vector<Force<N>>, Overspeed> {
+        let guard = &self.of_length;
+        let distance = moved.length_up();
+        if distance > guard.furthest || before_change.length_up() > guard.furthest {
+            return self.overrun(state);
+        }
+        // A quantum less than the length rounded up is at most the length rounded down.
+        let surely = distance - guard.count - Position::quantum();
+        let damped = self.damped(surely.max(Position::zero()));
+        if state.account < Energy::zero() {
+            *state = VectorGuardState {
+                account: (state.account + guard.refill + damped).min(guard.capacity),
+                ..VectorGuardState::default()
+            };
+            return Ok(Vector::default());
+        }
+        let reserve = guard.reserve(state.size);
+        let account = self
+            .booked(state, moved, before_change)
+            .plus_fitting(damped)
+            .min(guard.capacity);
+        let free = account.minus_fitting(reserve).max(Energy::zero());
+        let limit = guard.largest_force(free);
+        let length = wanted.length_up();
+        let (force, size) = (wanted.shortened(length, limit), length.min(limit));
+        *state = VectorGuardState {
+            account: free.plus_fitting(reserve),
+            against: -force,
+            older: state.against,
+            size,
+        };
+        Ok(force)
+    }
+
+    /// The force that was commanded in the end, where something made the guarded one smaller. A longer one would be a promise broken,
+    /// and counts as the guarded one.
+    #[inline]
+    pub fn commanded(&self, state: &mut VectorGuardState<N>, force: Vector<Force<N>>) {
+        let size = force.length_up();
+        if size <= state.size {
+            (state.against, state.size) = (-force, size);
+        }
+    }
+
+    /// The account after a tick, the damping apart.
+    ///
+    /// It fits as that of one axis does, by lengths: the scalar product of two vectors is at most that of their lengths, and so is
+    /// every part of its sum.
+    #[inline(always)]
+    fn booked(
+        &self,
+        state: &VectorGuardState<N>,
+        moved: Vector<Position<N>>,
+        before_change: Vector<Position<N>>,
+    ) -> Energy<N> {
+        let guard = &self.of_length;
+        let grown = state.against - state.older;
+        let axes = moved.zip(before_change, |moved, before| (moved, before));
+        let forces = state.against.zip(grown, |force, grown| (force, grown));
+        let [x, y, z] = axes
+            .zip(forces, |(moved, before), (force, grown)| {
+                let shrunk = -grown;
+                let on = moved - before;
+                let under_older = before + guard.late.of_and_fitting(on, guard.stray, grown);
+                (force * moved)
+                    .plus_fitting(shrunk * under_older)
+                    .plus_fitting(grown.min(shrunk) * guard.slack)
+            })
+            .0;
+        state
+            .account
+            .plus_fitting(guard.refill)
+            .plus_fitting(x)
+            .plus_fitting(y)
+            .plus_fitting(z)
+    }
+
+    /// What the trusted damping took of a way.
+    #[inline(always)]
+    fn damped(&self, way: Position<N>) -> Energy<N> {
+        (self.of_length.damping * way).down_fitting() * way
+    }
+
+    /// After overspeed: what the forces that acted, and the one that acts on until it is off, can have lost at most.
+    #[cold]
+    fn overrun(&self, state: &mut VectorGuardState<N>) -> Result<Vector<Force<N>>, Overspeed> {
+        let size = state.size.max(state.older.length_up());
+        let lost = size * (self.of_length.overrun * size + Position::quantum());
+        *state = VectorGuardState {
+            account: state.account - lost,
+            ..VectorGuardState::default()
+        };
+        Err(Overspeed)
+    }
+}

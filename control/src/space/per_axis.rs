@@ -1,0 +1,126 @@
+//! Three laws, one an axis (thesis §4.4), with the three rules of when a contact ends.
+//!
+//! Each law is told the modulus of its coordinate of `e`, with a minus outside, and pushes to the side of the surface. Where that
+//! side changes, its offset changes sides with it: the jump of Fig. 5.13.
+//!
+//! **Equation (4.8) has a sign too few.** Outside, `e` and `O` are opposed, so the `α` of (4.8b) is negative, and (4.8c), `α < 1`,
+//! holds wherever the HIP is: as printed, an object is never left. What Fig. 4.9 says is meant here: left where `|e| > |O'|` and
+//! both are opposed. With the moduli of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a quotient, so that no zero divides.
+
+use super::number::Spatial;
+use super::scalar::Along;
+use super::touch::{Touch, Track};
+use super::vector::{Direction, Vector};
+use crate::law::Sample;
+use crate::{Energy, Force, Position};
+
+/// When the object has been left, its shifted surface included (§4.4.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Leaving {
+    /// Each axis by itself: a force can remain after the object has been left (Fig. 4.7).
+    Decoupled,
+    /// As soon as one axis has left: forces drop where a coordinate is small (Fig. 4.8).
+    AnyAxis,
+    /// By the projection of the offset on `e` (4.8, Fig. 4.9).
+    #[default]
+    Projection,
+}
+
+/// A law an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PerAxis<N: Spatial, L> {
+    /// The laws with their memories.
+    pub laws: [L; 3],
+    /// When the object has been left.
+    pub leaving: Leaving,
+    track: Track<N>,
+    /// Whether the side of an axis is the negative one; a coordinate of 0 keeps its side.
+    negative: [bool; 3],
+    /// Penetration along each axis in the last tick.
+    last: Vector<Position<N>>,
+}
+
+impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
+    /// Outside, at rest.
+    pub fn new(laws: [L; 3], leaving: Leaving) -> Self {
+        Self {
+            laws,
+            leaving,
+            track: Track::default(),
+            negative: [false; 3],
+            last: Vector::default(),
+        }
+    }
+
+    /// One control period: the force on the HIP.
+    pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
+        let e = share_of(&touch.normal, touch.depth);
+        let moved = self.displacements(touch, e);
+        let mut force = Vector::default();
+        let sides = self.negative.iter_mut().zip(touch.normal.0);
+        let laws = self.laws.iter_mut().zip(e.0.into_iter().zip(moved.0));
+        for (out, ((law, (e, moved)), (negative, normal))) in
+            force.0.iter_mut().zip(laws.zip(sides))
+        {
+            if Position::<N>(normal) != Position::zero() {
+                *negative = Position::<N>(normal) < Position::zero();
+            }
+            let size = law.tick(Sample { e, moved });
+            *out = if *negative { -size } else { size };
+        }
+        self.track.keep(touch);
+        self.last = e;
+        if self.has_left(touch, e) {
+            self.laws.iter_mut().for_each(Along::reset);
+            return Vector::default();
+        }
+        force
+    }
+
+    /// Each axis' part of the displacement along the normal of the last tick; on a surface that does not turn, the change of its
+    /// penetration, to the bit.
+    fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
+        let normal = self.track.normal().unwrap_or(touch.normal);
+        let Sample { moved, .. } = self.track.sample(touch);
+        if normal == touch.normal && moved == touch.depth - self.track.depth() {
+            return e - self.last;
+        }
+        share_of(&normal, moved)
+    }
+
+    /// Whether the object has been left.
+    fn has_left(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> bool {
+        if touch.depth >= Position::zero() || !self.laws.iter().any(Along::touches) {
+            return false;
+        }
+        let [ox, oy, oz] = &self.laws;
+        let offset = Vector([ox, oy, oz].map(|law| law.view().offset));
+        self.leaving.ends(e, offset)
+    }
+}
+
+impl Leaving {
+    /// Outside: whether a contact ends, by the penetration along each axis (none positive) and the offset (none negative).
+    #[inline]
+    pub fn ends<N: Spatial>(self, e: Vector<Position<N>>, offset: Vector<Position<N>>) -> bool {
+        let reach = e + offset;
+        match self {
+            Self::Decoupled => false,
+            Self::AnyAxis => reach.0.iter().any(|reach| *reach < Position::zero()),
+            Self::Projection => {
+                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact but for what a format cannot hold.
+                let [x, y, z] = e.zip(reach, |e, reach| Force::<N>(e.0) * reach).0;
+                x + y + z > Energy::zero()
+            }
+        }
+    }
+}
+
+/// A length along a direction, as moduli an axis with the sign of the length, towards zero.
+fn share_of<N: Spatial>(along: &Direction<N>, length: Position<N>) -> Vector<Position<N>> {
+    along
+        .times(length)
+        .zip(Vector(along.0.map(Position::<N>)), |part, side| {
+            if side < Position::zero() { -part } else { part }
+        })
+}

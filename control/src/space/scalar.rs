@@ -1,0 +1,71 @@
+//! A law of one degree of freedom with its memory, as the shells of three axes drive it.
+
+use crate::law::{
+    Contact, EnhancedState, FbaState, Law, Sample, SfaState, SpringState, TdpaState, View,
+};
+use crate::{AnyLaw, Force, Number};
+
+/// A law with its memory.
+pub trait Along<N: Number> {
+    /// One control period: penetration and displacement along a direction, to the force out.
+    fn tick(&mut self, sample: Sample<N>) -> Force<N>;
+    /// The inside after the last tick.
+    fn view(&self) -> View<N>;
+    /// Forgets: outside, at rest.
+    fn reset(&mut self);
+    /// Whether it is in contact.
+    fn touches(&self) -> bool {
+        self.view().contact != Contact::Free
+    }
+}
+
+impl<N: Number> Along<N> for AnyLaw<N> {
+    #[inline]
+    fn tick(&mut self, sample: Sample<N>) -> Force<N> {
+        Self::tick(self, sample)
+    }
+    fn view(&self) -> View<N> {
+        Self::view(self)
+    }
+    fn reset(&mut self) {
+        match self {
+            Self::Spring(_, state) => *state = SpringState::default(),
+            Self::Tdpa(_, state) => *state = TdpaState::default(),
+            Self::Fba(_, state) => *state = FbaState::default(),
+            Self::Sfa(_, state) => *state = SfaState::default(),
+            Self::Enhanced(_, state) => *state = EnhancedState::default(),
+        }
+    }
+}
+
+/// One law with its memory, without the choice of the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Held<N: Number, L: Law<N>> {
+    /// The law.
+    pub law: L,
+    /// Its memory.
+    pub state: L::State,
+}
+
+impl<N: Number, L: Law<N>> Held<N, L> {
+    /// Outside, at rest.
+    pub fn new(law: L) -> Self {
+        Self {
+            law,
+            state: L::State::default(),
+        }
+    }
+}
+
+impl<N: Number, L: Law<N>> Along<N> for Held<N, L> {
+    #[inline]
+    fn tick(&mut self, sample: Sample<N>) -> Force<N> {
+        self.law.tick(&mut self.state, sample)
+    }
+    fn view(&self) -> View<N> {
+        self.law.view(&self.state)
+    }
+    fn reset(&mut self) {
+        self.state = L::State::default();
+    }
+}

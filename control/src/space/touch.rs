@@ -1,0 +1,79 @@
+//! What the shells are told of a contact, and how the hand moved along its normal.
+
+use super::number::Spatial;
+use super::vector::{Direction, Vector};
+use crate::Position;
+use crate::law::Sample;
+
+/// Where the HIP is with respect to the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch<N: Spatial> {
+    /// The HIP.
+    pub at: Vector<Position<N>>,
+    /// Out of the object: along it the force pushes.
+    pub normal: Direction<N>,
+    /// How deep the HIP is below the surface point, positive inside.
+    pub depth: Position<N>,
+}
+
+/// The last tick, for displacements.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Track<N: Spatial> {
+    last: Option<Touch<N>>,
+}
+
+/// A change of the penetration that is the displacement but for the rounding of two projections.
+fn is_rounding<N: Spatial>(change: Position<N>, moved: Position<N>) -> bool {
+    let two = Position::quantum() + Position::quantum();
+    (change - moved).modulus() <= two
+}
+
+impl<N: Spatial> Track<N> {
+    /// How far the HIP moved, as a vector; zero in the first tick.
+    #[inline]
+    #[must_use]
+    pub fn moved(&self, touch: &Touch<N>) -> Vector<Position<N>> {
+        self.last
+            .map_or(Vector::default(), |last| touch.at - last.at)
+    }
+
+    /// Penetration and inward displacement along the normal **of the last tick**, along which the last force acts: so that force
+    /// times displacement is the work at the port, `F·Δx`.
+    ///
+    /// On a surface that does not turn it is the change of the penetration, to the bit: what a law of one degree of
+    /// freedom is told.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, touch: &Touch<N>) -> Sample<N> {
+        let e = touch.depth;
+        let Some(last) = &self.last else {
+            return Sample::measured(e, Position::zero());
+        };
+        let change = e - last.depth;
+        // Rounded down: never further in than it went, so that no law books work that was not done.
+        let moved = last.normal.opposite().component(touch.at - last.at);
+        let straight = last.normal == touch.normal && is_rounding(change, moved);
+        Sample {
+            e,
+            moved: if straight { change } else { moved },
+        }
+    }
+
+    /// The normal of the last tick.
+    #[must_use]
+    pub fn normal(&self) -> Option<Direction<N>> {
+        self.last.map(|last| last.normal)
+    }
+
+    /// The penetration of the last tick; 0 before the first.
+    #[must_use]
+    pub fn depth(&self) -> Position<N> {
+        self.last.map_or(Position::zero(), |last| last.depth)
+    }
+
+    /// After the tick.
+    #[inline]
+    pub fn keep(&mut self, touch: &Touch<N>) {
+        self.last = Some(*touch);
+    }
+}

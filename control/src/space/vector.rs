@@ -1,0 +1,209 @@
+//! Vectors of quantities, and directions.
+
+use super::number::{Axes, Spatial};
+use crate::{Energy, Force, Position};
+use core::ops::{Add, Neg, Sub};
+
+/// Three quantities of a kind, along x, y and z.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Vector<Q>(pub Axes<Q>);
+
+impl<Q: Copy> Vector<Q> {
+    /// Of each component by itself.
+    #[inline(always)]
+    pub fn map<R>(self, of: impl FnMut(Q) -> R) -> Vector<R> {
+        Vector(self.0.map(of))
+    }
+    /// Of two vectors, component by component.
+    #[inline(always)]
+    pub fn zip<P: Copy, R>(self, other: Vector<P>, of: impl Fn(Q, P) -> R) -> Vector<R> {
+        let ([a, b, c], [p, q, r]) = (self.0, other.0);
+        Vector([of(a, p), of(b, q), of(c, r)])
+    }
+}
+
+impl<Q: Copy + Add<Output = Q>> Add for Vector<Q> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+impl<Q: Copy + Sub<Output = Q>> Sub for Vector<Q> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+impl<Q: Copy + Neg<Output = Q>> Neg for Vector<Q> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+macro_rules! signal_vector {
+    ($quantity:ident) => {
+        impl<N: Spatial> Vector<$quantity<N>> {
+            #[inline(always)]
+            pub(super) fn signals(self) -> Axes<N::Signal> {
+                self.0.map(|x| x.0)
+            }
+            /// Its length, less than a quantum too short; saturating.
+            #[inline(always)]
+            #[must_use]
+            pub fn length_down(self) -> $quantity<N> {
+                $quantity(N::length_down(self.signals()))
+            }
+            /// Its length, less than a quantum too long; saturating.
+            #[inline(always)]
+            #[must_use]
+            pub fn length_up(self) -> $quantity<N> {
+                $quantity(N::length_up(self.signals()))
+            }
+            /// Limited to a length below the end of the format, never longer; shorter by less than three quanta of each component, and a vector within the limit
+            /// stays as it is. The direction is kept to the rounding of the components, each towards zero.
+            #[inline]
+            #[must_use]
+            pub fn within(self, limit: $quantity<N>) -> Self {
+                self.shortened(self.length_up(), limit)
+            }
+            /// [`Vector::within`] where the length, rounded up, is known already.
+            #[inline]
+            pub(super) fn shortened(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
+                if length <= limit {
+                    return self;
+                }
+                // At the end of the format a length is no length any more: that of the half is.
+                if length + $quantity::<N>::quantum() == length {
+                    return self.half_shortened(limit);
+                }
+                self.map(|x| $quantity(N::share(x.0, limit.0, length.0)))
+            }
+            #[cold]
+            fn half_shortened(self, limit: $quantity<N>) -> Self {
+                let (one, two) = (N::QUANTUM, N::add(N::QUANTUM, N::QUANTUM));
+                let half = self.map(|x| $quantity(N::share(x.0, one, two)));
+                // A quantum more than its own length, for the halves that were rounded.
+                let length = half.length_up() + $quantity::<N>::quantum();
+                half.map(|x| $quantity(N::share(x.0, limit.0, length.0)))
+            }
+        }
+    };
+}
+signal_vector!(Position);
+signal_vector!(Force);
+
+impl<N: Spatial> Vector<Force<N>> {
+    /// Work along a displacement: the exact sum of three exact products. It fits where forces and displacements are at most a quarter
+    /// of their format, and saturates elsewhere.
+    #[inline(always)]
+    #[must_use]
+    pub fn work(self, along: Vector<Position<N>>) -> Energy<N> {
+        let [x, y, z] = self.zip(along, |f, d| f * d).0;
+        x + y + z
+    }
+}
+
+/// A unit vector, to the rounding of its components: [`Spatial::unit`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Direction<N: Spatial>(pub Axes<N::Signal>);
+
+impl<N: Spatial> Default for Direction<N> {
+    /// Up: along z.
+    fn default() -> Self {
+        Self::along(2, false)
+    }
+}
+
+impl<N: Spatial> Direction<N> {
+    /// Along a coordinate axis (0 to 2; others are z), or against it.
+    #[inline]
+    #[must_use]
+    pub fn along(axis: usize, against: bool) -> Self {
+        let one = if against { N::neg(N::ONE) } else { N::ONE };
+        let mut parts = [N::Signal::default(); 3];
+        let [x, y, z] = &mut parts;
+        *match axis {
+            0 => x,
+            1 => y,
+            _ => z,
+        } = one;
+        Self(parts)
+    }
+    /// Of a vector; `None` of the zero vector.
+    #[inline]
+    #[must_use]
+    pub fn of(v: Vector<Position<N>>) -> Option<Self> {
+        N::unit(v.signals()).map(Self)
+    }
+    /// The component of a displacement along it, rounded down.
+    #[inline(always)]
+    #[must_use]
+    pub fn component(&self, v: Vector<Position<N>>) -> Position<N> {
+        Position(N::dot(self.0, v.signals()))
+    }
+    /// The component of a force along it, rounded down.
+    #[inline(always)]
+    #[must_use]
+    pub fn component_of_force(&self, v: Vector<Force<N>>) -> Force<N> {
+        Force(N::dot(self.0, v.signals()))
+    }
+    /// The cosine of the angle to another, rounded down.
+    #[inline(always)]
+    #[must_use]
+    pub fn cosine(&self, other: &Self) -> N::Signal {
+        N::dot(self.0, other.0)
+    }
+    /// So far along it: each component towards zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(&self, length: Position<N>) -> Vector<Position<N>> {
+        Vector(self.0.map(|part| Position(N::times(part, length.0))))
+    }
+    /// A force along it: each component towards zero, so that it is never longer than `size`.
+    #[inline(always)]
+    #[must_use]
+    pub fn times_force(&self, size: Force<N>) -> Vector<Force<N>> {
+        Vector(self.0.map(|part| Force(N::times(part, size.0))))
+    }
+    /// What of a displacement is across it: each component within two quanta.
+    #[inline]
+    #[must_use]
+    pub fn across(&self, v: Vector<Position<N>>) -> Vector<Position<N>> {
+        v - self.times(self.component(v))
+    }
+    /// The other way.
+    #[inline(always)]
+    #[must_use]
+    pub fn opposite(&self) -> Self {
+        Self(self.0.map(N::neg))
+    }
+    /// Turned towards another by the angle of which the cosine and the sine are given, to a few quanta; itself where the two are
+    /// parallel or opposite.
+    #[inline]
+    #[must_use]
+    pub fn turned(&self, towards: &Self, turn: &Turn<N>) -> Self {
+        let across = self.across(Vector(towards.0.map(Position)));
+        // Twice: between nearly parallel directions the first is short, and its rounding is not.
+        let side = Self::of(across)
+            .map(|side| self.across(Vector(side.0.map(Position))))
+            .and_then(Self::of);
+        let Some(side) = side else {
+            return *self;
+        };
+        let parts = self.times(Position(turn.cosine)) + side.times(Position(turn.sine));
+        Self::of(parts).unwrap_or(*self)
+    }
+}
+
+/// An angle between 0 and a right one, by its cosine and sine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn<N: Spatial> {
+    /// Its cosine.
+    pub cosine: N::Signal,
+    /// Its sine.
+    pub sine: N::Signal,
+}

@@ -1,0 +1,68 @@
+//! `touchstone accuracy`: what accuracy costs in time.
+
+use super::out::{json, quiet, say};
+use super::report_options::program;
+use super::{command_line, interrupt, out};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use touchstone_lab::accuracy::{Machine, Options as Asked, figures, measure, table};
+use touchstone_lab::report::{check_folder, folder};
+use touchstone_sim::error::Result;
+
+/// Options of `accuracy`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Folder for the diagrams as SVG and all figures as JSON; without it they are only printed.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Fewer substeps, rates and repeats: some seconds instead of some minutes, not to be published.
+    #[arg(long)]
+    quick: bool,
+    /// Replaces what another command left in the folder.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let command = command_line();
+    if let Some(folder) = &options.out {
+        check_folder(folder, &command, options.force)?;
+        interrupt::sweep(folder);
+        interrupt::clean_up()?;
+    }
+    let asked = Asked {
+        quick: options.quick,
+    };
+    let bar = if quiet() || json() {
+        ProgressBar::hidden()
+    } else {
+        ProgressBar::new(asked.rounds())
+    };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} rounds, {elapsed}") {
+        bar.set_style(style);
+    }
+    let machine = Machine::here(env!("TOUCHSTONE_COMPILER"));
+    let found = measure(asked, program(), machine, &command, || bar.inc(1));
+    bar.finish_and_clear();
+    let mut found = found?;
+    if let Some(folder) = &options.out {
+        let mut files = figures::all(&found);
+        let names = files.iter().map(|(name, _)| name.clone());
+        found.files = names.chain(["results.json".to_owned()]).collect();
+        let text = format!("{:#}\n", serde_json::json!(found));
+        files.push(("results.json".to_owned(), text));
+        folder::publish(folder, &command, options.force, &files)?;
+    }
+    out::result(
+        || serde_json::json!(found),
+        || {
+            say!("{}", table::render(&found).trim_end());
+            if let Some(folder) = &options.out {
+                say!("");
+                say!("diagrams and results.json: {}", folder.display());
+            }
+            Ok(())
+        },
+    )
+}

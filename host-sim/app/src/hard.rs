@@ -1,0 +1,83 @@
+//! `touchstone hard`: the hard cases, each against what must come out.
+
+use super::out;
+use super::out::{json, note, quiet, say, tell};
+use super::report_options::program;
+use std::process::ExitCode;
+use touchstone_lab::hard::{Effort, cases, run, table};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::nearest;
+
+/// Exit code where a case does not come out as it must.
+const FAILED: u8 = 3;
+
+/// Options of `hard`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Only the cases of this name; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Names the cases, with what is hard and what knows the answer, and runs none.
+    #[arg(long)]
+    list: bool,
+    /// 10^9 ticks where the sample does 10^7: minutes instead of seconds.
+    #[arg(long)]
+    long: bool,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<ExitCode> {
+    let all = cases();
+    let names: Vec<&str> = all.iter().map(|case| case.name).collect();
+    for wanted in &options.only {
+        if !names.contains(&wanted.as_str()) {
+            return Err(Error::Option {
+                option: format!("--only {wanted}"),
+                problem: "no such case".to_owned(),
+                fix: match nearest(wanted, &names) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => "touchstone hard --list names them".to_owned(),
+                },
+            });
+        }
+    }
+    let chosen: Vec<_> = all
+        .into_iter()
+        .filter(|case| options.only.is_empty() || options.only.iter().any(|name| name == case.name))
+        .collect();
+    if options.list {
+        let entry = |case: &touchstone_lab::hard::Case| serde_json::json!({"name": case.name, "about": case.about, "oracle": case.oracle, "unit": case.unit});
+        out::result(
+            || serde_json::json!({ "cases": chosen.iter().map(entry).collect::<Vec<_>>() }),
+            || {
+                for case in &chosen {
+                    say!("{:24}{}", case.name, case.about);
+                    say!("{:24}by: {}", "", case.oracle);
+                }
+                Ok(())
+            },
+        )?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let effort = Effort { long: options.long };
+    // Cases run side by side and end in any order: progress goes to standard error, the table comes in order.
+    let found = run(&chosen, effort, program(), |outcome| {
+        if !json() && !quiet() {
+            note!("{} {:.1} s", outcome.name, outcome.seconds);
+        }
+    })?;
+    if json() {
+        say!("{:#}", serde_json::json!(found));
+    } else if quiet() {
+        for outcome in found.cases.iter().filter(|outcome| !outcome.passed) {
+            say!("{}", table::line(outcome));
+        }
+    } else {
+        tell!("{}", table::render(&found).trim_end());
+    }
+    Ok(if found.passed {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(FAILED)
+    })
+}

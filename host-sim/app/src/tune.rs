@@ -1,0 +1,216 @@
+//! `touchstone tune`: settings for a device.
+
+use super::interrupt;
+use super::number;
+use super::out::{self, json, note, say, tell};
+use super::progress;
+use super::report_options::program;
+use super::wall_options::WallOptions;
+use std::path::PathBuf;
+use touchstone_lab::report::{self, Block, Section, pages};
+use touchstone_lab::scorecard::{self, Entry, Scorecard, page, rivals::Rival};
+use touchstone_lab::tune::pareto::{self, Point};
+use touchstone_lab::tune::{self, Effort, Tuned, settings};
+use touchstone_sim::error::{Error, Result};
+
+/// Options of `tune`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Name of a shipped scene, or path of a TOML file with a scene or only its tables [device], [encoder], [timing] and [wall].
+    #[arg(default_value = "thesis-knob")]
+    device: String,
+    #[command(flatten)]
+    wall: WallOptions,
+    /// Law to tune: one of those that `touchstone scorecard --help` lists.
+    #[arg(long, value_name = "NAME", default_value = "enhanced")]
+    law: String,
+    /// Seed of the search: the same finds the same.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Looks for seconds instead of minutes: at fewer devices and fewer settings.
+    #[arg(long)]
+    quick: bool,
+    /// What ripple may be on the nominal device, N·m; default: 0.6 of that of a difference spring-damper which holds the same
+    /// delays, 1.1 of it where that is a whole tick.
+    #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
+    ripple: Option<f64>,
+    /// Writes the settings to this file, for `touchstone config import` and for `--settings`.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Writes a page with scorecard, Pareto table and its plot, results.json and the settings to this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Replaces what another command left in the folder.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let scene = options.wall.load(&options.device)?;
+    let rival = Rival::named(&options.law)?;
+    let command = super::command_line();
+    if let Some(folder) = &options.report {
+        report::check_folder(folder, &command, options.force)?;
+        interrupt::clean_up()?;
+        interrupt::sweep(folder);
+    }
+    let asked = tune::Options {
+        seed: options.seed,
+        effort: match options.quick {
+            true => Effort::Quick,
+            false => Effort::Full,
+        },
+        ripple_n_m: options.ripple,
+    };
+    let bar = progress::bar(1, "searching");
+    let tuned = tune::tune(&scene, rival, &asked, |done, all| {
+        bar.set_length(all);
+        bar.set_position(done);
+    })?;
+    bar.set_message("what it costs");
+    bar.set_length(pareto::count(&tuned, options.quick));
+    bar.set_position(0);
+    let points = pareto::points(&tuned, options.quick, || bar.inc(1));
+    bar.finish_and_clear();
+    let entry = Entry {
+        rival,
+        scene: tuned.scene.clone(),
+        tuned: true,
+    };
+    let card = scorecard::with_reference(&scene, &[entry], tuned.reference, |_| ());
+    let text = settings::toml(&tuned);
+    if let Some(file) = &options.out {
+        std::fs::write(file, &text).map_err(|error| Error::Io {
+            path: file.clone(),
+            problem: error.to_string(),
+            fix: "choose another file".to_owned(),
+        })?;
+    }
+    if let Some(folder) = &options.report {
+        written(options, folder, &command, &tuned, &card, &points, &text)?;
+    }
+    if json() {
+        return out::print(format_args!("{:#}\n", value(&tuned, &card, &points)));
+    }
+    print(&tuned, &card, &points)?;
+    match &options.out {
+        Some(file) => tell!("settings  {}", file.display()),
+        None => say!("\n{}", text.trim_end()),
+    }
+    if !card.rows.iter().all(|row| row.passes) {
+        note!(
+            "note: no setting was found that holds every device within every limit; `touchstone certify` says what a wall lacks"
+        );
+    }
+    Ok(())
+}
+
+fn value(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> serde_json::Value {
+    let settings: serde_json::Map<String, serde_json::Value> = tuned
+        .parameters
+        .iter()
+        .map(|(path, value)| ((*path).to_owned(), (*value).into()))
+        .collect();
+    serde_json::json!({
+        "law": tuned.rival.name,
+        "seed": tuned.seed,
+        "evaluations": tuned.evaluations,
+        "settings": settings,
+        "scorecard": card,
+        "pareto": points,
+    })
+}
+
+fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
+    say!("{}", page::text(card).trim_end());
+    say!("");
+    say!("{}", page::devices(card).trim_end());
+    say!("");
+    say!(
+        "{} settings were looked at (seed {})",
+        tuned.evaluations,
+        tuned.seed
+    );
+    for (path, value) in &tuned.parameters {
+        say!("  {path} = {value}");
+    }
+    say!("");
+    if points.is_empty() {
+        say!("no setting near this one holds every device, so there is nothing to weigh");
+        return Ok(());
+    }
+    say!("what it costs: settings that hold every device, none better in all three than another");
+    for row in table(points).iter().map(|row| row.join("  ")) {
+        say!("  {row}");
+    }
+    Ok(())
+}
+
+const COLUMNS: [&str; 4] = [
+    "k_de N·m/rad",
+    "ripple mN·m",
+    "delay margin ticks",
+    "estimator Hz",
+];
+
+fn table(points: &[Point]) -> Vec<Vec<String>> {
+    let mut rows = vec![COLUMNS.map(str::to_owned).to_vec()];
+    rows.extend(points.iter().filter(|point| point.best).map(|point| {
+        vec![
+            format!("{:>12.3}", point.k_desired),
+            format!("{:>11.3}", 1e3 * point.ripple_rms_n_m),
+            format!("{:>18.2}", point.delay_margin_ticks),
+            point
+                .bandwidth_hz
+                .map_or_else(|| format!("{:>12}", "–"), |hz| format!("{hz:>12.1}")),
+        ]
+    }));
+    rows
+}
+
+fn written(
+    options: &Options,
+    folder: &std::path::Path,
+    command: &str,
+    tuned: &Tuned,
+    card: &Scorecard,
+    points: &[Point],
+    text: &str,
+) -> Result<()> {
+    let picture = report::standalone("Ripple, stiffness and delay", &[pareto::figure(points)]);
+    let mut sections = page::sections(card);
+    let mut rows = table(points);
+    let header = rows.remove(0);
+    sections.push(Section {
+        title: "What it costs".to_owned(),
+        body: vec![
+            Block::Figure(picture.clone()),
+            Block::Table {
+                caption: "Settings that hold every device, none better in stiffness, ripple and delay at once than another.".to_owned(),
+                header,
+                rows,
+            },
+        ],
+        folded: false,
+    });
+    let value = value(tuned, card, points);
+    let files = [
+        ("settings.toml".to_owned(), text.to_owned()),
+        ("pareto.svg".to_owned(), picture),
+    ];
+    let title = format!("Tuned: {} for {}", tuned.rival.name, card.scene);
+    let page = pages::Page {
+        title: &title,
+        intro: "Settings for a device, judged by what a hand feels of them.",
+        command,
+        program: program(),
+        sections: &sections,
+        results: ("tuned", &value),
+        files: &files,
+        force: options.force,
+    };
+    let written = pages::write(&page, folder)?;
+    tell!("page  {}", written.page.display());
+    Ok(())
+}

@@ -1,0 +1,45 @@
+//! Options that change a scene for a command which chooses laws itself.
+
+use super::scene_options::refuse_replaced;
+use std::path::PathBuf;
+use touchstone_sim::error::Result;
+use touchstone_sim::scene::Scene;
+
+/// Stiffness and fields.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct WallOptions {
+    /// Desired stiffness k_de, N·m/rad; default: the scene's.
+    #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
+    k_desired: Option<String>,
+    /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it.
+    #[arg(long, value_name = "FILE.toml")]
+    settings: Option<PathBuf>,
+    /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+}
+
+/// What the devices and hands of a scorecard replace.
+const REPLACED: [(&str, &str); 3] = [
+    ("law.kind", "laws"),
+    ("operator.grip", "grips"),
+    ("operator.hand", "grips"),
+];
+
+impl WallOptions {
+    /// The scene with the options applied.
+    pub fn load(&self, name: &str) -> Result<Scene> {
+        refuse_replaced("a scorecard", &self.sets, &REPLACED)?;
+        let mut scene = Scene::load(name)?;
+        if let Some(file) = &self.settings {
+            scene = scene.with_settings(file)?;
+        }
+        let scene = scene.with_overrides(&self.sets)?;
+        match &self.k_desired {
+            Some(stiffness) => {
+                scene.with_option("wall.k_desired_n_m_per_rad", stiffness, "--k-desired")
+            }
+            None => Ok(scene),
+        }
+    }
+}

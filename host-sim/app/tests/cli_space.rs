@@ -1,0 +1,78 @@
+//! The comparison in three degrees of freedom from outside.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-space-{test}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn run_in(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_touchstone"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// All claims hold, and the page has the figures of every run.
+#[test]
+fn the_comparison_reproduces_what_the_thesis_claims() {
+    let folder = folder("claims");
+    let out = run_in(&folder, &["thesis", "--dof", "3", "--json"]);
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    let results: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
+    let claims = results["claims"].as_array().expect("claims");
+    assert!(claims.len() >= 9);
+    for claim in claims {
+        assert_eq!(claim["outcome"], "reproduced", "{claim}");
+    }
+    let runs = results["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 30);
+    for run in runs {
+        for (name, value) in run.as_object().expect("a run") {
+            assert!(
+                value.is_string() || value.as_f64().is_some_and(f64::is_finite),
+                "{name}: {value}"
+            );
+        }
+    }
+    let page = std::fs::read_to_string(folder.join("touchstone-report/index.html")).expect("page");
+    assert_eq!(page.matches("<figure class=\"plot\">").count(), 4 * 30);
+    assert!(!page.contains("NaN") && !page.contains("http"));
+    // The same command again replaces it; another one does not.
+    let again = run_in(&folder, &["thesis", "--dof", "3", "--json"]);
+    assert!(again.status.success());
+    let other = run_in(&folder, &["thesis", "--dof", "3", "--quiet"]);
+    assert_eq!(
+        other.status.code(),
+        Some(2),
+        "holds the results of another command"
+    );
+}
+
+#[test]
+fn what_has_no_meaning_is_refused_on_one_line() {
+    let folder = folder("refused");
+    for arguments in [
+        &["thesis", "--dof", "2"][..],
+        &["thesis", "--dof", "0"],
+        &["thesis", "--dof", "3", "--set", "law.k_soft_n_m_per_rad=1"],
+        &["thesis", "--dof", "3", "--strict-passive"],
+        &["thesis", "--dof", "3", "--max-penetration", "0.1"],
+    ] {
+        let out = run_in(&folder, arguments);
+        assert_eq!(out.status.code(), Some(2), "{arguments:?}");
+        let text = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(text.lines().count(), 1, "{arguments:?}: {text}");
+        assert!(text.contains("--dof") || text.contains("--set"), "{text}");
+        assert!(!folder.join("touchstone-report").exists());
+    }
+}

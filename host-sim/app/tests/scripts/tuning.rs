@@ -1,0 +1,84 @@
+//! `scorecard` and `tune` from outside.
+
+use super::{folder, names, run, run_in};
+
+#[test]
+fn a_scorecard_has_a_row_for_every_law_that_was_asked_for() {
+    let folder = folder("scorecard");
+    let arguments = [
+        "scorecard",
+        "thesis-knob",
+        "--k-desired",
+        "0.5",
+        "--law",
+        "spring",
+        "fba",
+        "--out",
+        "card",
+        "--json",
+    ];
+    let said = run_in(&folder, &arguments).ended(0);
+    let card = said.json();
+    let rows = card["rows"].as_array().unwrap();
+    let laws: Vec<_> = rows
+        .iter()
+        .map(|row| row["law"].as_str().unwrap())
+        .collect();
+    assert_eq!(laws, ["spring", "fba"]);
+    assert_eq!(rows[0]["cells"].as_array().unwrap().len(), 9);
+    assert!(
+        rows[0]["cells"][0]["figures"]["phase_deg"]
+            .as_f64()
+            .unwrap()
+            < 1.0
+    );
+    assert_eq!(names(&folder.join("card")), ["index.html", "results.json"]);
+    // Another command's results stay.
+    run_in(&folder, &["scorecard", "--law", "fba", "--out", "card"]).refused(&["card", "--force"]);
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    run(&["tune", "--law", "spring-dampr"])
+        .refused(&["spring-dampr", "did you mean spring-damper?"]);
+    run(&["scorecard", "--set", "law.kind=fba"]).refused(&["law.kind=fba"]);
+    run(&["run", "tap", "--settings", "no-such.toml"]).refused(&["no-such.toml"]);
+    let folder = folder("settings");
+    std::fs::write(folder.join("s.toml"), "[device]\ninertia_kg_m2 = 1e-4\n").unwrap();
+    run_in(&folder, &["run", "tap", "--settings", "s.toml"])
+        .refused(&["s.toml: device.inertia_kg_m2", "law"]);
+}
+
+#[test]
+fn tuned_settings_go_into_a_scene() {
+    let folder = folder("tune");
+    // A law with one parameter, so that it takes no time.
+    let tune = [
+        "tune",
+        "--law",
+        "fba",
+        "--quick",
+        "--k-desired",
+        "1",
+        "--out",
+        "found.toml",
+        "--json",
+    ];
+    let found = run_in(&folder, &tune).ended(0).json();
+    let c_i = &found["settings"]["law.device_damping_n_m_s_per_rad"];
+    let printed = run_in(
+        &folder,
+        &[
+            "run",
+            "tap",
+            "--settings",
+            "found.toml",
+            "--print",
+            "--json",
+        ],
+    );
+    let scene = printed.ended(0).json();
+    assert_eq!(&scene["law"]["device_damping_n_m_s_per_rad"], c_i);
+    assert_eq!(scene["law"]["kind"], "fba");
+    assert_eq!(scene["wall"]["k_desired_n_m_per_rad"], 1.0);
+}

@@ -1,0 +1,204 @@
+//! What a number format costs and what it is off by: every law in every format on the same recorded press.
+
+use serde::Serialize;
+use touchstone_control::{
+    Choice as _, Controller, CountScale, Fixed16, Fixed32, LawKind, Position, Reported, Settings,
+    Si,
+};
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::run::tick::{Recorder, Tick};
+use touchstone_sim::scene::{Preset, Scene};
+
+use super::clock::{Spread, Work, race};
+
+/// Counts a turn of the encoder that the press was recorded with.
+pub const COUNTS_PER_REV: u32 = 40_000;
+
+/// One law in one format.
+#[derive(Debug, Clone, Serialize)]
+pub struct LawPoint {
+    /// Law; `shipped` is the enhanced one with its estimator and its guard, the others stand by themselves.
+    pub law: &'static str,
+    /// Number format.
+    pub number: &'static str,
+    /// Why there is nothing: the format does not hold the law's settings.
+    pub refused: Option<String>,
+    /// Largest difference of the force from the law in `f64`, N·m.
+    pub force_error_n_m: Option<f64>,
+    /// Root of the mean square of that difference, N·m.
+    pub force_error_rms_n_m: Option<f64>,
+    /// Largest difference of the energy that the wall has taken so far, J.
+    pub energy_error_j: Option<f64>,
+    /// The same differences where the law in `f64` is told positions that are larger by one part in 10^12: what the law itself
+    /// makes of nothing.
+    pub force_floor_n_m: f64,
+    /// J.
+    pub energy_floor_j: f64,
+    /// Time per tick.
+    pub time: Option<Spread>,
+}
+
+/// The counts of a run.
+struct Counted(Vec<i64>);
+
+impl Recorder for Counted {
+    fn record(&mut self, tick: &Tick) {
+        let per_rad = f64::from(COUNTS_PER_REV) / std::f64::consts::TAU;
+        self.0.push((tick.angle_rad * per_rad).round() as i64);
+    }
+}
+
+/// A press that goes in and out, as the encoder saw it, and the settings of its law.
+struct Press {
+    counts: Vec<i64>,
+    scale: CountScale,
+    settings: Settings,
+}
+
+impl Press {
+    fn record() -> Result<Self> {
+        let scene = Scene::load("press-wiggle-release")?.with_preset(Preset::Thesis)?;
+        let surface = Si::checked_from_num(scene.wall.surface_rad);
+        let scale = surface.and_then(|surface| CountScale::new(COUNTS_PER_REV, surface));
+        Ok(Self {
+            counts: run::watch(&scene, Counted(Vec::new()))?.0,
+            scale: scale.ok_or_else(|| {
+                scene.error("wall.surface_rad", "too large", "give a value below 2e9")
+            })?,
+            settings: scene.settings()?,
+        })
+    }
+
+    fn positions<N: Reported>(&self) -> Vec<Position<N>> {
+        self.counts
+            .iter()
+            .map(|&count| self.scale.penetration(count))
+            .collect()
+    }
+
+    /// Force at every tick, N·m.
+    fn forces<N: Reported>(&self, law: &Controller<N>, positions: &[Position<N>]) -> Vec<f64> {
+        let mut law = *law;
+        positions.iter().map(|&e| law.tick(e).to_f64()).collect()
+    }
+
+    /// Largest and mean difference of forces, and largest of the energies that they took.
+    fn differences(&self, forces: &[f64], reference: &[f64]) -> [f64; 3] {
+        let step = std::f64::consts::TAU / f64::from(COUNTS_PER_REV);
+        let (mut largest, mut squares, mut energy, mut apart) = (0.0_f64, 0.0, 0.0, 0.0_f64);
+        for (index, (a, b)) in forces.iter().zip(reference).enumerate() {
+            let off = a - b;
+            largest = largest.max(off.abs());
+            squares += off * off;
+            if let Some(next) = self.counts.get(index + 1) {
+                energy += off * (next - self.counts[index]) as f64 * step;
+                apart = apart.max(energy.abs());
+            }
+        }
+        [largest, (squares / forces.len() as f64).sqrt(), apart]
+    }
+}
+
+/// A law in a format, timed; the closure runs the whole press.
+struct Prepared<'a> {
+    point: LawPoint,
+    work: Option<Work<'a>>,
+}
+
+fn prepare<'a, N: Reported>(
+    press: &'a Press,
+    (law, settings): (&'static str, Settings),
+    reference: &Reference,
+) -> Prepared<'a> {
+    let mut point = LawPoint {
+        law,
+        number: N::NAME,
+        refused: None,
+        force_error_n_m: None,
+        force_error_rms_n_m: None,
+        energy_error_j: None,
+        force_floor_n_m: reference.floor[0],
+        energy_floor_j: reference.floor[2],
+        time: None,
+    };
+    let law = match Controller::<N>::new(&settings) {
+        Ok(law) => law,
+        Err(error) => {
+            point.refused = Some(error.to_string());
+            return Prepared { point, work: None };
+        }
+    };
+    let positions = press.positions::<N>();
+    let [force, rms, energy] =
+        press.differences(&press.forces(&law, &positions), &reference.forces);
+    point.force_error_n_m = Some(force);
+    point.force_error_rms_n_m = Some(rms);
+    point.energy_error_j = Some(energy);
+    let work = move || {
+        let mut law = law;
+        positions.iter().map(|&e| law.tick(e).to_f64()).sum()
+    };
+    Prepared {
+        point,
+        work: Some(Box::new(work)),
+    }
+}
+
+/// A law in `f64`, and what it makes of positions that are off by nothing.
+struct Reference {
+    forces: Vec<f64>,
+    floor: [f64; 3],
+}
+
+impl Reference {
+    fn of(press: &Press, settings: &Settings) -> Option<Self> {
+        let law = Controller::<f64>::new(settings).ok()?;
+        let positions = press.positions::<f64>();
+        let moved: Vec<_> = positions
+            .iter()
+            .map(|e| Position::from_f64(e.to_f64() * (1.0 + 1e-12)))
+            .collect();
+        let forces = press.forces(&law, &positions);
+        let floor = press.differences(&press.forces(&law, &moved), &forces);
+        Some(Self { forces, floor })
+    }
+}
+
+/// Every law in every format.
+///
+/// # Errors
+/// A shipped scene that cannot be run.
+pub fn points(repeats: u32, on_round: impl FnMut()) -> Result<Vec<LawPoint>> {
+    let press = Press::record()?;
+    let mut prepared = Vec::new();
+    let alone = LawKind::ALL.iter().map(|&law| {
+        let settings = Settings {
+            law,
+            ..press.settings
+        };
+        (law.word(), settings)
+    });
+    for named in alone.chain([("shipped", Settings::default())]) {
+        let Some(reference) = Reference::of(&press, &named.1) else {
+            continue;
+        };
+        prepared.push(prepare::<Fixed16>(&press, named, &reference));
+        prepared.push(prepare::<Fixed32>(&press, named, &reference));
+        prepared.push(prepare::<f32>(&press, named, &reference));
+        prepared.push(prepare::<f64>(&press, named, &reference));
+    }
+    let (mut points, mut work, mut timed) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, Prepared { point, work: each }) in prepared.into_iter().enumerate() {
+        points.push(point);
+        if let Some(each) = each {
+            work.push(each);
+            timed.push(index);
+        }
+    }
+    let times = race(&mut work, press.counts.len() as f64, repeats, on_round);
+    for (index, time) in timed.into_iter().zip(times) {
+        points[index].time = Some(time);
+    }
+    Ok(points)
+}

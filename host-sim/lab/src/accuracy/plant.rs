@@ -1,0 +1,233 @@
+//! Work and precision of every method on every problem: the error against the reference, and the time for it.
+
+use serde::Serialize;
+use touchstone_control::Choice as _;
+use touchstone_sim::scene::Integrator;
+use touchstone_world::integrator::{
+    ExactLinear, ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4, SemiImplicitEuler,
+    Substepped,
+};
+use touchstone_world::plant::{HeldCoulomb, HeldLinear, Invalid, Kinematics as _, State, Stepper};
+
+use super::clock::{Spread, Work, race};
+use super::problem::{Known, PERIOD_S, Problem};
+
+/// One method with so many substeps on one problem.
+#[derive(Debug, Clone, Serialize)]
+pub struct Point {
+    /// Method, by its name in scenes.
+    pub method: &'static str,
+    /// Substeps a tick; absent for the exact step.
+    pub substeps: Option<u32>,
+    /// Largest error of the angle at any tick's end, rad; absent: the method diverged.
+    pub error_rad: Option<f64>,
+    /// Root of the mean square of that error, rad.
+    pub error_rms_rad: Option<f64>,
+    /// Largest gap in the energy's books so far, over what went through them; absent where the method keeps no books.
+    pub energy_gap: Option<f64>,
+    /// Time per simulated millisecond.
+    pub time: Spread,
+}
+
+/// One problem with every method.
+#[derive(Debug, Clone, Serialize)]
+pub struct Diagram {
+    /// Its name.
+    pub problem: &'static str,
+    /// What is hard about it.
+    pub about: &'static str,
+    /// Simulated milliseconds.
+    pub ticks: usize,
+    /// Stops and starts in them.
+    pub events: u64,
+    /// What the reference itself may be off by, rad.
+    pub reference_floor_rad: f64,
+    /// Every method with every number of substeps.
+    pub points: Vec<Point>,
+}
+
+/// A problem by one method: angles into a slice, and the books' largest gap where they are kept.
+type March<'a> = Box<dyn Fn(&mut [f64]) -> Option<f64> + 'a>;
+
+fn march<'a, S, const N: usize>(plant: S, problem: &'a Problem) -> (March<'a>, March<'a>)
+where
+    S: Stepper<State = State<N>> + Clone + 'a,
+{
+    let start: [f64; N] = std::array::from_fn(|i| problem.start[i]);
+    let audited = plant.clone();
+    let fast = move |angles: &mut [f64]| {
+        let mut state = State::from_array(start);
+        for (angle, &[torque, rest]) in angles.iter_mut().zip(&problem.held) {
+            plant.step(&mut state, torque, rest);
+            *angle = state.position();
+        }
+        None
+    };
+    let audit = move |angles: &mut [f64]| {
+        let mut state = State::from_array(start);
+        let (mut gap, mut throughput, mut worst) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (angle, &[torque, rest]) in angles.iter_mut().zip(&problem.held) {
+            let (stored, from) = (audited.stored_energy_j(&state, rest), state.position());
+            let loss = audited.step_with_loss(&mut state, torque, rest).total_j();
+            let work = torque * (state.position() - from);
+            let gained = audited.stored_energy_j(&state, rest) - stored;
+            gap += work - gained - loss;
+            throughput += work.abs() + gained.abs() + loss.abs();
+            worst = worst.max(gap.abs());
+            *angle = state.position();
+        }
+        Some(worst / throughput.max(f64::MIN_POSITIVE))
+    };
+    (Box::new(fast), Box::new(audit))
+}
+
+fn by<'a, const N: usize>(
+    integrator: Integrator,
+    model: &Model<N>,
+    substeps: u32,
+    problem: &'a Problem,
+) -> Result<(March<'a>, March<'a>), Invalid> {
+    fn of<'a, M: Method<N> + Clone + 'a, const N: usize>(
+        model: &Model<N>,
+        substeps: u32,
+        problem: &'a Problem,
+    ) -> Result<(March<'a>, March<'a>), Invalid> {
+        Ok(march(
+            Substepped::<M, N>::new(model, PERIOD_S, substeps)?,
+            problem,
+        ))
+    }
+    match integrator {
+        Integrator::ImplicitEuler | Integrator::Exact => {
+            of::<ImplicitEuler<N>, N>(model, substeps, problem)
+        }
+        Integrator::ImplicitMidpoint => of::<ImplicitMidpoint<N>, N>(model, substeps, problem),
+        Integrator::SemiImplicitEuler => of::<SemiImplicitEuler<N>, N>(model, substeps, problem),
+        Integrator::RungeKutta4 => of::<RungeKutta4<N>, N>(model, substeps, problem),
+    }
+}
+
+fn exact(problem: &Problem) -> Result<(March<'_>, March<'_>), Invalid> {
+    let device = &problem.device;
+    if let (Some(hand), friction) = (&problem.hand, device.friction) {
+        return Ok(match friction {
+            None => march(HeldLinear::new(device, hand, PERIOD_S)?, problem),
+            Some(_) => march(HeldCoulomb::new(device, hand, PERIOD_S)?, problem),
+        });
+    }
+    let model = Model::with_current_loop(device, problem.current_loop_hz.unwrap_or(1.0))?;
+    let step = ExactLinear::new(&model, PERIOD_S)?;
+    let start = [problem.start[0], problem.start[1], problem.start[2]];
+    let make = || {
+        let (model, step) = (model.clone(), step.clone());
+        let march = move |angles: &mut [f64]| {
+            let mut state = start;
+            for (angle, &held) in angles.iter_mut().zip(&problem.held) {
+                step.step(&model, &mut state, held);
+                *angle = state[0];
+            }
+            None
+        };
+        Box::new(march) as March<'_>
+    };
+    Ok((make(), make()))
+}
+
+/// The error of angles against known ones: largest, and root of the mean square. None where they are no motion of a knob.
+fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
+    let (mut largest, mut squares) = (0.0_f64, 0.0);
+    for (angle, known) in angles.iter().zip(&known.angle_rad) {
+        let off = (angle - known).abs();
+        // A turn off is not an error but another motion.
+        if !(off < std::f64::consts::TAU) {
+            return None;
+        }
+        largest = largest.max(off);
+        squares += off * off;
+    }
+    Some((largest, (squares / angles.len() as f64).sqrt()))
+}
+
+/// Every method on a problem.
+///
+/// # Errors
+/// A plant that cannot be.
+pub fn diagram(
+    problem: &Problem,
+    substeps: &[u32],
+    repeats: u32,
+    on_round: impl FnMut(),
+) -> Result<Diagram, Invalid> {
+    let known = problem.solve();
+    let mut named = vec![(Integrator::Exact.word(), None, exact(problem)?)];
+    for integrator in [
+        Integrator::ImplicitEuler,
+        Integrator::ImplicitMidpoint,
+        Integrator::SemiImplicitEuler,
+        Integrator::RungeKutta4,
+    ] {
+        for &count in substeps {
+            let made = match &problem.hand {
+                Some(hand) => {
+                    let model = Model::held(&problem.device, hand)?;
+                    by(integrator, &model, count, problem)?
+                }
+                None => {
+                    let hz = problem.current_loop_hz.unwrap_or(1.0);
+                    let model = Model::with_current_loop(&problem.device, hz)?;
+                    by(integrator, &model, count, problem)?
+                }
+            };
+            named.push((integrator.word(), Some(count), made));
+        }
+    }
+    let ticks = problem.held.len();
+    let mut angles = vec![0.0; ticks];
+    let mut errors = Vec::new();
+    for (_, _, (fast, audit)) in &named {
+        fast(&mut angles);
+        let error = error(&angles, &known);
+        // Three states have a current loop, whose supply is no part of the books.
+        let gap = if problem.states() == 3 {
+            None
+        } else {
+            audit(&mut angles)
+        };
+        errors.push((error, gap.filter(|gap| gap.is_finite())));
+    }
+    let mut work: Vec<Work> = named
+        .iter()
+        .map(|(_, _, (fast, _))| {
+            let mut angles = vec![0.0; ticks];
+            Box::new(move || {
+                fast(&mut angles);
+                angles[ticks - 1]
+            }) as Work
+        })
+        .collect();
+    let times = race(&mut work, ticks as f64, repeats, on_round);
+    drop(work);
+    let points = named
+        .iter()
+        .zip(errors)
+        .zip(times)
+        .map(
+            |(((method, substeps, _), (error, energy_gap)), time)| Point {
+                method,
+                substeps: *substeps,
+                error_rad: error.map(|(largest, _)| largest),
+                error_rms_rad: error.map(|(_, rms)| rms),
+                energy_gap: error.and(energy_gap),
+                time,
+            },
+        )
+        .collect();
+    Ok(Diagram {
+        problem: problem.name,
+        about: problem.about,
+        ticks,
+        events: known.events,
+        reference_floor_rad: known.floor_rad,
+        points,
+    })
+}

@@ -1,0 +1,211 @@
+//! The problems that every method is set: a plant, and the torques and rest points of every tick, the same for all.
+
+use super::double::Double;
+use super::reference::{Entries, Reference};
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::run::tick::{Recorder, Tick};
+use touchstone_sim::scene::{Preset, Scene};
+use touchstone_world::plant::{Coulomb, Device, Hand, MEDIUM};
+
+/// Ticks are a millisecond.
+pub const PERIOD_S: f64 = 1e-3;
+/// Bandwidth of the stiff current loop, Hz.
+pub const CURRENT_LOOP_HZ: f64 = 5000.0;
+
+/// A problem.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Name in tables and files.
+    pub name: &'static str,
+    /// What is hard about it.
+    pub about: &'static str,
+    /// What is moved.
+    pub device: Device,
+    /// Who holds it.
+    pub hand: Option<Hand>,
+    /// Bandwidth of a current loop before the device, Hz.
+    pub current_loop_hz: Option<f64>,
+    /// State at the start; entries that the plant does not have are 0.
+    pub start: [f64; 4],
+    /// Torque, N·m, and rest point, rad, of every tick.
+    pub held: Vec<[f64; 2]>,
+}
+
+/// The reference's angles, and what is known of them.
+#[derive(Debug, Clone)]
+pub struct Known {
+    /// Angle at the end of every tick, rad.
+    pub angle_rad: Vec<f64>,
+    /// Largest difference from the reference with half as many steps, rad.
+    pub floor_rad: f64,
+    /// Stops and starts.
+    pub events: u64,
+}
+
+const KNOB: Device = Device {
+    inertia: 1e-4,
+    damping: 4e-4,
+    friction: None,
+};
+
+/// Torques of a run as the plant got them.
+struct Torques(Vec<[f64; 2]>);
+
+impl Recorder for Torques {
+    fn record(&mut self, tick: &Tick) {
+        self.0.push([-tick.motor_force_n_m, tick.rest_rad]);
+    }
+}
+
+impl Problem {
+    /// All of them, of so many ticks.
+    ///
+    /// # Errors
+    /// A shipped scene that cannot be run.
+    pub fn all(ticks: u32) -> Result<Vec<Problem>> {
+        let time_s = |tick: u32| PERIOD_S * f64::from(tick);
+        let each = |f: &dyn Fn(f64) -> [f64; 2]| (0..ticks).map(|i| f(time_s(i))).collect();
+        let sticky = Device {
+            friction: Some(Coulomb {
+                kinetic: 2e-3,
+                breakaway: 3e-3,
+            }),
+            ..KNOB
+        };
+        let smooth = Problem {
+            name: "smooth",
+            about: "a held knob without friction, driven by sines",
+            device: KNOB,
+            hand: Some(MEDIUM),
+            current_loop_hz: None,
+            start: [0.1, 2.0, 0.12, -1.0],
+            held: each(&|t| [0.03 * (37.0 * t).sin(), 0.1 + 0.3 * (11.0 * t).sin()]),
+        };
+        let stick_slip = Problem {
+            name: "stick-slip",
+            about: "a held knob with friction, pulled to and fro slowly: it stops and starts again and again",
+            device: sticky,
+            start: [0.1, 0.0, 0.1, 0.0],
+            held: each(&|t| [6e-3 * (23.0 * t).sin(), 0.1 + 0.15 * (9.0 * t).sin()]),
+            ..smooth.clone()
+        };
+        let contact = contact(ticks)?;
+        let current_loop = Problem {
+            name: "current-loop",
+            about: "a free knob behind a current loop of 5 kHz, torque in steps",
+            device: KNOB,
+            hand: None,
+            current_loop_hz: Some(CURRENT_LOOP_HZ),
+            start: [0.0; 4],
+            held: (0..ticks)
+                .map(|tick| [if tick / 8 % 2 == 0 { 0.02 } else { -0.02 }, 0.0])
+                .collect(),
+        };
+        Ok(vec![smooth, stick_slip, contact, current_loop])
+    }
+
+    /// Entries of its state.
+    #[must_use]
+    pub fn states(&self) -> usize {
+        match (&self.hand, self.current_loop_hz) {
+            (Some(_), _) => 4,
+            (None, Some(_)) => 3,
+            (None, None) => 2,
+        }
+    }
+
+    /// Its solution, and how far it can be trusted.
+    #[must_use]
+    pub fn solve(&self) -> Known {
+        // A pole of a few thousand hertz wants short steps; the motion of a knob does not.
+        let steps = if self.current_loop_hz.is_some() {
+            64
+        } else {
+            4
+        };
+        let (coarse, _) = self.march(steps / 2);
+        let (fine, events) = self.march(steps);
+        let floor_rad = coarse
+            .iter()
+            .zip(&fine)
+            .map(|(a, b)| (*a - *b).to_f64().abs())
+            .fold(0.0, f64::max);
+        Known {
+            angle_rad: fine.iter().map(|angle| angle.to_f64()).collect(),
+            floor_rad,
+            events,
+        }
+    }
+
+    fn march(&self, steps: u32) -> (Vec<Double>, u64) {
+        let mut reference = Reference::new(
+            &self.device,
+            self.hand.as_ref(),
+            self.current_loop_hz,
+            steps,
+        );
+        let mut state: Entries = self.start.map(Double::from);
+        let angles = self
+            .held
+            .iter()
+            .map(|&held| {
+                reference.tick(&mut state, held, PERIOD_S);
+                state[0]
+            })
+            .collect();
+        (angles, reference.events)
+    }
+}
+
+/// A knob with friction that is tapped against a wall of 0.8 N·m/rad in steps of the encoder: the torques that the wall answered with.
+fn contact(ticks: u32) -> Result<Problem> {
+    let scene = Scene::load("press-wiggle-release")?
+        .with_preset(Preset::Thesis)?
+        .with_overrides(&[
+            "law.kind=spring".to_owned(),
+            "wall.k_desired_n_m_per_rad=0.8".to_owned(),
+            "encoder.counts_per_rev=40000".to_owned(),
+            "device.friction.kinetic_n_m=1e-3".to_owned(),
+            "device.friction.static_n_m=1.5e-3".to_owned(),
+            "operator.grip=medium".to_owned(),
+        ])?;
+    let device = run::plan::device(&scene);
+    let hand = run::plan::hand(&scene);
+    let motion = touchstone_sim::scene::Motion::from_scene(&scene)?;
+    let start = scene.start_rad(&motion);
+    let mut held = run::watch(&scene, Torques(Vec::new()))?.0;
+    // From shortly before the first force: what is before it is a knob that hangs on a hand.
+    let touch = held
+        .iter()
+        .position(|[torque, _]| *torque != 0.0)
+        .unwrap_or(0);
+    let state = state_before(&scene, touch.saturating_sub(20), start)?;
+    held.drain(..touch.saturating_sub(20));
+    held.truncate(ticks as usize);
+    Ok(Problem {
+        name: "contact",
+        about: "a held knob with friction in a wall of 0.8 N·m/rad that answers in steps of an encoder's count",
+        device,
+        hand,
+        current_loop_hz: None,
+        start: state,
+        held,
+    })
+}
+
+/// The state of a scene's plant before a tick.
+fn state_before(scene: &Scene, tick: usize, start_rad: f64) -> Result<[f64; 4]> {
+    use touchstone_world::plant::{HeldCoulomb, Kinematics as _, State, Stepper as _};
+    let torques = run::watch(scene, Torques(Vec::new()))?.0;
+    let mut state = State::at_rest(start_rad);
+    if let Some(hand) = run::plan::hand(scene)
+        && let Ok(plant) =
+            HeldCoulomb::new(&run::plan::device(scene), &hand, scene.timing.period_s())
+    {
+        for &[torque, rest] in torques.iter().take(tick) {
+            plant.step(&mut state, torque, rest);
+        }
+    }
+    Ok(state.to_array())
+}

@@ -1,0 +1,117 @@
+//! What control rate and encoder do to a wall: a hand that presses, probes and holds.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::scene::{Preset, Scene};
+use touchstone_world::plant::critical_stiffness;
+
+/// One run.
+#[derive(Debug, Clone, Serialize)]
+pub struct SamplingPoint {
+    /// Law; `shipped` is the enhanced one with its estimator and its guard, the others are as the thesis has them.
+    pub law: &'static str,
+    /// Desired stiffness, N·m/rad.
+    pub k_desired_n_m_per_rad: f64,
+    /// Control rate, Hz.
+    pub rate_hz: u32,
+    /// Encoder's counts a turn.
+    pub counts_per_rev: u32,
+    /// How it ended; `refused`: the settings cannot be had at this rate.
+    pub verdict: &'static str,
+    /// Displayed stiffness at rest over the desired one, less 1.
+    pub stiffness_error: Option<f64>,
+    /// Modulus of force over penetration of the probing hand, over the desired stiffness, less 1.
+    pub dynamic_stiffness_error: Option<f64>,
+    /// Phase of the force before the penetration, degrees.
+    pub dynamic_stiffness_phase_deg: Option<f64>,
+    /// Torque's change from tick to tick, rms, N·m.
+    pub ripple_rms_n_m: Option<f64>,
+    /// Most energy that the wall's port gave in any window of time, J.
+    pub energy_out_wall_worst_window_j: Option<f64>,
+    /// Most energy that the hand got in any window of time, J.
+    pub energy_out_worst_window_j: Option<f64>,
+    /// Stiffness at which the loop of this rate with the bare device becomes unstable, by its eigenvalues, N·m/rad.
+    pub k_max_n_m_per_rad: f64,
+}
+
+/// Laws, each with its stiffness: a spring that the slowest rate still holds, and the law that is to hold more.
+const LAWS: [(&str, f64); 3] = [("spring", 0.4), ("enhanced-sfa", 5.0), ("shipped", 5.0)];
+
+/// Every law at every rate and encoder.
+///
+/// # Errors
+/// A scene that cannot be run.
+pub fn points(rates_hz: &[u32], counts_per_rev: &[u32]) -> Result<Vec<SamplingPoint>> {
+    let mut wanted = Vec::new();
+    for law in LAWS {
+        for &rate_hz in rates_hz {
+            for &counts in counts_per_rev {
+                wanted.push((law, rate_hz, counts));
+            }
+        }
+    }
+    wanted
+        .into_par_iter()
+        .map(|(law, rate_hz, counts)| point(law, rate_hz, counts))
+        .collect()
+}
+
+fn point(
+    (law, stiffness): (&'static str, f64),
+    rate_hz: u32,
+    counts: u32,
+) -> Result<SamplingPoint> {
+    let (preset, kind) = match law {
+        "shipped" => (Preset::Shipped, "enhanced-sfa"),
+        law => (Preset::Thesis, law),
+    };
+    let scene = Scene::load("press-wiggle-release")?
+        .with_preset(preset)?
+        .with_overrides(&[
+            format!("law.kind={kind}"),
+            format!("wall.k_desired_n_m_per_rad={stiffness}"),
+            format!("timing.rate_hz={rate_hz}"),
+            format!("encoder.counts_per_rev={counts}"),
+        ])?;
+    let device = touchstone_world::plant::Device {
+        friction: None,
+        ..run::plan::device(&scene)
+    };
+    let k_max_n_m_per_rad =
+        critical_stiffness(&device, None, f64::from(rate_hz), 0.0).unwrap_or(f64::NAN);
+    // Settings that were tuned for one rate need not exist at another: that is a finding, not the end of all others.
+    let Ok(run) = run::run(&scene, false) else {
+        return Ok(SamplingPoint {
+            law,
+            k_desired_n_m_per_rad: stiffness,
+            rate_hz,
+            counts_per_rev: counts,
+            verdict: "refused",
+            stiffness_error: None,
+            dynamic_stiffness_error: None,
+            dynamic_stiffness_phase_deg: None,
+            ripple_rms_n_m: None,
+            energy_out_wall_worst_window_j: None,
+            energy_out_worst_window_j: None,
+            k_max_n_m_per_rad,
+        });
+    };
+    let summary = run.summary;
+    let dynamic = summary.dynamic_stiffness.first();
+    Ok(SamplingPoint {
+        law,
+        k_desired_n_m_per_rad: stiffness,
+        rate_hz,
+        counts_per_rev: counts,
+        verdict: summary.verdict_name(),
+        stiffness_error: summary.k_displayed.map(|k| k / stiffness - 1.0),
+        dynamic_stiffness_error: dynamic.map(|d| d.modulus_n_m_per_rad / stiffness - 1.0),
+        dynamic_stiffness_phase_deg: dynamic.map(|d| d.phase_deg),
+        ripple_rms_n_m: summary.ripple_rms_n_m,
+        energy_out_wall_worst_window_j: Some(summary.energy_out_wall_worst_window_j),
+        energy_out_worst_window_j: Some(summary.energy_out_worst_window_j),
+        k_max_n_m_per_rad,
+    })
+}

@@ -1,0 +1,109 @@
+use super::*;
+use crate::report::plain_schema::misfit;
+
+fn quick() -> Accuracy {
+    let mut rounds = 0;
+    let options = Options { quick: true };
+    let found = measure(
+        options,
+        Program::default(),
+        Machine::here("rustc"),
+        "touchstone accuracy --quick",
+        || rounds += 1,
+    )
+    .unwrap();
+    assert_eq!(rounds, options.rounds());
+    found
+}
+
+#[test]
+fn the_documented_schema_is_this_one() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../docs/schema/accuracy.schema.json"
+    );
+    let text = format!("{:#}\n", schema::schema());
+    if std::env::var_os("TOUCHSTONE_WRITE_SCHEMA").is_some() {
+        std::fs::write(path, &text).unwrap();
+    }
+    assert!(
+        std::fs::read_to_string(path).unwrap() == text,
+        "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone-lab schema"
+    );
+}
+
+/// Errors are no times: what they say holds on every machine, to the bit or nearly.
+#[test]
+fn a_quick_run_says_what_is_known() {
+    let found = quick();
+    let value = serde_json::to_value(&found).unwrap();
+    assert_eq!(misfit(&schema::schema(), &value, ""), None);
+
+    let names: Vec<&str> = found.plant.iter().map(|diagram| diagram.problem).collect();
+    assert_eq!(names, ["smooth", "stick-slip", "contact", "current-loop"]);
+    for diagram in &found.plant {
+        // The reference is far better than what it judges, and the exact step is off by rounding alone: a thousand steps
+        // of an angle below 1 rad.
+        assert!(diagram.reference_floor_rad < 1e-17, "{diagram:?}");
+        let exact = &diagram.points[0];
+        assert!(exact.error_rad.unwrap() < 1e-13, "{exact:?}");
+        assert!(exact.energy_gap.unwrap_or(0.0) < 1e-12, "{exact:?}");
+        // No other method of these substeps comes near it where there are events.
+        if diagram.events > 0 {
+            let best = diagram.points[1..]
+                .iter()
+                .filter_map(|point| point.error_rad)
+                .fold(1.0, f64::min);
+            assert!(best > 1e-9, "{best}");
+        }
+    }
+    assert!(found.plant[1].events >= 4 && found.plant[2].events >= 4);
+    let diverged = |index: usize| {
+        found.plant[index]
+            .points
+            .iter()
+            .filter(|point| point.error_rad.is_none())
+            .count()
+    };
+    // Both explicit methods with one substep behind a current loop of 5 kHz, and nothing else.
+    assert_eq!([0, 1, 2, 3].map(diverged), [0, 0, 0, 2]);
+
+    // The whole diagram is drawn: a sign for each point.
+    for ((name, text), diagram) in figures::all(&found).iter().zip(&found.plant) {
+        assert_eq!(
+            text.matches("class=\"sign").count(),
+            diagram.points.len(),
+            "{name}"
+        );
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{name}");
+    }
+
+    // f64 is its own reference; a spring in fixed32 is within the step of a force, and of a position's 5 N·m/rad.
+    let law = |law: &str, number: &str| {
+        found
+            .law
+            .iter()
+            .find(|point| point.law == law && point.number == number)
+            .unwrap()
+    };
+    assert_eq!(law("spring", "f64").force_error_n_m, Some(0.0));
+    assert!(law("spring", "fixed32").force_error_n_m.unwrap() < 6.0 * FORCE_QUANTUM_N_M);
+    assert!(law("spring", "fixed16").force_error_n_m.unwrap() > 6.0 * FORCE_QUANTUM_N_M);
+
+    let exact = found
+        .closed_loop
+        .iter()
+        .find(|point| point.method == "exact")
+        .unwrap();
+    assert_eq!(exact.path_difference_rad, 0.0);
+    // b/(T/2), which for this device is right to b T/J.
+    assert!(
+        (exact.k_max_n_m_per_rad.unwrap() / 0.8 - 1.0).abs() < 4e-3,
+        "{exact:?}"
+    );
+    let text = table::render(&found);
+    assert!(
+        text.contains("to be within one encoder count") && text.contains("diverged"),
+        "{text}"
+    );
+}

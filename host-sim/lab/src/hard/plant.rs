@@ -1,0 +1,580 @@
+//! Cases of the exact plants.
+
+use super::random::Random;
+use super::{Case, Effort, Finding};
+use crate::accuracy::double::Double;
+use crate::accuracy::reference::Reference;
+use touchstone_sim::error::Result;
+use touchstone_world::plant::{
+    BareCoulomb, BareLinear, Coulomb, Device, FIRM, Hand, HeldCoulomb, HeldLinear, Kinematics as _,
+    LIGHT, MEDIUM, State, Stepper,
+};
+
+const PERIOD_S: f64 = 1e-3;
+pub(super) const KNOB: Device = Device {
+    inertia: 1e-4,
+    damping: 4e-4,
+    friction: None,
+};
+pub(super) const STICKY: Device = Device {
+    friction: Some(Coulomb {
+        kinetic: 2e-3,
+        breakaway: 3e-3,
+    }),
+    ..KNOB
+};
+const UNDAMPED: Hand = Hand {
+    damping: 0.0,
+    pad_damping: 0.0,
+    ..MEDIUM
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "energy-audit",
+        about: "random torques and a hand that jumps, with and without friction",
+        oracle: "books of energy, every tick: work = stored + lost",
+        unit: "of the throughput",
+        run: energy_audit,
+    },
+    Case {
+        name: "mass-ratio",
+        about: "hands from a millionth to a million times the device's inertia",
+        oracle: "books of energy, every tick",
+        unit: "of the throughput",
+        run: mass_ratio,
+    },
+    Case {
+        name: "zero-damping",
+        about: "nothing is lost: 10^6 ticks of an oscillation, and a free fall",
+        oracle: "conserved energy; u t²/(2 J)",
+        unit: "of the value",
+        run: zero_damping,
+    },
+    Case {
+        name: "independent-solver",
+        about: "40 random plants over four decades, held and free, with stops and starts",
+        oracle: "extrapolation of order 16 in double the digits, events located",
+        unit: "rad over the largest angle",
+        run: independent,
+    },
+    Case {
+        name: "stick",
+        about: "nine tenths of the break-away torque for 10^4 ticks",
+        oracle: "a device at rest stays at rest, bit for bit",
+        unit: "rad",
+        run: stick,
+    },
+    Case {
+        name: "break-away",
+        about: "a torque that grows by a step a tick up to the break-away torque and one step beyond",
+        oracle: "the tick at which the torque first exceeds it, and no other",
+        unit: "ticks off",
+        run: break_away,
+    },
+    Case {
+        name: "half-steps",
+        about: "a tick in one step and in two halves",
+        oracle: "Φ(T) = Φ(T/2)²",
+        unit: "of the largest entry",
+        run: half_steps,
+    },
+    Case {
+        name: "jitter",
+        about: "10^4 intervals from a tenth of a tick to three ticks, each crossed at once and in parts",
+        oracle: "Φ(a) Φ(b) = Φ(a + b)",
+        unit: "of the largest entry",
+        run: jitter,
+    },
+    Case {
+        name: "mirror",
+        about: "everything turned round, with stops and starts",
+        oracle: "x to -x, to the bit",
+        unit: "ticks that differ",
+        run: mirror,
+    },
+    Case {
+        name: "powers-of-two",
+        about: "torques, friction, angles times 2^-40 to 2^40",
+        oracle: "the same motion times the power, to the bit",
+        unit: "ticks that differ",
+        run: powers_of_two,
+    },
+    Case {
+        name: "denormals",
+        about: "a velocity that decays for 10^6 ticks until nothing smaller is left",
+        oracle: "v exp(-b t/J): it only ever falls, and the way that is left is v J/b",
+        unit: "of the way",
+        run: denormals,
+    },
+];
+
+fn torque(random: &mut Random) -> [f64; 2] {
+    [0.05 * random.uniform(), 0.3 * random.uniform()]
+}
+
+/// Worst gap of the books over so many ticks of random torques, as a share of what went through them in that tick.
+fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, seed: u64) -> f64 {
+    let mut random = Random::new(seed);
+    let mut state = State::<N>::at_rest(0.1);
+    let mut worst = 0.0_f64;
+    let mut held = torque(&mut random);
+    for tick in 0..ticks {
+        // Now and then, so that a device has time to stop.
+        if tick % 16 == 0 {
+            held = torque(&mut random);
+        }
+        let [u, r] = held;
+        let (stored, from) = (plant.stored_energy_j(&state, r), state.position());
+        let loss = plant.step_with_loss(&mut state, u, r).total_j();
+        let work = u * (state.position() - from);
+        let after = plant.stored_energy_j(&state, r);
+        // The angle itself is rounded, and with it the torque's work.
+        let rounding = u.abs() * f64::EPSILON * state.position().abs();
+        let throughput = work.abs() + stored + after + loss + rounding / 1e-12;
+        worst =
+            worst.max((work - (after - stored) - loss).abs() / throughput.max(f64::MIN_POSITIVE));
+    }
+    worst
+}
+
+/// All four plants of a device and a hand, with and without friction.
+macro_rules! each_plant {
+    ($device:expr, $hand:expr, $interval:expr, |$name:ident, $plant:ident| $body:expr) => {{
+        let (device, hand, interval) = ($device, $hand, $interval);
+        let mut found = Vec::new();
+        {
+            let ($name, $plant) = ("bare", BareLinear::new(&device, interval));
+            found.extend($plant.ok().map(|$plant| $body));
+        }
+        {
+            let ($name, $plant) = ("bare, friction", BareCoulomb::new(&device, interval));
+            found.extend($plant.ok().map(|$plant| $body));
+        }
+        {
+            let ($name, $plant) = ("held", HeldLinear::new(&device, &hand, interval));
+            found.extend($plant.ok().map(|$plant| $body));
+        }
+        {
+            let ($name, $plant) = ("held, friction", HeldCoulomb::new(&device, &hand, interval));
+            found.extend($plant.ok().map(|$plant| $body));
+        }
+        found
+    }};
+}
+
+fn energy_audit(_: Effort) -> Result<Vec<Finding>> {
+    Ok(each_plant!(STICKY, MEDIUM, PERIOD_S, |name, plant| {
+        Finding::new(name, audit(&plant, 20_000, 5), 1e-12)
+    }))
+}
+
+fn mass_ratio(_: Effort) -> Result<Vec<Finding>> {
+    let mut found = Vec::new();
+    for power in (-6..=6).step_by(2) {
+        let hand = Hand {
+            inertia: KNOB.inertia * 10_f64.powi(power),
+            ..MEDIUM
+        };
+        if let Ok(plant) = HeldLinear::new(&KNOB, &hand, PERIOD_S) {
+            found.push(Finding::new(
+                format!("held, 1e{power}"),
+                audit(&plant, 2_000, 7),
+                1e-12,
+            ));
+        }
+        let friction = format!("held, friction, 1e{power}");
+        match HeldCoulomb::new(&STICKY, &hand, PERIOD_S) {
+            Ok(plant) => found.push(Finding::new(friction, audit(&plant, 2_000, 7), 1e-12)),
+            Err(invalid) => found.push(
+                Finding::new(friction, f64::INFINITY, 1e-12).failing(format!("refused: {invalid}")),
+            ),
+        }
+    }
+    Ok(found)
+}
+
+fn zero_damping(_: Effort) -> Result<Vec<Finding>> {
+    const TICKS: u32 = 1_000_000;
+    let device = Device {
+        damping: 0.0,
+        ..KNOB
+    };
+    let mut found = Vec::new();
+    // Each tick rounds four sums; the errors add up like a walk at best, and at worst in a line.
+    let bound = f64::from(TICKS) * 4.0 * f64::EPSILON;
+    if let Ok(plant) = HeldLinear::new(&device, &UNDAMPED, PERIOD_S) {
+        let mut state = State::from_array([0.2, 1.0, -0.1, 0.0]);
+        let before = plant.stored_energy_j(&state, 0.0);
+        for _ in 0..TICKS {
+            plant.step(&mut state, 0.0, 0.0);
+        }
+        let off = (plant.stored_energy_j(&state, 0.0) / before - 1.0).abs();
+        found.push(Finding::new("held, undamped", off, bound));
+    }
+    if let Ok(plant) = BareLinear::new(&device, PERIOD_S) {
+        let mut state = State::from_array([0.0, 0.0]);
+        for _ in 0..TICKS {
+            plant.step(&mut state, 1e-6, 0.0);
+        }
+        let seconds = f64::from(TICKS) * PERIOD_S;
+        let expected = 0.5 * 1e-6 / device.inertia * seconds * seconds;
+        found.push(Finding::new(
+            "bare, undamped",
+            (state.position() / expected - 1.0).abs(),
+            bound,
+        ));
+    }
+    // One whole turn of a device at half the break-away torque: what dry friction alone takes is F |x|.
+    let sticky = Device {
+        damping: 0.0,
+        ..STICKY
+    };
+    if let (Ok(plant), Some(friction)) = (BareCoulomb::new(&sticky, PERIOD_S), sticky.friction) {
+        let mut state = State::from_array([0.0, 5.0]);
+        for _ in 0..1000 {
+            plant.step(&mut state, 0.0, 0.0);
+        }
+        // J v²/(2 F): there it stops, and stays.
+        let expected = 0.5 * sticky.inertia * 25.0 / friction.kinetic;
+        found.push(Finding::new(
+            "bare, friction only",
+            (state.position() / expected - 1.0).abs(),
+            1e-13,
+        ));
+    }
+    Ok(found)
+}
+
+fn independent(_: Effort) -> Result<Vec<Finding>> {
+    let mut random = Random::new(40);
+    let mut found = Vec::new();
+    for index in 0..40 {
+        let friction = (index % 2 == 1).then(|| {
+            let kinetic = random.decades(1e-4, 1e-2);
+            Coulomb {
+                kinetic,
+                breakaway: kinetic * (1.2 + 0.5 * random.uniform().abs()),
+            }
+        });
+        let device = Device {
+            inertia: random.decades(1e-5, 1e-2),
+            damping: random.decades(1e-5, 1e-2),
+            friction,
+        };
+        let hand = (index % 4 >= 2).then(|| Hand {
+            inertia: random.decades(1e-5, 1e-2),
+            damping: random.decades(1e-5, 1e-2),
+            stiffness: random.decades(1e-3, 1.0),
+            pad_damping: random.decades(1e-5, 1e-3),
+            pad_stiffness: random.decades(1e-2, 2.0),
+        });
+        let held: Vec<[f64; 2]> = (0..200)
+            .map(|tick| {
+                let slow = (f64::from(tick) / 20.0).sin();
+                [0.02 * random.uniform(), 0.2 * slow]
+            })
+            .collect();
+        let (off, events) = compare(&device, hand.as_ref(), &held);
+        let name = match (&hand, friction) {
+            (None, None) => "bare",
+            (None, Some(_)) => "bare, friction",
+            (Some(_), None) => "held",
+            (Some(_), Some(_)) => "held, friction",
+        };
+        found.push(Finding::new(
+            format!("{name} {index} ({events} events)"),
+            off,
+            1e-12,
+        ));
+    }
+    Ok(found)
+}
+
+/// Largest difference of the exact plant from the reference over the largest angle, and the events on the way.
+fn compare(device: &Device, hand: Option<&Hand>, held: &[[f64; 2]]) -> (f64, u64) {
+    let mut reference = Reference::new(device, hand, None, 4);
+    let mut known = [Double::ZERO; 4];
+    let expected: Vec<f64> = held
+        .iter()
+        .map(|&each| {
+            reference.tick(&mut known, each, PERIOD_S);
+            known[0].to_f64()
+        })
+        .collect();
+    fn run<const N: usize>(plant: &impl Stepper<State = State<N>>, held: &[[f64; 2]]) -> Vec<f64> {
+        let mut state = State::at_rest(0.0);
+        held.iter()
+            .map(|&[u, r]| {
+                plant.step(&mut state, u, r);
+                state.position()
+            })
+            .collect()
+    }
+    let angles = match (hand, device.friction) {
+        (None, None) => BareLinear::new(device, PERIOD_S).map(|plant| run(&plant, held)),
+        (None, Some(_)) => BareCoulomb::new(device, PERIOD_S).map(|plant| run(&plant, held)),
+        (Some(hand), None) => {
+            HeldLinear::new(device, hand, PERIOD_S).map(|plant| run(&plant, held))
+        }
+        (Some(hand), Some(_)) => {
+            HeldCoulomb::new(device, hand, PERIOD_S).map(|plant| run(&plant, held))
+        }
+    };
+    let Ok(angles) = angles else {
+        return (f64::INFINITY, 0);
+    };
+    let largest = expected
+        .iter()
+        .fold(1e-3_f64, |most, angle| most.max(angle.abs()));
+    let off = angles
+        .iter()
+        .zip(&expected)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
+    (off / largest, reference.events)
+}
+
+fn stick(_: Effort) -> Result<Vec<Finding>> {
+    // Without a hand the torque holds; in a hand the rest point stays where the device is.
+    let found = each_plant!(STICKY, MEDIUM, PERIOD_S, |name, plant| {
+        let mut state = State::at_rest(0.1);
+        for _ in 0..10_000 {
+            plant.step(&mut state, 0.9 * 3e-3, 0.1);
+        }
+        Finding::new(name, (state.position() - 0.1).abs(), 0.0)
+    });
+    Ok(found
+        .into_iter()
+        .map(|finding| {
+            if finding.subject.contains("friction") {
+                finding
+            } else {
+                finding.failing("has no friction: the torque moves it")
+            }
+        })
+        .collect())
+}
+
+fn break_away(_: Effort) -> Result<Vec<Finding>> {
+    // 3e-3 N·m in 1000 steps that are exact in binary, so that the torque meets the level to the bit.
+    let friction = Coulomb {
+        kinetic: 0.001_953_125,
+        breakaway: 0.003_906_25,
+    };
+    let device = Device {
+        friction: Some(friction),
+        ..KNOB
+    };
+    let step = friction.breakaway / 1024.0;
+    let tick_of = |move_on: &mut dyn FnMut(f64) -> f64| {
+        let first = (1..2000_u32).find(|&tick| move_on(step * f64::from(tick)) != 0.0);
+        first.map_or(f64::INFINITY, |tick| (f64::from(tick) - 1025.0).abs())
+    };
+    let mut found = Vec::new();
+    for sign in [1.0, -1.0] {
+        if let Ok(plant) = BareCoulomb::new(&device, PERIOD_S) {
+            let mut state = State::at_rest(0.0);
+            let off = tick_of(&mut |torque| {
+                plant.step(&mut state, sign * torque, 0.0);
+                state.velocity()
+            });
+            found.push(Finding::new(format!("bare, {sign:+}"), off, 0.0));
+        }
+        // A hand whose pad does not strain while the device rests adds nothing.
+        if let Ok(plant) = HeldCoulomb::new(&device, &LIGHT, PERIOD_S) {
+            let mut state = State::at_rest(0.0);
+            let off = tick_of(&mut |torque| {
+                plant.step(&mut state, sign * torque, 0.0);
+                state.velocity()
+            });
+            found.push(Finding::new(format!("held, {sign:+}"), off, 0.0));
+        }
+    }
+    Ok(found)
+}
+
+fn half_steps(_: Effort) -> Result<Vec<Finding>> {
+    let mut found = Vec::new();
+    for (name, hand) in [("light", LIGHT), ("medium", MEDIUM), ("firm", FIRM)] {
+        for device in [KNOB, STICKY] {
+            let halves = each_plant!(device, hand, 0.5 * PERIOD_S, |kind, plant| {
+                (kind, walked(&plant, 2))
+            });
+            let wholes = each_plant!(device, hand, PERIOD_S, |_kind, plant| walked(&plant, 1));
+            for ((kind, twice), once) in halves.into_iter().zip(wholes) {
+                let off = twice
+                    .iter()
+                    .zip(&once)
+                    .map(|(a, b)| (a - b).abs())
+                    .fold(0.0, f64::max);
+                // 1000 ticks of states of order 1, each rounded a few times.
+                found.push(Finding::new(format!("{kind}, {name}"), off, 1e-11));
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn walked<const N: usize>(plant: &impl Stepper<State = State<N>>, steps: u32) -> Vec<f64> {
+    let mut random = Random::new(3);
+    let mut state = State::at_rest(0.1);
+    (0..1000)
+        .map(|_| {
+            let [u, r] = torque(&mut random);
+            for _ in 0..steps {
+                plant.step(&mut state, 0.1 * u, 0.1 + 0.1 * r);
+            }
+            state.position()
+        })
+        .collect()
+}
+
+fn jitter(_: Effort) -> Result<Vec<Finding>> {
+    let mut random = Random::new(11);
+    let mut worst = [0.0_f64; 4];
+    let names = ["bare", "bare, friction", "held", "held, friction"];
+    for _ in 0..2_500 {
+        let (first, second) = (
+            PERIOD_S * random.decades(0.1, 1.5),
+            PERIOD_S * random.decades(0.1, 1.5),
+        );
+        let start = [
+            0.1 * random.uniform(),
+            2.0 * random.uniform(),
+            0.1 * random.uniform(),
+            2.0 * random.uniform(),
+        ];
+        let [u, r] = torque(&mut random);
+        macro_rules! parts {
+            ($index:expr, $make:expr, $count:expr) => {
+                let make = $make;
+                if let (Ok(a), Ok(b), Ok(all)) = (make(first), make(second), make(first + second)) {
+                    let begin: [f64; $count] = std::array::from_fn(|i| start[i]);
+                    let (mut parts, mut once) =
+                        (State::from_array(begin), State::from_array(begin));
+                    a.step(&mut parts, u, r);
+                    b.step(&mut parts, u, r);
+                    all.step(&mut once, u, r);
+                    // What decays within the interval decays to the rounding of what it was.
+                    let scale = State::from_array(begin);
+                    worst[$index] = worst[$index].max(relative(&parts, &once, &scale));
+                }
+            };
+        }
+        parts!(0, |h| BareLinear::new(&KNOB, h), 2);
+        parts!(1, |h| BareCoulomb::new(&STICKY, h), 2);
+        parts!(2, |h| HeldLinear::new(&KNOB, &MEDIUM, h), 4);
+        parts!(3, |h| HeldCoulomb::new(&STICKY, &MEDIUM, h), 4);
+    }
+    Ok(names
+        .into_iter()
+        .zip(worst)
+        .map(|(name, worst)| Finding::new(name, worst, 1e-13))
+        .collect())
+}
+
+/// Largest difference of two states over their largest entries before or after, angles and velocities apart.
+fn relative<const N: usize>(a: &State<N>, b: &State<N>, before: &State<N>) -> f64 {
+    let (a, b, before) = (a.to_array(), b.to_array(), before.to_array());
+    let mut worst = 0.0_f64;
+    for parity in 0..2 {
+        let scale = (parity..N).step_by(2).fold(f64::MIN_POSITIVE, |most, i| {
+            most.max(b[i].abs()).max(before[i].abs())
+        });
+        for i in (parity..N).step_by(2) {
+            worst = worst.max((a[i] - b[i]).abs() / scale);
+        }
+    }
+    worst
+}
+
+fn mirror(_: Effort) -> Result<Vec<Finding>> {
+    Ok(each_plant!(STICKY, MEDIUM, PERIOD_S, |name, plant| {
+        Finding::new(name, scaled(&plant, &plant, -1.0), 0.0)
+    }))
+}
+
+/// Ticks at which the plant does not do `factor` times what the other does under a `factor`th of everything.
+fn scaled<const N: usize, S: Stepper<State = State<N>>>(plant: &S, scaled: &S, factor: f64) -> f64 {
+    let mut random = Random::new(17);
+    let (mut state, mut other) = (State::<N>::at_rest(0.0), State::<N>::at_rest(0.0));
+    let mut differ = 0.0;
+    for tick in 0..5000 {
+        let [u, r] = torque(&mut random);
+        // Some ticks of rest for the device to stop in.
+        let u = if tick % 64 < 32 { u } else { 0.0 };
+        plant.step(&mut state, u, r);
+        scaled.step(&mut other, factor * u, factor * r);
+        let same = state
+            .to_array()
+            .iter()
+            .zip(other.to_array())
+            .all(|(a, b)| factor * a == b);
+        differ += f64::from(u8::from(!same));
+    }
+    differ
+}
+
+fn powers_of_two(_: Effort) -> Result<Vec<Finding>> {
+    let mut found = Vec::new();
+    for power in [-40, -3, 7, 40] {
+        let factor = 2_f64.powi(power);
+        let friction = STICKY.friction.map(|friction| Coulomb {
+            kinetic: factor * friction.kinetic,
+            breakaway: factor * friction.breakaway,
+        });
+        let larger = Device { friction, ..STICKY };
+        let name = |kind: &str| format!("{kind}, 2^{power}");
+        macro_rules! pair {
+            ($kind:expr, $make:expr) => {
+                let make = $make;
+                if let (Ok(a), Ok(b)) = (make(&STICKY), make(&larger)) {
+                    found.push(Finding::new(name($kind), scaled(&a, &b, factor), 0.0));
+                }
+            };
+        }
+        pair!("bare", |d: &Device| BareLinear::new(d, PERIOD_S));
+        pair!("bare, friction", |d: &Device| BareCoulomb::new(d, PERIOD_S));
+        pair!("held", |d: &Device| HeldLinear::new(d, &MEDIUM, PERIOD_S));
+        pair!("held, friction", |d: &Device| HeldCoulomb::new(
+            d, &MEDIUM, PERIOD_S
+        ));
+    }
+    Ok(found)
+}
+
+fn denormals(_: Effort) -> Result<Vec<Finding>> {
+    let mut found = Vec::new();
+    if let Ok(plant) = BareLinear::new(&KNOB, PERIOD_S) {
+        let mut state = State::from_array([0.0, 1.0]);
+        let mut before = 1.0;
+        let mut rises = 0_u32;
+        for _ in 0..1_000_000 {
+            plant.step(&mut state, 0.0, 0.0);
+            rises += u32::from(state.velocity() > before || state.velocity() < 0.0);
+            before = state.velocity();
+        }
+        found.push(Finding::new("bare, ticks that rise", f64::from(rises), 0.0));
+        // Rounding stops it at the last denormals, some 250 of them: b T/J is 4e-3 and half a step of 1/250 is none.
+        found.push(Finding::new("bare, what is left", state.velocity(), 1e-321));
+        let way = KNOB.inertia / KNOB.damping;
+        found.push(Finding::new(
+            "bare, way",
+            (state.position() / way - 1.0).abs(),
+            1e-13,
+        ));
+    }
+    if let Ok(plant) = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S) {
+        let mut state = State::from_array([0.3, 1.0, 0.2, -1.0]);
+        for _ in 0..1_000_000 {
+            plant.step(&mut state, 0.0, 0.0);
+        }
+        found.push(Finding::new(
+            "held, what is left",
+            plant.stored_energy_j(&state, 0.0),
+            0.0,
+        ));
+    }
+    Ok(found)
+}

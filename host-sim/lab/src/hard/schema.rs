@@ -1,0 +1,71 @@
+//! The JSON schema of what `touchstone hard` finds. `docs/schema/hard.schema.json` is its text.
+
+use serde_json::Value;
+
+use crate::report::plain_schema::{array, document, object};
+
+/// The schema.
+#[must_use]
+pub fn schema() -> Value {
+    let program = object(
+        &[
+            ("name", "string", "the program"),
+            ("version", "string", "its version"),
+            ("commit", "string?", "commit that it was built from"),
+            (
+                "modified",
+                "boolean",
+                "whether its sources differed from the commit",
+            ),
+        ],
+        &[],
+    );
+    let finding = object(
+        &[
+            (
+                "subject",
+                "string",
+                "plant, integrator, or law with its number format",
+            ),
+            (
+                "value",
+                "number?",
+                "what was measured, in the case's unit; null: beyond all numbers",
+            ),
+            ("bound", "number", "what it may be at most"),
+            (
+                "fails_because",
+                "string?",
+                "why it is known to be more; null: it must hold",
+            ),
+        ],
+        &[],
+    );
+    let case = object(
+        &[
+            ("name", "string", "name of the case"),
+            ("about", "string", "what is hard"),
+            ("oracle", "string", "what knows the answer"),
+            ("unit", "string", "unit of values and bounds"),
+            (
+                "passed",
+                "boolean",
+                "everything came out as it must, expected failures included",
+            ),
+            ("seconds", "number", "time it took; s"),
+        ],
+        &[("findings", array(finding))],
+    );
+    document(
+        "Hard cases of Touchstone",
+        "What `touchstone hard --json` prints.",
+        object(
+            &[
+                ("schema_version", "integer", "version of this layout"),
+                ("long", "boolean", "whether the long form ran"),
+                ("passed", "boolean", "whether every case passed"),
+            ],
+            &[("program", program), ("cases", array(case))],
+        ),
+    )
+}

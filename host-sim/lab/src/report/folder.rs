@@ -1,0 +1,31 @@
+//! A folder of results that are not runs of scenes: whole or not at all, and never over what another command left.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::previous;
+use super::staging::{Staging, io_error};
+use touchstone_sim::error::Result;
+
+/// Writes files, one of which is the `results.json` that names `command` and lists them all.
+///
+/// # Errors
+/// [`touchstone_sim::error::Error::Io`], on one line and with the fix, where the folder holds the results of another command or
+/// cannot be written; then nothing in it has changed.
+pub fn publish(
+    folder: &Path,
+    command: &str,
+    force: bool,
+    files: &[(String, String)],
+) -> Result<Vec<PathBuf>> {
+    let names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
+    let stale = previous::stale(folder, command, force, &names)?;
+    let staging = Staging::new(folder).map_err(|error| io_error(folder, &error))?;
+    let paths: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+    files
+        .iter()
+        .try_for_each(|(name, text)| fs::write(staging.path.join(name), text))
+        .and_then(|()| staging.publish(&paths, &stale))
+        .map_err(|error| io_error(folder, &error))?;
+    Ok(paths)
+}

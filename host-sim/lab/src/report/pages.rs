@@ -1,0 +1,70 @@
+//! A folder with a page of sections, `results.json` and further files: for commands that compare more than runs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::staging::{Staging, io_error};
+use super::{Program, Section, Written, html, previous};
+use touchstone_sim::error::Result;
+
+/// What goes into the folder.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// Heading.
+    pub title: &'a str,
+    /// What was done, in a sentence or two.
+    pub intro: &'a str,
+    /// The command line that makes it again.
+    pub command: &'a str,
+    /// The program that ran.
+    pub program: Program,
+    /// The page, from top to bottom.
+    pub sections: &'a [Section],
+    /// What `results.json` has of it, under the name given.
+    pub results: (&'a str, &'a Value),
+    /// Further files: their names and texts.
+    pub files: &'a [(String, String)],
+    /// Replaces what another command left in the folder.
+    pub force: bool,
+}
+
+/// Writes it: complete or not at all, like a report of runs.
+///
+/// # Errors
+/// As [`super::write()`].
+pub fn write(page: &Page, folder: &Path) -> Result<Written> {
+    let mut names: Vec<String> = page.files.iter().map(|(name, _)| name.clone()).collect();
+    names.extend(["results.json", "index.html"].map(str::to_owned));
+    let stale = previous::stale(folder, page.command, page.force, &names)?;
+    let (key, results) = page.results;
+    let results = json!({
+        "command": page.command,
+        "version": page.program.version,
+        "commit": page.program.commit,
+        "modified": page.program.modified,
+        "files": names,
+        key: results,
+    });
+    let html = html::of_sections(page);
+    let mut texts: Vec<(&str, String)> = page
+        .files
+        .iter()
+        .map(|(name, text)| (name.as_str(), text.clone()))
+        .collect();
+    texts.push(("results.json", format!("{results:#}\n")));
+    texts.push(("index.html", html));
+    let staging = Staging::new(folder).map_err(|error| io_error(folder, &error))?;
+    let files: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+    let written = texts
+        .iter()
+        .try_for_each(|(name, text)| fs::write(staging.path.join(name), text))
+        .and_then(|()| staging.publish(&files, &stale));
+    written.map_err(|error| io_error(folder, &error))?;
+    Ok(Written {
+        page: folder.join("index.html"),
+        files,
+        bytes: texts.iter().map(|(_, text)| text.len() as u64).sum(),
+    })
+}

@@ -1,0 +1,85 @@
+//! JSON schemas of flat records, made from lists of their fields.
+
+use serde_json::{Map, Value, json};
+
+/// A field: name, type, meaning with unit. Types are `number`, `integer`, `string`, `boolean`; with `?` at the end also null.
+pub type Field = (&'static str, &'static str, &'static str);
+
+fn leaf((_, kind, meaning): &Field) -> Value {
+    match kind.strip_suffix('?') {
+        Some(kind) => json!({"type": [kind, "null"], "description": meaning}),
+        None => json!({"type": kind, "description": meaning}),
+    }
+}
+
+/// An object of these fields, and of further ones whose schemas are given.
+pub fn object(fields: &[Field], further: &[(&str, Value)]) -> Value {
+    let mut properties: Map<String, Value> = fields
+        .iter()
+        .map(|field| (field.0.to_owned(), leaf(field)))
+        .collect();
+    properties.extend(
+        further
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), value.clone())),
+    );
+    let required: Vec<&String> = properties.keys().collect();
+    json!({
+        "type": "object",
+        "required": required,
+        "additionalProperties": false,
+        "properties": properties,
+    })
+}
+
+/// An array of such objects.
+pub fn array(items: Value) -> Value {
+    json!({"type": "array", "items": items})
+}
+
+/// The whole document.
+pub fn document(title: &str, description: &str, mut object: Value) -> Value {
+    object["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    object["title"] = title.into();
+    object["description"] = description.into();
+    object
+}
+
+/// What of a value does not fit a schema of this module, as a path; for tests.
+pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
+    let types: Vec<&str> = match &schema["type"] {
+        Value::String(one) => vec![one],
+        Value::Array(several) => several.iter().filter_map(Value::as_str).collect(),
+        _ => return Some(format!("{path}: the schema names no type")),
+    };
+    let fits = types.iter().any(|kind| match *kind {
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "null" => value.is_null(),
+        "array" => value.is_array(),
+        "object" => value.is_object(),
+        _ => false,
+    });
+    if !fits {
+        return Some(format!("{path}: {value} is not {types:?}"));
+    }
+    if let Some(items) = value.as_array() {
+        return items
+            .iter()
+            .enumerate()
+            .find_map(|(index, item)| misfit(&schema["items"], item, &format!("{path}[{index}]")));
+    }
+    let fields = value.as_object()?;
+    let properties = schema["properties"].as_object()?;
+    if let Some(missing) = properties.keys().find(|name| !fields.contains_key(*name)) {
+        return Some(format!("{path}.{missing} is missing"));
+    }
+    fields
+        .iter()
+        .find_map(|(name, value)| match properties.get(name) {
+            Some(schema) => misfit(schema, value, &format!("{path}.{name}")),
+            None => Some(format!("{path}.{name} is not in the schema")),
+        })
+}

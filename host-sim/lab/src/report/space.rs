@@ -1,0 +1,255 @@
+//! The page of the comparison in three degrees of freedom: claims, a table, and the figures of every run, folded.
+
+use std::fmt::Write;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use touchstone_sim::error::Result;
+
+use super::staging::{Staging, io_error};
+use super::svg::{self, Size, escape};
+use super::write::Written;
+use super::{FileOptions, Program, previous};
+use crate::thesis::claims::Claim;
+use crate::thesis::space::{Phase, Record, figures};
+
+const SIZE: Size = Size {
+    width: 460,
+    height: 280,
+};
+const PAGE: &str = "index.html";
+const RESULTS: &str = "results.json";
+
+/// What the page is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Input<'a> {
+    /// The command line that makes it again.
+    pub command: &'a str,
+    /// The program that ran.
+    pub program: Program,
+    /// What is written over what.
+    pub files: FileOptions,
+    /// The runs.
+    pub runs: &'a [Record],
+    /// What was claimed, and how it fared.
+    pub claims: &'a [Claim],
+}
+
+/// The numbers of a run, for people and programs: names with units, and values.
+#[must_use]
+pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
+    let hold = run.late(Phase::Hold, 0.25);
+    let slide = run.late(Phase::Slide, 0.9);
+    [
+        (
+            "displayed_at_rest_n_per_mm",
+            run.displayed_n_per_mm(hold.clone()),
+        ),
+        ("ripple_at_rest_mm", run.ripple_mm(hold)),
+        (
+            "displayed_sliding_n_per_mm",
+            run.displayed_n_per_mm(slide.clone()),
+        ),
+        ("slide_mm_per_s", run.speed_mm_per_s(slide.clone())),
+        (
+            "most_tangential_over_normal",
+            run.most_tangential(slide.clone()),
+        ),
+        (
+            "largest_tangential_step_over_normal",
+            run.largest_jump(slide),
+        ),
+        ("books_off_j", run.audit_j),
+    ]
+}
+
+/// `results.json`.
+#[must_use]
+pub fn results(input: &Input) -> serde_json::Value {
+    let runs: Vec<_> = input
+        .runs
+        .iter()
+        .map(|run| {
+            let mut value = serde_json::json!({
+                "object": run.cell.object.name(),
+                "approach": run.cell.approach.name(),
+                "k_desired_n_per_mm": run.cell.k_desired_n_per_mm,
+            });
+            for (name, number) in numbers(run) {
+                value[name] = number.into();
+            }
+            value
+        })
+        .collect();
+    let claims: Vec<_> = input
+        .claims
+        .iter()
+        .map(|claim| {
+            serde_json::json!({
+                "name": claim.name,
+                "source": claim.source,
+                "statement": claim.statement,
+                "outcome": claim.outcome.name(),
+                "measured": claim.measured,
+            })
+        })
+        .collect();
+    serde_json::json!({
+        "command": input.command,
+        "program": input.program.version,
+        "files": [RESULTS, PAGE],
+        "dof": 3,
+        "runs": runs,
+        "claims": claims,
+    })
+}
+
+/// Writes the page and `results.json` into a folder, complete or not at all.
+///
+/// # Errors
+/// As [`super::write::write`].
+pub fn write(input: &Input, folder: &Path) -> Result<Written> {
+    let names = [RESULTS, PAGE].map(str::to_owned);
+    let stale = previous::stale(folder, input.command, input.files.force, &names)?;
+    let files: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+    let page = page(input);
+    let results = format!("{:#}\n", results(input));
+    let bytes = (page.len() + results.len()) as u64;
+    let publish = || -> io::Result<()> {
+        let staging = Staging::new(folder)?;
+        fs::write(staging.path.join(RESULTS), results)?;
+        fs::write(staging.path.join(PAGE), page)?;
+        staging.publish(&files, &stale)
+    };
+    publish().map_err(|error| io_error(folder, &error))?;
+    Ok(Written {
+        page: folder.join(PAGE),
+        files,
+        bytes,
+    })
+}
+
+fn table<const N: usize>(
+    page: &mut String,
+    caption: &str,
+    header: [&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) {
+    let _ = write!(
+        page,
+        "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>",
+        escape(caption)
+    );
+    for text in header {
+        let _ = write!(page, "<th scope=\"col\">{}</th>", escape(text));
+    }
+    page.push_str("</tr></thead><tbody>");
+    for row in rows {
+        page.push_str("<tr>");
+        for text in row {
+            let _ = write!(page, "<td>{}</td>", escape(&text));
+        }
+        page.push_str("</tr>");
+    }
+    page.push_str("</tbody></table></div>\n");
+}
+
+/// The page, one file without network.
+#[must_use]
+pub fn page(input: &Input) -> String {
+    let title = "Stiff virtual objects on an omega.3: five approaches in three degrees of freedom";
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n<p>The thesis' comparison (§5.2), simulated: each object is probed, held, slid along at 50 mm/s and let go.</p>\n</header>\n<main>\n",
+        include_str!("page.css")
+    );
+    page.push_str(
+        "<section>\n<h2 id=\"claims\">What the thesis claims, and what the simulation shows</h2>\n",
+    );
+    table(
+        &mut page,
+        "Claims in three degrees of freedom",
+        ["Claim", "Where", "Statement", "Outcome", "Measured"],
+        input.claims.iter().map(|claim| {
+            [
+                claim.name.to_owned(),
+                claim.source.to_owned(),
+                claim.statement.to_owned(),
+                claim.outcome.name().to_owned(),
+                claim.measured.clone(),
+            ]
+        }),
+    );
+    page.push_str("</section>\n<section>\n<h2 id=\"runs\">Runs</h2>\n");
+    table(
+        &mut page,
+        "At rest and sliding",
+        [
+            "Object",
+            "Approach",
+            "k_de (N/mm)",
+            "At rest (N/mm)",
+            "Ripple (mm)",
+            "Sliding (N/mm)",
+            "Speed (mm/s)",
+            "Tangential/normal",
+            "Its largest step",
+        ],
+        input.runs.iter().map(|run| {
+            let [rest, ripple, sliding, speed, tangential, step, _] = numbers(run).map(|n| n.1);
+            [
+                run.cell.object.name().to_owned(),
+                run.cell.approach.name().to_owned(),
+                format!("{}", run.cell.k_desired_n_per_mm),
+                format!("{rest:.2}"),
+                format!("{ripple:.4}"),
+                format!("{sliding:.2}"),
+                format!("{speed:.1}"),
+                format!("{tangential:.4}"),
+                format!("{step:.4}"),
+            ]
+        }),
+    );
+    page.push_str("</section>\n");
+    let drawn: Vec<String> = input
+        .runs
+        .par_iter()
+        .enumerate()
+        .map(|(i, run)| figures_of(run, i))
+        .collect();
+    drawn.iter().for_each(|part| page.push_str(part));
+    let _ = write!(
+        page,
+        "</main>\n<footer>\n<p>This report again:</p>\n<pre>{}</pre>\n<p>All numbers: <a href=\"results.json\">results.json</a>.</p>\n<p>Touchstone {}</p>\n</footer>\n</body>\n</html>\n",
+        escape(input.command),
+        input.program.version
+    );
+    page
+}
+
+fn figures_of(run: &Record, index: usize) -> String {
+    let cell = &run.cell;
+    let mut part = format!(
+        "<details id=\"run-{index}\"><summary><h2>{}, {} N/mm, {} ({})</h2></summary>\n",
+        cell.object.name(),
+        cell.k_desired_n_per_mm,
+        cell.approach.name(),
+        figures::reference(cell.object, cell.approach)
+    );
+    for (number, figure) in figures::of(run).iter().enumerate() {
+        let _ = writeln!(
+            part,
+            "<figure class=\"plot\">{}{}<figcaption>{}. {}</figcaption></figure>",
+            svg::draw(figure, SIZE, &format!("r{index}-{number}")),
+            svg::legend(figure),
+            escape(&figure.title),
+            escape(&figure.description)
+        );
+    }
+    part.push_str("</details>\n");
+    part
+}

@@ -1,0 +1,213 @@
+//! The device as it is and as it may also be, and what a hand does to it.
+
+use serde::Serialize;
+use touchstone_sim::scene::{Grip, MotionSpec, PressWiggleRelease, Scene, TouchAndPress};
+
+/// The hands of a scorecard; of every figure the worst of them counts.
+pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
+
+/// How a device differs from what its law was told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// Not at all.
+    Nothing,
+    /// So many times the counts.
+    Counts(f64),
+    /// So many times the inertia.
+    Inertia(f64),
+    /// So many times the damping.
+    Damping(f64),
+    /// A command acts so many ticks after its sample.
+    Delay(f64),
+}
+
+/// One device that a setting must serve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Case {
+    /// Its name; that of the encoder is for 40,000 counts.
+    pub name: &'static str,
+    /// How it differs.
+    pub change: Change,
+}
+
+const fn case(name: &'static str, change: Change) -> Case {
+    Case { name, change }
+}
+
+/// All of them, the nominal device first.
+pub const CASES: [Case; 9] = [
+    case("nominal", Change::Nothing),
+    // 16,384 of 40,000: a magnetic sensor of 14 bits in place of an optical disc.
+    case("0.41 of the counts", Change::Counts(0.4096)),
+    case("half the inertia", Change::Inertia(0.5)),
+    case("double inertia", Change::Inertia(2.0)),
+    case("0.1 tick of delay", Change::Delay(0.1)),
+    case("0.5 tick of delay", Change::Delay(0.5)),
+    case("1 tick of delay", Change::Delay(1.0)),
+    case("half the damping", Change::Damping(0.5)),
+    case("double damping", Change::Damping(2.0)),
+];
+
+/// `T sqrt(k_de/J)` above which half the inertia or a whole tick of delay is not asked for: sampling ends near 1.
+pub const STIFFEST_FOR_ALL: f64 = 0.5;
+/// Delay from which on a press may go deeper, ticks.
+pub const LATE_TICKS: f64 = 0.5;
+
+impl Case {
+    /// Whether a wall of this `T sqrt(k_de/J)` is asked to hold it.
+    #[must_use]
+    pub fn is_asked(&self, stiffness_per_tick: f64) -> bool {
+        let always = match self.change {
+            Change::Nothing => true,
+            Change::Delay(ticks) => ticks <= 0.5,
+            _ => false,
+        };
+        always || stiffness_per_tick <= STIFFEST_FOR_ALL
+    }
+
+    /// Whether its commands come late.
+    #[must_use]
+    pub fn is_late(&self) -> bool {
+        matches!(self.change, Change::Delay(ticks) if ticks >= LATE_TICKS)
+    }
+
+    /// The scene with this device. What its law is told stays.
+    #[must_use]
+    pub fn of(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        match self.change {
+            Change::Nothing => {}
+            Change::Counts(share) => {
+                if let Some(encoder) = &mut scene.encoder {
+                    encoder.counts_per_rev = (encoder.counts_per_rev * share).round().max(1.0);
+                }
+            }
+            Change::Inertia(times) => scene.device.inertia_kg_m2 *= times,
+            Change::Damping(times) => scene.device.damping_n_m_s_per_rad *= times,
+            Change::Delay(ticks) => {
+                scene.timing.computational_delay_s = ticks * scene.timing.period_s();
+            }
+        }
+        scene
+    }
+}
+
+/// What a hand does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Deed {
+    /// Touches lightly, presses, holds, lets go.
+    Press,
+    /// Presses, then pushes harder and softer at so many hertz.
+    Move(f64),
+}
+
+/// What is done to every device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Programme {
+    /// Touch, press and release.
+    pub press: TouchAndPress,
+    /// Frequencies of a hand that moves, Hz.
+    pub frequencies_hz: Vec<f64>,
+}
+
+impl Programme {
+    /// The scene's own press, where it has one, with a touch before it; and a hand that moves at 1, 2 and 4 Hz.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let press = match &scene.operator.motion {
+            MotionSpec::TouchAndPress(press) => press.clone(),
+            MotionSpec::RampAndHold(press) => pressing(press.push_torque_n_m, press.approach_rad),
+            MotionSpec::PressWiggleRelease(press) => {
+                pressing(press.push_torque_n_m, press.approach_rad)
+            }
+            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => {
+                TouchAndPress::default()
+            }
+        };
+        Self {
+            press,
+            frequencies_hz: vec![1.0, 2.0, 4.0],
+        }
+    }
+
+    /// Only the slowest and the fastest motion.
+    #[must_use]
+    pub fn with_fewer_motions(mut self) -> Self {
+        self.frequencies_hz = vec![1.0, 4.0];
+        self
+    }
+
+    /// The same with a shorter touch and hold.
+    #[must_use]
+    pub fn shortened(mut self) -> Self {
+        self.press.touch_s = self.press.touch_s.min(0.3);
+        self.press.hold_s = self.press.hold_s.min(0.6);
+        self.with_fewer_motions()
+    }
+
+    /// Press and motions.
+    pub fn deeds(&self) -> impl Iterator<Item = Deed> + '_ {
+        std::iter::once(Deed::Press).chain(self.frequencies_hz.iter().copied().map(Deed::Move))
+    }
+
+    /// The scene with this grip and deed.
+    #[must_use]
+    pub fn scene(&self, scene: &Scene, grip: Grip, deed: Deed) -> Scene {
+        let mut scene = scene.clone();
+        scene.operator.grip = grip;
+        scene.operator.hand = None;
+        scene.device.initial_angle_rad = None;
+        scene.device.initial_velocity_rad_per_s = 0.0;
+        let press = &self.press;
+        match deed {
+            Deed::Press => {
+                // A tenth of a second to see where the device goes.
+                scene.timing.duration_s = press.start_s
+                    + press.touch_ramp_s
+                    + press.touch_s
+                    + press.ramp_s
+                    + press.hold_s
+                    + press.release_s
+                    + 0.1;
+                scene.operator.motion = MotionSpec::TouchAndPress(press.clone());
+            }
+            Deed::Move(frequency_hz) => {
+                let period_s = 1.0 / frequency_hz;
+                // After a period, and half a second at least, whole periods of a second in all; then half a period to fade.
+                let periods = frequency_hz.ceil().max(1.0);
+                let wiggle_s = period_s.max(0.5) + (periods + 0.5) * period_s + 1e-6;
+                scene.timing.duration_s = press.start_s + press.ramp_s + wiggle_s;
+                scene.operator.motion = MotionSpec::PressWiggleRelease(PressWiggleRelease {
+                    start_s: press.start_s,
+                    ramp_s: press.ramp_s,
+                    wiggle_s,
+                    hold_s: 0.1,
+                    release_s: press.release_s,
+                    push_torque_n_m: press.push_torque_n_m,
+                    wiggle_amplitude_n_m: 0.3 * press.push_torque_n_m,
+                    wiggle_frequency_hz: frequency_hz,
+                    approach_rad: press.approach_rad,
+                });
+            }
+        }
+        scene
+    }
+
+    /// Simulated time of one device in one grip, s.
+    #[must_use]
+    pub fn seconds(&self, scene: &Scene) -> f64 {
+        self.deeds()
+            .map(|deed| self.scene(scene, Grip::Medium, deed).timing.duration_s)
+            .sum()
+    }
+}
+
+fn pressing(push_torque_n_m: f64, approach_rad: f64) -> TouchAndPress {
+    TouchAndPress {
+        push_torque_n_m,
+        touch_torque_n_m: 0.2 * push_torque_n_m,
+        approach_rad,
+        ..TouchAndPress::default()
+    }
+}

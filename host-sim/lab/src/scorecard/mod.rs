@@ -1,0 +1,234 @@
+//! A scorecard: what a hand feels of a wall under several laws, on the device as it is and as it may also be.
+//!
+//! [`cases`] has the devices and what a hand does; [`measure`] the figures with their limits, [`watch`] takes them of one run;
+//! [`rivals`] are the laws, [`reference`] what ripple is measured by. Every figure is the worst of three grips. [`words`] says in
+//! plain sentences where each law fails and where a spring with damping does better; [`page`] writes it all for people.
+
+pub mod cases;
+pub mod measure;
+pub mod page;
+pub mod reference;
+pub mod rivals;
+#[cfg(test)]
+mod tests;
+pub mod watch;
+pub mod words;
+
+use cases::{CASES, Case, Deed, GRIPS, Programme};
+use measure::{Beside, Figures, Limits, Measure};
+use rayon::prelude::*;
+use reference::Reference;
+use rivals::Rival;
+use serde::Serialize;
+use touchstone_sim::error::Result;
+use touchstone_sim::scene::Scene;
+
+/// One law on one device.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cell {
+    /// The device.
+    pub case: &'static str,
+    /// The worst of three grips.
+    pub figures: Figures,
+    /// What has no limit.
+    pub beside: Beside,
+    /// What they may be.
+    pub limits: Limits,
+    /// The figure that is largest over its limit, and by how much; above 1 it fails.
+    pub worst: (Measure, Option<f64>),
+}
+
+impl Cell {
+    fn new(case: &Case, figures: Figures, beside: Beside, limits: Limits) -> Self {
+        let shares = figures.shares(&limits);
+        let (measure, share) = Measure::ALL
+            .into_iter()
+            .zip(shares)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((Measure::PeakPenetrationRatio, f64::INFINITY));
+        Self {
+            case: case.name,
+            figures,
+            beside,
+            limits,
+            worst: (measure, share.is_finite().then_some(share)),
+        }
+    }
+
+    /// Whether every figure is within its limit.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.worst.1.is_some_and(|share| share <= 1.0)
+    }
+}
+
+/// One law.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub law: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// Whether its settings were tuned for this device, and its scene's are not meant.
+    pub tuned: bool,
+    /// Whether it is a spring with virtual damping.
+    pub damped_spring: bool,
+    /// Why it cannot be run at all.
+    pub refused: Option<String>,
+    /// Every device.
+    pub cells: Vec<Cell>,
+    /// The worst of each figure over all devices.
+    pub worst: Option<Figures>,
+    /// Whether every figure of every device is within its limit.
+    pub passes: bool,
+    /// Where it fails, in words, worst first.
+    pub fails: Vec<String>,
+}
+
+/// All laws.
+#[derive(Debug, Clone, Serialize)]
+pub struct Scorecard {
+    /// The scene.
+    pub scene: String,
+    /// `k_de`, N·m/rad.
+    pub k_desired: f64,
+    /// `T sqrt(k_de/J)`.
+    pub stiffness_per_tick: f64,
+    /// The spring-damper that ripple is measured by.
+    pub reference: Reference,
+    /// Devices that a wall as stiff as this is not asked to hold.
+    pub not_asked: Vec<&'static str>,
+    /// One row a law.
+    pub rows: Vec<Row>,
+    /// Where a spring with damping does better, and where not, in words.
+    pub damped_spring: Vec<String>,
+}
+
+/// `T sqrt(k_de/J)` of a scene.
+#[must_use]
+pub fn stiffness_per_tick(scene: &Scene) -> f64 {
+    (scene.wall.k_desired_n_m_per_rad / scene.device.inertia_kg_m2).sqrt() * scene.timing.period_s()
+}
+
+/// The devices that a wall of this scene is asked to hold.
+pub fn asked(scene: &Scene) -> impl Iterator<Item = &'static Case> {
+    let stiffness = stiffness_per_tick(scene);
+    CASES.iter().filter(move |case| case.is_asked(stiffness))
+}
+
+/// A law's figures on one device: the worst of three grips.
+///
+/// # Errors
+/// Settings that the law cannot take.
+pub fn figures(
+    scene: &Scene,
+    programme: &Programme,
+    case: &Case,
+    fully: bool,
+) -> Result<(Figures, Beside)> {
+    let changed = case.of(scene);
+    let mut worst = Figures::NONE;
+    let mut beside: Option<Beside> = None;
+    let mut energy_j = 0.0_f64;
+    for grip in GRIPS {
+        for deed in programme.deeds() {
+            let of_deed = programme.scene(&changed, grip, deed);
+            let (figures, next) = watch::watch(&of_deed, deed, fully)?;
+            worst = worst.worst(&figures);
+            energy_j = energy_j.max(next.energy_out_worst_window_j);
+            if deed == Deed::Press {
+                beside = Some(beside.map_or(next, |before| before.worst(&next)));
+            }
+        }
+    }
+    let mut beside = beside.unwrap_or_default();
+    beside.energy_out_worst_window_j = energy_j;
+    Ok((worst, beside))
+}
+
+/// The row of a scene's law.
+fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row {
+    let programme = Programme::of(scene);
+    let cases: Vec<&Case> = asked(scene).collect();
+    let cells: Result<Vec<Cell>> = cases
+        .par_iter()
+        .map(|case| {
+            let (figures, beside) = figures(scene, &programme, case, true)?;
+            Ok(Cell::new(case, figures, beside, reference.limits(case)))
+        })
+        .collect();
+    let (cells, refused) = match cells {
+        Ok(cells) => (cells, None),
+        Err(error) => (Vec::new(), Some(error.to_string())),
+    };
+    let worst = (!cells.is_empty()).then(|| {
+        cells
+            .iter()
+            .fold(Figures::NONE, |worst, cell| worst.worst(&cell.figures))
+    });
+    Row {
+        law: rival.name,
+        about: rival.about,
+        source: rival.source,
+        tuned,
+        damped_spring: rival.damped_spring,
+        passes: refused.is_none() && cells.iter().all(Cell::passes),
+        fails: words::fails(&cells),
+        refused,
+        cells,
+        worst,
+    }
+}
+
+/// A law with its settings: those of its scene, or tuned ones.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// Which.
+    pub rival: &'static Rival,
+    /// The scene with its law.
+    pub scene: Scene,
+    /// Whether its settings were tuned.
+    pub tuned: bool,
+}
+
+/// The scorecard of a scene for several laws; `done` is told of each that is finished.
+///
+/// # Errors
+/// A scene whose spring-damper cannot run. A law that refuses the scene has a row that says so.
+pub fn scorecard(scene: &Scene, entries: &[Entry], done: impl FnMut(&str)) -> Result<Scorecard> {
+    let reference = Reference::of(scene)?;
+    Ok(with_reference(scene, entries, reference, done))
+}
+
+/// The same with a reference of ripple that is known already.
+pub fn with_reference(
+    scene: &Scene,
+    entries: &[Entry],
+    reference: Reference,
+    mut done: impl FnMut(&str),
+) -> Scorecard {
+    let stiffness = stiffness_per_tick(scene);
+    let rows: Vec<Row> = entries
+        .iter()
+        .map(|entry| {
+            let row = row(&entry.scene, entry.rival, entry.tuned, &reference);
+            done(row.law);
+            row
+        })
+        .collect();
+    Scorecard {
+        scene: scene.name.clone(),
+        k_desired: scene.wall.k_desired_n_m_per_rad,
+        stiffness_per_tick: stiffness,
+        reference,
+        not_asked: CASES
+            .iter()
+            .filter(|case| !case.is_asked(stiffness))
+            .map(|case| case.name)
+            .collect(),
+        damped_spring: words::damped_spring(&rows),
+        rows,
+    }
+}

@@ -1,0 +1,302 @@
+//! A scorecard for people: in the terminal, and as sections of a page.
+
+use super::measure::Measure;
+use super::words::shown;
+use super::{Row, Scorecard};
+use crate::report::{Block, Section};
+use std::fmt::Write;
+
+/// Sign beside a figure that is beyond its limit on some device.
+const BEYOND: char = '!';
+
+/// The cell of a law and a figure: the worst over all devices, and in brackets the nominal one.
+fn cell(row: &Row, index: usize, measure: Measure) -> String {
+    let Some(worst) = &row.worst else {
+        return "refused".to_owned();
+    };
+    let nominal = row.cells.first().map_or_else(String::new, |cell| {
+        shown(measure, cell.figures.get(measure))
+    });
+    let beyond = row
+        .cells
+        .iter()
+        .any(|cell| cell.figures.shares(&cell.limits)[index] > 1.0);
+    let sign = if beyond { BEYOND } else { ' ' };
+    format!("{}{sign}({nominal})", shown(measure, worst.get(measure)))
+}
+
+/// What the figures may be, as people read it.
+fn limit(card: &Scorecard, measure: Measure) -> String {
+    let limits = super::measure::Limits::new(false, card.reference.limit_n_m);
+    match measure {
+        Measure::PeakPenetrationRatio => "1.1; 1.3 late".to_owned(),
+        Measure::RippleRmsNM => format!("{}; by counts", shown(measure, card.reference.limit_n_m)),
+        Measure::EnergyOutJ => "0".to_owned(),
+        _ => shown(measure, limits.of(measure)),
+    }
+}
+
+fn name(row: &Row) -> String {
+    match row.tuned {
+        true => format!("{} (tuned)", row.law),
+        false => row.law.to_owned(),
+    }
+}
+
+fn reference(card: &Scorecard) -> String {
+    let reference = &card.reference;
+    let holds = match reference.delay_ticks {
+        Some(ticks) => format!("holds {ticks} tick of delay at most"),
+        None => "does not hold this wall".to_owned(),
+    };
+    format!(
+        "Ripple is measured by a difference spring-damper with B = {:.4} N·m·s/rad, which {holds}: {:.2} mN·m on the nominal device, of which a law may have {:.2}.",
+        reference.damping_n_m_s_per_rad,
+        1e3 * reference.ripple_n_m,
+        1e3 * reference.limit_n_m
+    )
+}
+
+fn not_asked(card: &Scorecard) -> Option<String> {
+    (!card.not_asked.is_empty()).then(|| {
+        format!(
+            "So near the end of sampling (T sqrt(k_de/J) above {}) these are not asked for: {}.",
+            super::cases::STIFFEST_FOR_ALL,
+            card.not_asked.join(", ")
+        )
+    })
+}
+
+/// The scorecard as text: one row a law, then in words where each fails.
+#[must_use]
+pub fn text(card: &Scorecard) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut header = vec!["worst (nominal)".to_owned()];
+    header.extend(Measure::ALL.map(|measure| measure.heading().0.to_owned()));
+    header.push(String::new());
+    rows.push(header);
+    let mut limits = vec!["limit".to_owned()];
+    limits.extend(Measure::ALL.map(|measure| limit(card, measure)));
+    limits.push(String::new());
+    rows.push(limits);
+    for row in &card.rows {
+        let mut cells = vec![name(row)];
+        cells.extend(
+            Measure::ALL
+                .into_iter()
+                .enumerate()
+                .map(|(index, measure)| cell(row, index, measure)),
+        );
+        cells.push(if row.passes { "passes" } else { "FAILS" }.to_owned());
+        rows.push(cells);
+    }
+    let mut text = format!(
+        "{}: k_de {} N·m/rad, T sqrt(k_de/J) {:.3}; worst of three grips\n\n",
+        card.scene, card.k_desired, card.stiffness_per_tick
+    );
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| {
+            rows.iter()
+                .filter_map(|row| row.get(column))
+                .map(|cell| cell.chars().count())
+                .max()
+                .unwrap_or(0)
+        })
+        .collect();
+    for row in &rows {
+        for (cell, width) in row.iter().zip(&widths) {
+            let _ = write!(text, "{cell:<width$}  ");
+        }
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+    }
+    text.push('\n');
+    for row in &card.rows {
+        if let Some(refused) = &row.refused {
+            let _ = writeln!(text, "{} refuses this scene: {refused}", name(row));
+        }
+        for (index, fails) in row.fails.iter().enumerate() {
+            let lead = if index == 0 {
+                format!("{} fails: ", name(row))
+            } else {
+                "  ".to_owned()
+            };
+            let _ = writeln!(text, "{lead}{fails}");
+        }
+    }
+    text.push('\n');
+    for line in &card.damped_spring {
+        let _ = writeln!(text, "{line}");
+    }
+    let _ = writeln!(text, "\n{}", reference(card));
+    if let Some(line) = not_asked(card) {
+        let _ = writeln!(text, "{line}");
+    }
+    text
+}
+
+/// Every device of every law as text.
+#[must_use]
+pub fn devices(card: &Scorecard) -> String {
+    let mut lines = vec![
+        std::iter::once(format!("{:<20}", "device"))
+            .chain(Measure::ALL.map(|measure| format!("{:>13}", measure.heading().0)))
+            .chain([format!("{:>13}", "ripple may be")])
+            .collect::<String>(),
+    ];
+    for cell in card.rows.iter().flat_map(|row| &row.cells) {
+        let shares = cell.figures.shares(&cell.limits);
+        let figures = Measure::ALL
+            .into_iter()
+            .zip(shares)
+            .map(|(measure, share)| {
+                let sign = if share <= 1.0 { ' ' } else { BEYOND };
+                format!("{:>12}{sign}", shown(measure, cell.figures.get(measure)))
+            });
+        lines.push(
+            std::iter::once(format!("{:<20}", cell.case))
+                .chain(figures)
+                .chain([format!("{:>12.2}", 1e3 * cell.limits.ripple_n_m)])
+                .collect(),
+        );
+    }
+    lines.join("\n")
+}
+
+/// The scorecard as sections of a page.
+#[must_use]
+pub fn sections(card: &Scorecard) -> Vec<Section> {
+    let mut header = vec!["law".to_owned()];
+    header.extend(
+        Measure::ALL
+            .map(|measure| format!("{} (limit {})", measure.heading().0, limit(card, measure))),
+    );
+    header.push("verdict".to_owned());
+    let table = Block::Table {
+        caption: format!(
+            "k_de {} N·m/rad, T sqrt(k_de/J) {:.3}. Worst of all devices and three grips; in brackets the nominal device; {BEYOND} beyond the limit on some device.",
+            card.k_desired, card.stiffness_per_tick
+        ),
+        header,
+        rows: card
+            .rows
+            .iter()
+            .map(|row| {
+                let mut cells = vec![name(row)];
+                cells.extend(
+                    Measure::ALL
+                        .into_iter()
+                        .enumerate()
+                        .map(|(index, measure)| cell(row, index, measure)),
+                );
+                cells.push(if row.passes { "passes" } else { "fails" }.to_owned());
+                cells
+            })
+            .collect(),
+    };
+    let mut body = vec![table];
+    body.extend(Measure::ALL.map(|m| Block::Text(format!("{}: {}.", m.heading().0, m.about()))));
+    body.push(Block::Text(reference(card)));
+    body.extend(not_asked(card).map(Block::Text));
+    let mut sections = vec![Section {
+        title: "Scorecard".to_owned(),
+        body,
+        folded: false,
+    }];
+    sections.push(Section {
+        title: "Where each law fails".to_owned(),
+        body: card
+            .rows
+            .iter()
+            .map(|row| {
+                Block::Text(match (&row.refused, row.fails.as_slice()) {
+                    (Some(refused), _) => format!("{} refuses this scene: {refused}", name(row)),
+                    (None, []) => format!("{} is within every limit.", name(row)),
+                    (None, fails) => format!("{}: {}.", name(row), fails.join("; ")),
+                })
+            })
+            .collect(),
+        folded: false,
+    });
+    sections.push(Section {
+        title: "A spring with damping".to_owned(),
+        body: card
+            .damped_spring
+            .iter()
+            .cloned()
+            .map(Block::Text)
+            .collect(),
+        folded: false,
+    });
+    sections.extend(
+        card.rows
+            .iter()
+            .filter(|row| !row.cells.is_empty())
+            .map(of_law),
+    );
+    sections
+}
+
+/// One law on every device.
+fn of_law(row: &Row) -> Section {
+    let mut header = vec!["device".to_owned()];
+    header.extend(Measure::ALL.map(|measure| measure.heading().0.to_owned()));
+    header.extend(
+        [
+            "ripple may be mN·m",
+            "touch",
+            "settles after ramp s",
+            "release rad/s",
+            "release rad",
+            "rate-hardness",
+            "worst window mJ",
+            "wall gave mJ",
+            "at rest counts",
+        ]
+        .map(str::to_owned),
+    );
+    let rows = row.cells.iter().map(|cell| {
+        let shares = cell.figures.shares(&cell.limits);
+        let mut cells = vec![cell.case.to_owned()];
+        cells.extend(
+            Measure::ALL
+                .into_iter()
+                .zip(shares)
+                .map(|(measure, share)| {
+                    let sign = if share <= 1.0 { "" } else { "!" };
+                    format!("{}{sign}", shown(measure, cell.figures.get(measure)))
+                }),
+        );
+        let beside = &cell.beside;
+        let some = |value: Option<f64>, digits: usize| {
+            value.map_or("–".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        cells.extend([
+            format!("{:.2}", 1e3 * cell.limits.ripple_n_m),
+            format!("{:.2}", beside.touch_penetration_ratio),
+            some(beside.settle_from_ramp_end_s, 3),
+            format!("{:.2}", beside.release_speed_rad_per_s),
+            format!("{:.3}", beside.release_excursion_rad),
+            some(beside.rate_hardness, 1),
+            format!("{:.3}", 1e3 * beside.energy_out_worst_window_j),
+            format!("{:.3}", 1e3 * beside.energy_out_wall_j),
+            some(beside.motion_at_rest_counts, 1),
+        ]);
+        cells
+    });
+    Section {
+        title: name(row),
+        body: vec![
+            Block::Text(format!("{}. Source: {}.", row.about, row.source)),
+            Block::Table {
+                caption:
+                    "Worst of three grips. What stands right of the ripple's limit has no limit."
+                        .to_owned(),
+                header,
+                rows: rows.collect(),
+            },
+        ],
+        folded: true,
+    }
+}

@@ -1,0 +1,139 @@
+//! What ripple may be: that of a difference spring-damper which holds the same delays.
+//!
+//! Ripple is the price of damping that is taken from the difference of two counts, and damping is what holds a delay. So the
+//! measure of it is the least ripple of a spring-damper that holds this wall on the nominal device with a whole tick of delay or,
+//! where none does, with as much of it as any does.
+
+use super::cases::{Case, Change, Deed, GRIPS, LATE_TICKS, Programme};
+use super::measure::{Figures, Limits, Measure};
+use super::rivals::Rival;
+use super::watch::watch;
+use rayon::prelude::*;
+use serde::Serialize;
+use touchstone_sim::error::Result;
+use touchstone_sim::scene::Scene;
+
+/// The spring-damper that ripple is measured by.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Reference {
+    /// Its virtual damping, N·m·s/rad.
+    pub damping_n_m_s_per_rad: f64,
+    /// Most delay that it holds, ticks; absent: no spring-damper holds this wall at all.
+    pub delay_ticks: Option<f64>,
+    /// Its ripple on the nominal device, N·m.
+    pub ripple_n_m: f64,
+    /// What a law's ripple may be on the nominal device, N·m.
+    pub limit_n_m: f64,
+}
+
+/// Delays that a spring-damper is asked to hold, ticks, the longest first.
+const DELAYS: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
+/// Ratios `ζ = B/(2 sqrt(k_de J))` that are tried.
+const RATIOS: usize = 28;
+/// Share of the reference that a law may have where the reference holds a whole tick ...
+const WHERE_DAMPING_SUFFICES: f64 = 1.1;
+/// ... and where it does not.
+const WHERE_IT_DOES_NOT: f64 = 0.6;
+
+impl Reference {
+    /// For a scene's device and wall.
+    ///
+    /// # Errors
+    /// Settings that the law cannot take.
+    pub fn of(scene: &Scene) -> Result<Self> {
+        let programme = Programme::of(scene).shortened();
+        let critical = 2.0 * (scene.wall.k_desired_n_m_per_rad * scene.device.inertia_kg_m2).sqrt();
+        let dampings: Vec<f64> = (0..RATIOS)
+            .map(|i| critical * 0.03 * 60_f64.powf(i as f64 / (RATIOS - 1) as f64))
+            .collect();
+        let mut reference = None;
+        for delay in DELAYS {
+            let held: Vec<(f64, f64)> = dampings
+                .par_iter()
+                .map(|damping| held(scene, &programme, *damping, delay))
+                .collect::<Result<Vec<_>>>()?
+                .into_iter()
+                .zip(&dampings)
+                .filter_map(|(ripple, damping)| ripple.map(|ripple| (ripple, *damping)))
+                .collect();
+            if let Some((_, damping)) = held.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+                reference = Some((damping, delay));
+                break;
+            }
+        }
+        // Where no damping holds the wall, ζ = 0.6 stands for one that would.
+        let (damping, delay_ticks) = match reference {
+            Some((damping, delay)) => (damping, Some(delay)),
+            None => (0.6 * critical, None),
+        };
+        let own_delay = scene.timing.computational_delay_s * f64::from(scene.timing.rate_hz);
+        let ripple = figures(scene, &programme, damping, own_delay)?.get(Measure::RippleRmsNM);
+        // A wall that is lost has a ripple of its own, which is no measure.
+        let count = scene
+            .encoder
+            .as_ref()
+            .map_or(0.0, |encoder| encoder.step_rad());
+        let ripple_n_m = match delay_ticks {
+            Some(_) if ripple.is_finite() => ripple,
+            _ => damping * f64::from(scene.timing.rate_hz) * count,
+        };
+        let share = match delay_ticks {
+            Some(ticks) if ticks >= 1.0 => WHERE_DAMPING_SUFFICES,
+            _ => WHERE_IT_DOES_NOT,
+        };
+        Ok(Self {
+            damping_n_m_s_per_rad: damping,
+            delay_ticks,
+            ripple_n_m,
+            limit_n_m: share * ripple_n_m,
+        })
+    }
+
+    /// No limit.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            damping_n_m_s_per_rad: 0.0,
+            delay_ticks: None,
+            ripple_n_m: 0.0,
+            limit_n_m: f64::INFINITY,
+        }
+    }
+
+    /// What ripple may be in a case: in proportion to the count.
+    #[must_use]
+    pub fn limits(&self, case: &Case) -> Limits {
+        let counts = match case.change {
+            Change::Counts(share) => share,
+            _ => 1.0,
+        };
+        Limits::new(case.is_late(), self.limit_n_m / counts)
+    }
+}
+
+fn figures(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Result<Figures> {
+    let case = Case {
+        name: "",
+        change: Change::Delay(delay),
+    };
+    let mut scene = Rival::named("spring-damper")?.of(&case.of(scene));
+    scene.law.virtual_damping_n_m_s_per_rad = damping;
+    let mut worst = Figures::NONE;
+    for grip in GRIPS {
+        for deed in programme.deeds().filter(|deed| *deed != Deed::Press) {
+            let deed_scene = programme.scene(&scene, grip, deed);
+            worst = worst.worst(&watch(&deed_scene, deed, false)?.0);
+        }
+    }
+    Ok(worst)
+}
+
+/// The ripple of a damping that holds a delay: a spring to a hand that moves. Its ripple alone may take a press beyond 5 %.
+fn held(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Result<Option<f64>> {
+    let figures = figures(scene, programme, damping, delay)?;
+    let limits = Limits::new(delay >= LATE_TICKS, f64::INFINITY);
+    let holds = [Measure::ModulusError, Measure::PhaseDeg]
+        .iter()
+        .all(|measure| figures.get(*measure) <= limits.of(*measure));
+    Ok(holds.then(|| figures.get(Measure::RippleRmsNM)))
+}

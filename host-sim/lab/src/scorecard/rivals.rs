@@ -1,0 +1,190 @@
+//! The laws of a scorecard, each as a change of one scene.
+
+use touchstone_control::choices::{
+    FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
+};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::{Preset, Scene, nearest};
+
+/// A law of the comparison.
+#[derive(Debug, Clone, Copy)]
+pub struct Rival {
+    /// Its word on the command line and in JSON.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// Whether it is a spring with virtual damping, against which the others are held.
+    pub damped_spring: bool,
+    /// Whether it is tuned on estimated states. A scorecard leaves the enhanced law on those that its scene has.
+    pub estimated: bool,
+    apply: fn(&mut Scene),
+}
+
+/// All of them.
+pub const RIVALS: [Rival; 9] = [
+    Rival {
+        name: "spring",
+        about: "virtual spring",
+        source: "thesis (1.6)",
+        damped_spring: false,
+        estimated: false,
+        apply: |scene| measured(scene, LawKind::Spring),
+    },
+    Rival {
+        name: "spring-damper",
+        about: "spring with virtual damping, velocity from the difference of two positions",
+        source: "thesis §1.2.6",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| measured(scene, LawKind::SpringDamper),
+    },
+    Rival {
+        name: "spring-damper-estimated",
+        about: "spring with virtual damping, on estimated states",
+        source: "thesis §1.2.6 behind this project's estimator",
+        damped_spring: true,
+        estimated: true,
+        apply: |scene| {
+            scene.law.kind = LawKind::SpringDamper;
+            scene.law.states = StatesKind::Estimated;
+        },
+    },
+    Rival {
+        name: "tdpa",
+        about: "time-domain passivity approach, exact observer, the device's damping counted",
+        source: "thesis (2.1) to (2.6), with the force that acted over each displacement",
+        damped_spring: false,
+        estimated: false,
+        apply: |scene| {
+            measured(scene, LawKind::Tdpa);
+            scene.law.observer = ObserverForm::Exact;
+            scene.law.count_device_damping = true;
+        },
+    },
+    Rival {
+        name: "tdpa-published",
+        about: "time-domain passivity approach, observer as published",
+        source: "thesis (2.1) to (2.6)",
+        damped_spring: false,
+        estimated: false,
+        apply: |scene| {
+            measured(scene, LawKind::Tdpa);
+            scene.law.observer = ObserverForm::Thesis;
+            scene.law.count_device_damping = false;
+        },
+    },
+    Rival {
+        name: "fba",
+        about: "force bounding approach",
+        source: "thesis (2.7) to (2.10)",
+        damped_spring: false,
+        estimated: false,
+        apply: |scene| measured(scene, LawKind::Fba),
+    },
+    Rival {
+        name: "sfa",
+        about: "original successive force augmentation",
+        source: "thesis (2.11) to (2.17)",
+        damped_spring: false,
+        estimated: false,
+        apply: |scene| {
+            measured(scene, LawKind::Sfa);
+            scene.law.first_contact = Some(FirstContact::KeepForce);
+        },
+    },
+    Rival {
+        name: "enhanced-published",
+        about: "enhanced successive force augmentation as published, with no loan",
+        source: "thesis (3.1) to (3.14)",
+        damped_spring: false,
+        estimated: false,
+        apply: |scene| {
+            measured(scene, LawKind::EnhancedSfa);
+            let law = &mut scene.law;
+            law.observer = ObserverForm::Thesis;
+            law.energy_credit_j = 0.0;
+            law.offset_update = OffsetUpdate::Inward;
+            law.ideal_step = IdealStep::Position;
+        },
+    },
+    Rival {
+        name: "enhanced",
+        about: "enhanced successive force augmentation with the scene's settings",
+        source: "this project",
+        damped_spring: false,
+        estimated: true,
+        apply: |scene| scene.law.kind = LawKind::EnhancedSfa,
+    },
+];
+
+/// On measured states and without the guard, with the thesis' parameters where the scene writes none: the law as it is known.
+fn measured(scene: &mut Scene, kind: LawKind) {
+    if let Ok(known) = scene.with_preset(Preset::Thesis) {
+        *scene = known;
+    }
+    scene.law.kind = kind;
+    scene.law.states = StatesKind::Measured;
+    scene.law.guard.on = false;
+}
+
+/// Capacity of a guard over `f_max T v`, the energy of one displacement at the overspeed under the largest force.
+const CAPACITY_SHARE: f64 = 1.5;
+
+/// What estimator and guard are told of the device, as it was measured.
+fn told(scene: &mut Scene) {
+    let period_s = scene.timing.period_s();
+    let (device, law) = (&scene.device, &mut scene.law);
+    law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
+    law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
+    let guard = &mut law.guard;
+    guard.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
+    guard.delay_s = scene.timing.computational_delay_s;
+    // A guard answers for a tick of delay at most.
+    guard.on &= guard.delay_s + guard.lag_s <= period_s;
+    let least = CAPACITY_SHARE * law.force_limit_n_m * guard.overspeed_rad_per_s * period_s;
+    guard.capacity_j = least.clamp(guard.capacity_j.min(16.0), 16.0);
+}
+
+impl Rival {
+    /// The one with this name.
+    ///
+    /// # Errors
+    /// A name that none has.
+    pub fn named(name: &str) -> Result<&'static Rival> {
+        RIVALS
+            .iter()
+            .find(|rival| rival.name == name)
+            .ok_or_else(|| {
+                let names: Vec<&str> = RIVALS.iter().map(|rival| rival.name).collect();
+                Error::Option {
+                    option: format!("--law {name}"),
+                    problem: "no law of a scorecard has this name".to_owned(),
+                    fix: match nearest(name, &names) {
+                        Some(near) => format!("did you mean {near}?"),
+                        None => format!("give one of {}", names.join(", ")),
+                    },
+                }
+            })
+    }
+
+    /// The scene with this law as it is tuned.
+    #[must_use]
+    pub fn to_tune(&self, scene: &Scene) -> Scene {
+        let mut scene = self.of(scene);
+        if self.estimated {
+            scene.law.states = StatesKind::Estimated;
+            told(&mut scene);
+        }
+        scene
+    }
+
+    /// The scene with this law.
+    #[must_use]
+    pub fn of(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        (self.apply)(&mut scene);
+        scene
+    }
+}

@@ -1,0 +1,200 @@
+//! A scorecard says of known walls what is known of them.
+
+use super::cases::{CASES, Case, Change, Deed, GRIPS, Programme};
+use super::measure::{Figures, Limits, Measure};
+use super::reference::Reference;
+use super::rivals::{RIVALS, Rival};
+use super::{Entry, asked, figures, scorecard};
+use touchstone_control::choices::StatesKind;
+use touchstone_sim::run::terms::Terms;
+use touchstone_sim::scene::Scene;
+
+fn knob(k_desired: f64) -> Scene {
+    let mut scene = Scene::load("thesis-knob").expect("a shipped scene");
+    scene.wall.k_desired_n_m_per_rad = k_desired;
+    scene
+}
+
+/// A spring with damping on estimated states; with 0.006 N·m·s/rad it holds `5 k_c` on every device.
+fn estimated(k_desired: f64, damping: f64) -> Scene {
+    let mut scene = Rival::named("spring-damper-estimated")
+        .expect("a law")
+        .to_tune(&knob(k_desired));
+    scene.law.virtual_damping_n_m_s_per_rad = damping;
+    scene.law.estimator.bandwidth_hz = 57.96;
+    scene.law.estimator.delay_s = 5.327e-4;
+    scene.law.estimator.inertia_kg_m2 = 1.166e-4;
+    scene
+}
+
+#[test]
+fn a_soft_spring_is_what_it_is_set_to() {
+    // Half of k_c: passive by itself, so no figure is off by more than sampling makes it.
+    let scene = Rival::named("spring").expect("a law").of(&knob(0.5));
+    let (felt, beside) = figures(&scene, &Programme::of(&scene), &CASES[0], true).expect("runs");
+    assert!(felt.get(Measure::StiffnessError) < 0.01, "{felt:?}");
+    assert!(felt.get(Measure::ModulusError) < 0.01, "{felt:?}");
+    // A hold lags by half a tick, 0.72° at 4 Hz.
+    assert!(
+        (felt.get(Measure::PhaseDeg) - 0.72).abs() < 0.05,
+        "{felt:?}"
+    );
+    assert_eq!(felt.get(Measure::EnergyOutJ), 0.0);
+    assert!(beside.settle_from_ramp_end_s.is_some_and(|s| s < 0.05));
+    assert!(
+        beside
+            .motion_at_rest_counts
+            .is_some_and(|counts| counts <= 4.0)
+    );
+}
+
+#[test]
+fn what_is_worse_is_found_worse() {
+    let programme = |scene: &Scene| Programme::of(scene).shortened();
+    let of = |scene: &Scene| {
+        figures(scene, &programme(scene), &CASES[0], false)
+            .expect("runs")
+            .0
+    };
+    // A bare spring at 5 k_c is lost, and gives energy.
+    let spring = of(&Rival::named("spring").expect("a law").of(&knob(5.0)));
+    assert!(spring.get(Measure::EnergyOutJ) > 1e-3, "{spring:?}");
+    assert!(spring.get(Measure::StiffnessErrorHeld) > 0.5, "{spring:?}");
+    // More damping leads more, is a worse spring in a ramp, and ripples more beyond what the motion itself changes.
+    let (little, much) = (of(&estimated(5.0, 0.005948)), of(&estimated(5.0, 0.03)));
+    for measure in [
+        Measure::PhaseDeg,
+        Measure::RippleRmsNM,
+        Measure::StiffnessError,
+    ] {
+        assert!(
+            much.get(measure) > 1.15 * little.get(measure),
+            "{measure:?}: {} {}",
+            much.get(measure),
+            little.get(measure)
+        );
+    }
+    // A force limit below the press: the hand finds no wall of this stiffness.
+    let mut soft = estimated(5.0, 0.005948);
+    soft.law.force_limit_n_m = 0.08;
+    assert!(of(&soft).get(Measure::StiffnessErrorHeld) > 0.1);
+}
+
+#[test]
+fn known_settings_hold_every_device_and_the_difference_damper_does_not() {
+    let scene = knob(5.0);
+    let entry = |name: &str, scene: Scene| Entry {
+        rival: Rival::named(name).expect("a law"),
+        scene,
+        tuned: false,
+    };
+    let mut damper = Rival::named("spring-damper").expect("a law").of(&scene);
+    damper.law.virtual_damping_n_m_s_per_rad = 0.0084;
+    let entries = [
+        entry("spring-damper-estimated", estimated(5.0, 0.005948)),
+        entry("spring-damper", damper),
+    ];
+    let mut told = Vec::new();
+    let card = scorecard(&scene, &entries, |law| told.push(law.to_owned())).expect("runs");
+    assert_eq!(told, ["spring-damper-estimated", "spring-damper"]);
+    assert!(card.rows[0].passes, "{:?}", card.rows[0].fails);
+    assert_eq!(card.rows[0].cells.len(), CASES.len());
+    assert!(!card.rows[1].passes);
+    assert!(!card.rows[1].fails.is_empty());
+    // The reference of ripple holds a whole tick at this stiffness.
+    assert_eq!(card.reference.delay_ticks, Some(1.0));
+    let text = super::page::text(&card);
+    assert!(text.contains("spring-damper fails: "), "{text}");
+    // In JSON the figures have the names of a run's results.
+    let json = serde_json::to_value(&card).expect("numbers");
+    let nominal = &json["rows"][0]["cells"][0];
+    assert!(nominal["figures"]["peak_penetration_ratio"].is_number());
+    assert!(nominal["figures"]["ripple_rms_n_m"].is_number());
+}
+
+#[test]
+fn every_motion_is_measured_over_whole_periods() {
+    let scene = knob(5.0);
+    let programme = Programme::of(&scene);
+    for deed in programme.deeds() {
+        let scene = programme.scene(&scene, GRIPS[0], deed);
+        let terms = Terms::of(&scene);
+        match deed {
+            Deed::Press => assert!(terms.press.is_some()),
+            Deed::Move(frequency_hz) => {
+                let wiggle = terms.wiggle.expect("long enough");
+                let periods =
+                    (wiggle.window.1 - wiggle.window.0) as f64 * terms.period_s * frequency_hz;
+                assert!(periods > 0.99 && (periods - periods.round()).abs() < 0.01);
+                assert!(wiggle.window.1 <= terms.ticks);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_case_changes_the_device_and_not_what_its_law_is_told() {
+    let scene = estimated(5.0, 0.005948);
+    for case in &CASES {
+        let changed = case.of(&scene);
+        assert_eq!(changed.law, scene.law, "{}", case.name);
+        assert_eq!(
+            case.change == Change::Nothing,
+            changed == scene,
+            "{}",
+            case.name
+        );
+    }
+    let late = Case {
+        name: "",
+        change: Change::Delay(0.5),
+    };
+    assert_eq!(late.of(&scene).timing.computational_delay_s, 5e-4);
+    assert!(late.is_late() && !CASES[0].is_late());
+    // Near the end of sampling only the nominal inertia and up to half a tick are asked for.
+    assert_eq!(asked(&knob(20.0)).count(), CASES.len());
+    assert_eq!(asked(&knob(50.0)).count(), 3);
+}
+
+#[test]
+fn limits_are_shares_and_counts() {
+    let reference = Reference {
+        limit_n_m: 1e-3,
+        ..Reference::none()
+    };
+    let coarse = reference.limits(&CASES[1]);
+    assert!((coarse.ripple_n_m - 1e-3 / 0.4096).abs() < 1e-12);
+    let limits = Limits::new(false, 1e-3);
+    let mut felt = Figures::NONE;
+    felt.raise(Measure::PeakPenetrationRatio, 1.05);
+    felt.raise(Measure::PhaseDeg, 24.0);
+    felt.raise(Measure::PhaseDeg, 6.0);
+    let shares = felt.shares(&limits);
+    assert!((shares[0] - 0.5).abs() < 1e-9);
+    assert_eq!(shares[5], 2.0, "the worst stays");
+    // Any energy at all is too much; rounding is none.
+    felt.raise(Measure::EnergyOutJ, 1e-12);
+    assert_eq!(felt.shares(&limits)[7], 0.0);
+    felt.raise(Measure::EnergyOutJ, 1e-8);
+    assert!(felt.shares(&limits)[7] > 1.0);
+    // What is no number is as bad as can be.
+    felt.raise(Measure::ModulusError, f64::NAN);
+    assert!(felt.get(Measure::ModulusError).is_infinite());
+}
+
+#[test]
+fn every_law_has_a_name_of_its_own_and_runs_in_the_shipped_scene() {
+    let scene = knob(1.0);
+    for rival in &RIVALS {
+        assert_eq!(Rival::named(rival.name).expect("its name").name, rival.name);
+        let own = rival.of(&scene);
+        let measured = own.law.states == StatesKind::Measured;
+        assert!(measured || rival.estimated, "{}", rival.name);
+        let programme = Programme::of(&own).shortened();
+        figures(&own, &programme, &CASES[0], false).expect(rival.name);
+    }
+    let wrong = Rival::named("spring-dampr")
+        .expect_err("no law")
+        .to_string();
+    assert!(wrong.contains("did you mean spring-damper?"), "{wrong}");
+}

@@ -1,0 +1,186 @@
+//! One run, watched for the figures of a scorecard.
+//!
+//! Force is the motor's true one, after limits, guard, steps and delay, its mean over a tick; penetration is the true one in the
+//! tick's middle, to which that force belongs.
+
+use super::cases::Deed;
+use super::measure::{Beside, Figures, Measure};
+use touchstone_sim::error::Result;
+use touchstone_sim::run::judge::Judge;
+use touchstone_sim::run::measure::{Response, Ripple};
+use touchstone_sim::run::terms::{Press, Terms};
+use touchstone_sim::run::{self, Recorder, Tick};
+use touchstone_sim::scene::{MotionSpec, Scene};
+
+/// Counts below which a stiffness cannot be told.
+const SHALLOW_COUNTS: f64 = 10.0;
+/// From the end of a ramp until a press is judged as held, s.
+const HELD_AFTER_S: f64 = 0.05;
+/// At the end of a hold, in which a device should rest, s.
+const REST_S: f64 = 0.25;
+/// A run that is so far inside or outside is lost, rad.
+const LOST_RAD: f64 = 3.0;
+
+/// Watches.
+#[derive(Debug, Clone)]
+struct Watch {
+    terms: Terms,
+    press: Option<Press>,
+    /// Tick with which the press' ramp begins; before it is the touch.
+    ramp_start: u64,
+    held_from: u64,
+    rest_from: u64,
+    count_rad: f64,
+    response: Option<Response>,
+    ripple: Option<Ripple>,
+    judge: Option<Judge>,
+    figures: Figures,
+    beside: Beside,
+    wall_j: f64,
+    loss_j: f64,
+    rest: (f64, f64),
+    lost: bool,
+}
+
+impl Watch {
+    fn new(scene: &Scene, deed: Deed, fully: bool) -> Self {
+        let terms = Terms::of(scene);
+        let ticks = |seconds: f64| (seconds / terms.period_s).round() as u64;
+        let press = terms.press.filter(|_| deed == Deed::Press);
+        let ramp_start = match &scene.operator.motion {
+            MotionSpec::TouchAndPress(m) => ticks(m.start_s + m.touch_ramp_s + m.touch_s),
+            _ => 0,
+        };
+        let moving = matches!(deed, Deed::Move(_));
+        Self {
+            press,
+            ramp_start,
+            held_from: press.map_or(0, |press| press.ramp_end) + ticks(HELD_AFTER_S),
+            rest_from: press
+                .map_or(0, |press| press.release)
+                .saturating_sub(ticks(REST_S)),
+            // Without an encoder nothing is too shallow, and half a count is nothing.
+            count_rad: scene
+                .encoder
+                .as_ref()
+                .map_or(0.0, |encoder| encoder.step_rad()),
+            response: terms.wiggle.map(|it| Response::new(it, terms.period_s)),
+            ripple: moving.then(|| Ripple::new(terms.ripple, 1.0 / terms.period_s)),
+            judge: fully.then(|| Judge::new(terms.clone())),
+            terms,
+            figures: Figures::NONE,
+            beside: Beside::default(),
+            wall_j: 0.0,
+            loss_j: 0.0,
+            rest: (f64::INFINITY, f64::NEG_INFINITY),
+            lost: false,
+        }
+    }
+
+    fn pressed(&mut self, press: Press, tick: &Tick, x: f64) {
+        let k = self.terms.k_desired;
+        let force = tick.motor_force_n_m;
+        let depth = x * k / press.push_n_m;
+        if tick.index < self.ramp_start {
+            self.beside.touch_penetration_ratio = self.beside.touch_penetration_ratio.max(depth);
+            return;
+        }
+        self.figures.raise(Measure::PeakPenetrationRatio, depth);
+        let holding = tick.index < press.release;
+        let held = holding && tick.index >= self.held_from;
+        if x > SHALLOW_COUNTS * self.count_rad && x > 0.0 {
+            let off = ((force - k * x).abs() - 0.5 * k * self.count_rad).max(0.0) / (k * x);
+            let measure = if holding {
+                Measure::StiffnessError
+            } else {
+                Measure::StiffnessErrorRelease
+            };
+            self.figures.raise(measure, off);
+            if held {
+                self.figures.raise(Measure::StiffnessErrorHeld, off);
+            }
+        } else if held {
+            // The hand is not where it presses: thrown out, or out of the wall.
+            self.figures
+                .raise(Measure::StiffnessErrorHeld, f64::INFINITY);
+        }
+        if holding && tick.index >= self.rest_from {
+            self.rest.0 = self.rest.0.min(tick.angle_rad);
+            self.rest.1 = self.rest.1.max(tick.angle_rad);
+        }
+    }
+
+    fn finish(mut self) -> (Figures, Beside) {
+        if let Some(response) = &self.response {
+            let (modulus, phase) = match response.stiffness() {
+                Some(it) => (
+                    (it.modulus_n_m_per_rad / self.terms.k_desired - 1.0).abs(),
+                    it.phase_deg.abs(),
+                ),
+                // The wall was left.
+                None => (f64::INFINITY, f64::INFINITY),
+            };
+            self.figures.raise(Measure::ModulusError, modulus);
+            self.figures.raise(Measure::PhaseDeg, phase);
+        }
+        if let Some(ripple) = &self.ripple {
+            let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
+            self.figures.raise(Measure::RippleRmsNM, rms);
+        }
+        if self.lost {
+            self.figures = Figures::LOST;
+        }
+        if let Some(judged) = self.judge.as_ref().map(Judge::finish) {
+            let beside = &mut self.beside;
+            beside.settle_from_ramp_end_s = judged
+                .settled
+                .map(|settled| settled.from_ramp_end as f64 * self.terms.period_s);
+            beside.release_speed_rad_per_s = judged.release_speed_rad_per_s.unwrap_or(0.0);
+            beside.release_excursion_rad = judged.release_excursion_rad.unwrap_or(0.0);
+            beside.rate_hardness = judged.rate_hardness;
+            beside.energy_out_worst_window_j = judged.energy_out_worst_window_j;
+        }
+        if self.press.is_some() && self.count_rad > 0.0 {
+            let motion = self.rest.1 - self.rest.0;
+            self.beside.motion_at_rest_counts = Some(motion / self.count_rad);
+        }
+        (self.figures, self.beside)
+    }
+}
+
+impl Recorder for Watch {
+    fn record(&mut self, tick: &Tick) {
+        let x = 0.5 * (tick.angle_rad + tick.angle_after_rad) - self.terms.surface_rad;
+        if self.lost || x.is_nan() || x.abs() > LOST_RAD {
+            self.lost = true;
+            return;
+        }
+        self.wall_j += tick.absorbed_j;
+        self.loss_j += tick.device_loss_j;
+        let v = tick.velocity_after_rad_per_s;
+        // The device starts at rest.
+        let hand_j = self.wall_j + self.loss_j + 0.5 * self.terms.inertia_kg_m2 * v * v;
+        self.figures.raise(Measure::EnergyOutJ, -hand_j);
+        self.beside.energy_out_wall_j = self.beside.energy_out_wall_j.max(-self.wall_j);
+        if let Some(press) = self.press {
+            self.pressed(press, tick, x);
+        }
+        if let Some(response) = &mut self.response {
+            response.record(tick.index, x, tick.motor_force_n_m);
+        }
+        if let Some(ripple) = &mut self.ripple {
+            ripple.record(tick.index, tick.motor_force_n_m);
+        }
+        if let Some(judge) = &mut self.judge {
+            judge.record(tick);
+        }
+    }
+}
+
+/// Runs a scene of a [`super::cases::Programme`]. `fully` also gives what has no limit, which takes half as long again.
+///
+/// # Errors
+/// Settings that the law cannot take.
+pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)> {
+    run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
+}

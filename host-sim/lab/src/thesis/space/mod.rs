@@ -1,0 +1,286 @@
+//! The thesis' comparison in three degrees of freedom (§5.2): a plane, an inclined plane and a sphere, on a simulated omega.3.
+//!
+//! A firm hand probes each object, holds, slides along it at 50 mm/s and lets go. Everything is exact between ticks, positions are
+//! measured in counts, forces are limited to what the motors give. [`claims`] holds the statements of the thesis against it.
+
+pub mod claims;
+pub mod figures;
+mod motion;
+mod record;
+
+pub use motion::{Motion, Phase};
+pub use record::Record;
+
+use rayon::prelude::*;
+use touchstone_control::settings::FilterSettings;
+use touchstone_control::space::environment::{Plane, Sphere};
+use touchstone_control::space::{
+    Bounding, Direction, Leaving, LengthUnit, Magnitude, PerAxis, Rule, Shape, Shell, SpaceWall,
+    Spatial, SurfacePoint, Vector,
+};
+use touchstone_control::{
+    AnyLaw, Fixed32, Force, LawKind, Position, Reported, Settings, SettingsError, Si,
+};
+use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, OMEGA3_AXIS};
+
+/// The thesis' control rate, Hz (§5).
+pub const RATE_HZ: u32 = 1000;
+/// Stiffnesses of §5.2, N/mm: the critical one, and five times that.
+pub const STIFFNESSES_N_PER_MM: [f64; 2] = [5.0, 25.0];
+/// Radius of the sphere, mm. The thesis gives none: one in the centre of the workspace, to slide around.
+pub const RADIUS_MM: f64 = 30.0;
+
+type N = Fixed32;
+type Held = Cartesian<HeldLinear>;
+
+/// An object of §5.2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Object {
+    /// Through the first two axes (§5.2.1).
+    Horizontal,
+    /// In none of the axes (§5.2.2).
+    Inclined,
+    /// In the centre of the workspace (§5.2.3).
+    Sphere,
+}
+
+/// How the force is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Approach {
+    /// A spring.
+    Spring,
+    /// A spring with virtual damping.
+    SpringDamper,
+    /// Force bounding of the vector.
+    Bounding,
+    /// The enhanced law, one an axis.
+    PerAxis,
+    /// The enhanced law along the normal.
+    Magnitude,
+}
+
+/// One cell of the comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// The object.
+    pub object: Object,
+    /// Desired stiffness, N/mm.
+    pub k_desired_n_per_mm: f64,
+    /// How the force is made.
+    pub approach: Approach,
+}
+
+impl Object {
+    /// All.
+    pub const ALL: [Object; 3] = [Object::Horizontal, Object::Inclined, Object::Sphere];
+
+    /// For people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Horizontal => "horizontal plane",
+            Self::Inclined => "inclined plane",
+            Self::Sphere => "sphere",
+        }
+    }
+
+    fn shape(self) -> Shape<N> {
+        match self {
+            Self::Horizontal => Shape::Plane(Plane {
+                normal: Direction::along(2, false),
+                height: Position::zero(),
+            }),
+            Self::Inclined => Shape::Plane(Plane {
+                normal: Direction::of(place(self.normal().map(|n| 50.0 * n))).unwrap_or_default(),
+                height: Position::zero(),
+            }),
+            Self::Sphere => Shape::Sphere(Sphere {
+                centre: Vector::default(),
+                radius: position(RADIUS_MM),
+            }),
+        }
+    }
+
+    /// Out of the object where it is probed.
+    #[must_use]
+    pub fn normal(self) -> [f64; 3] {
+        match self {
+            Self::Horizontal => [0.0, 0.0, 1.0],
+            // Another share along every axis; of length 1.
+            Self::Inclined => [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0],
+            // Where no component is zero; a slide comes to where the first one changes its sign.
+            Self::Sphere => [-3.0 / 7.0, 2.0 / 7.0, 6.0 / 7.0],
+        }
+    }
+}
+
+impl Approach {
+    /// All.
+    pub const ALL: [Approach; 5] = [
+        Approach::Spring,
+        Approach::SpringDamper,
+        Approach::Bounding,
+        Approach::PerAxis,
+        Approach::Magnitude,
+    ];
+
+    /// For people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Spring => "spring",
+            Self::SpringDamper => "spring-damper",
+            Self::Bounding => "force bounding",
+            Self::PerAxis => "per axis",
+            Self::Magnitude => "magnitude",
+        }
+    }
+
+    fn law(self) -> LawKind {
+        match self {
+            Self::Spring => LawKind::Spring,
+            Self::SpringDamper => LawKind::SpringDamper,
+            Self::Bounding => LawKind::Fba,
+            Self::PerAxis | Self::Magnitude => LawKind::EnhancedSfa,
+        }
+    }
+}
+
+/// All cells.
+#[must_use]
+pub fn cells() -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for object in Object::ALL {
+        for k_desired_n_per_mm in STIFFNESSES_N_PER_MM {
+            for approach in Approach::ALL {
+                cells.push(Cell {
+                    object,
+                    k_desired_n_per_mm,
+                    approach,
+                });
+            }
+        }
+    }
+    cells
+}
+
+/// Settings of the laws in SI for the omega.3: the knob's proportions to `k_c`, which is 5 N/mm here (§5.2).
+#[must_use]
+pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
+    let si = Si::from_num::<f64>;
+    Settings {
+        law,
+        rate_hz: RATE_HZ,
+        k_desired: si(1e3 * k_desired_n_per_mm),
+        // k_v = 0.8 k_c, as on the knob.
+        k_soft: si(4000.0),
+        device_damping: si(2.5),
+        // 0.4 c_i, as on the knob.
+        virtual_damping: si(1.0),
+        force_limit: si(OMEGA3.force_n),
+        // Four times what a press of 6 N stores in k_f.
+        energy_credit: si(0.0144),
+        filter: FilterSettings {
+            // k_f = k_c; the mass and the damping to ground give its 12 ms.
+            mass: si(0.015),
+            stiffness: si(5000.0),
+            damping: Si::ZERO,
+            ground_damping: si(50.0),
+        },
+        ..Settings::thesis()
+    }
+}
+
+/// A length in the device's unit.
+fn position(mm: f64) -> Position<N> {
+    Position(N::signal_from_f64(mm / 10.0))
+}
+
+fn place(mm: [f64; 3]) -> Vector<Position<N>> {
+    Vector(mm.map(position))
+}
+
+/// A wall of a cell.
+fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
+    let unit = LengthUnit::Centimetre;
+    let law = unit.law::<N>(&settings(cell.approach.law(), cell.k_desired_n_per_mm))?;
+    let shell = match (cell.approach, law) {
+        (Approach::Bounding, AnyLaw::Fba(law, _)) => Shell::Bounding(Bounding::new(law)),
+        (Approach::PerAxis, law) => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
+        (_, law) => Shell::Magnitude(Magnitude::new(law)),
+    };
+    let limit = Force(N::signal_from_f64(OMEGA3.force_n));
+    Ok(SpaceWall::new(
+        cell.object.shape(),
+        SurfacePoint::new(Rule::Closest),
+        shell,
+        limit,
+    ))
+}
+
+/// Runs one cell.
+///
+/// # Errors
+/// Settings that no law can have; those of [`settings`] are none.
+pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
+    let mut wall = wall(cell)?;
+    let interval_s = 1.0 / f64::from(RATE_HZ);
+    let plant = Held::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, interval_s);
+    // Constants of this program.
+    let Ok(plant) = plant else {
+        return Ok(Record::new(*cell));
+    };
+    let motion = Motion::of(cell.object);
+    let mut state = Held::at_rest(motion.rest_mm(0.0).map(|x| x * 1e-3));
+    let mut record = Record::new(*cell);
+    let (mut stored, mut loss, mut work) = (None, 0.0, 0.0);
+    for tick in 0..motion.ticks() {
+        let time_s = f64::from(tick) * interval_s;
+        let hip_m = Held::position(&state);
+        let measured_mm = OMEGA3
+            .counts(hip_m)
+            .map(|n| f64::from(n) * OMEGA3.count_m * 1e3);
+        // Without a guard there is no overspeed.
+        let force = wall.tick(place(measured_mm)).unwrap_or_default();
+        let force_n = OMEGA3.limited(force.0.map(|f| N::signal_to_f64(f.0)));
+        let rest_m = motion.rest_mm(time_s).map(|x| x * 1e-3);
+        let before = plant.stored_energy_j(&state, rest_m);
+        let jump = stored.map_or(0.0, |was| before - was);
+        record.keep(
+            time_s,
+            motion.phase(time_s),
+            hip_m.map(|x| x * 1e3),
+            force_n,
+        );
+        let lost = plant.step_with_loss(&mut state, force_n, rest_m);
+        let after_m = Held::position(&state);
+        loss += lost.total_j();
+        work += jump
+            + (0..3)
+                .map(|i| force_n[i] * (after_m[i] - hip_m[i]))
+                .sum::<f64>();
+        let start = *record.start_energy_j.get_or_insert(before);
+        let after = plant.stored_energy_j(&state, rest_m);
+        record.audit_j = record.audit_j.max((after - start + loss - work).abs());
+        stored = Some(after);
+    }
+    Ok(record)
+}
+
+/// Runs all cells on all cores, in their order; `done` is told of each that is finished.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, SettingsError> {
+    cells
+        .par_iter()
+        .map(|cell| {
+            let record = run(cell);
+            done();
+            record
+        })
+        .collect()
+}
+
+/// `1` of the number format is a ten-millimetre.
+const _: () = assert!(N::ONE.to_bits() == 1 << 24);

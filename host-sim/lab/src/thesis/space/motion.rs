@@ -1,0 +1,115 @@
+//! What the hand means to do: its rest point over time.
+
+use super::{Object, RADIUS_MM};
+use touchstone_world::plant::FIRM_TRANSLATION;
+
+/// A stretch of the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// From outside into the object, and out a little, and in again.
+    Probe,
+    /// Rest under the full push.
+    Hold,
+    /// Along the surface.
+    Slide,
+    /// Out.
+    Release,
+}
+
+/// Speed along the surface, mm/s.
+pub const SLIDE_MM_PER_S: f64 = 50.0;
+/// The push held, N.
+const PUSH_N: f64 = 6.0;
+const PROBE_S: f64 = 1.2;
+const HOLD_S: f64 = 2.0;
+const SLIDE_S: f64 = 1.6;
+const RELEASE_S: f64 = 0.6;
+
+/// A motion of the rest point around an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    object: Object,
+    normal: [f64; 3],
+    side: [f64; 3],
+}
+
+/// From 0 to 1 without a jump of the speed.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+impl Motion {
+    /// Around this object.
+    #[must_use]
+    pub fn of(object: Object) -> Self {
+        let n = object.normal();
+        // Across the normal: on the sphere over the pole of an axis, where the side of one component changes.
+        let towards = match object {
+            Object::Sphere => [1.0, 0.0, 0.2],
+            Object::Horizontal | Object::Inclined => [1.0, 0.4, 0.0],
+        };
+        let along = (0..3).map(|i| towards[i] * n[i]).sum::<f64>();
+        let across: [f64; 3] = std::array::from_fn(|i| towards[i] - along * n[i]);
+        let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Self {
+            object,
+            normal: n,
+            side: across.map(|x| x / length),
+        }
+    }
+
+    /// How many ticks it takes.
+    #[must_use]
+    pub fn ticks(&self) -> u32 {
+        let seconds = PROBE_S + HOLD_S + SLIDE_S + RELEASE_S;
+        (seconds * f64::from(super::RATE_HZ)) as u32
+    }
+
+    /// The phase at a time.
+    #[must_use]
+    pub fn phase(&self, time_s: f64) -> Phase {
+        match time_s {
+            t if t < PROBE_S => Phase::Probe,
+            t if t < PROBE_S + HOLD_S => Phase::Hold,
+            t if t < PROBE_S + HOLD_S + SLIDE_S => Phase::Slide,
+            _ => Phase::Release,
+        }
+    }
+
+    /// Where the hand means to be.
+    #[must_use]
+    pub fn rest_mm(&self, time_s: f64) -> [f64; 3] {
+        // Under the surface by what its spring needs for the push.
+        let deep = PUSH_N / FIRM_TRANSLATION.stiffness * 1e3;
+        let height = 3.0;
+        let below = |share: f64| height - (height + deep) * share;
+        let t = time_s;
+        let above = if t < PROBE_S {
+            // In, half out, and in again: the first contact ends by a motion outwards.
+            let first = smooth(t / 0.5) * 0.6;
+            let back = smooth((t - 0.5) / 0.2) * 0.2;
+            let again = smooth((t - 0.8) / 0.4) * 0.6;
+            below(first - back + again)
+        } else if t < PROBE_S + HOLD_S + SLIDE_S {
+            below(1.0)
+        } else {
+            below(1.0 - 1.3 * smooth((t - PROBE_S - HOLD_S - SLIDE_S) / RELEASE_S))
+        };
+        let along_s = (t - PROBE_S - HOLD_S).clamp(0.0, SLIDE_S);
+        // A tenth of a second to gather speed.
+        let way = SLIDE_MM_PER_S * (along_s - 0.05 + 0.05 * (-along_s / 0.05).exp());
+        match self.object {
+            Object::Horizontal | Object::Inclined => {
+                std::array::from_fn(|i| above * self.normal[i] + way * self.side[i])
+            }
+            Object::Sphere => {
+                let phi = way / RADIUS_MM;
+                let radius = RADIUS_MM + above;
+                std::array::from_fn(|i| {
+                    radius * (phi.cos() * self.normal[i] + phi.sin() * self.side[i])
+                })
+            }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! What a run leaves behind, and what is read off it.
+
+use super::{Cell, Object, Phase, RADIUS_MM};
+
+/// A run, tick by tick.
+#[derive(Debug, Clone)]
+pub struct Record {
+    /// What was run.
+    pub cell: Cell,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Phase of the motion.
+    pub phase: Vec<Phase>,
+    /// True place of the HIP, mm.
+    pub hip_mm: Vec<[f64; 3]>,
+    /// Force on it, N.
+    pub force_n: Vec<[f64; 3]>,
+    /// By how much the books of device and hand do not close at worst, J.
+    pub audit_j: f64,
+    pub(super) start_energy_j: Option<f64>,
+}
+
+/// Scalar product.
+#[must_use]
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Length.
+#[must_use]
+pub fn length(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+impl Record {
+    pub(super) fn new(cell: Cell) -> Self {
+        Self {
+            cell,
+            time_s: Vec::new(),
+            phase: Vec::new(),
+            hip_mm: Vec::new(),
+            force_n: Vec::new(),
+            audit_j: 0.0,
+            start_energy_j: None,
+        }
+    }
+
+    pub(super) fn keep(&mut self, time_s: f64, phase: Phase, hip_mm: [f64; 3], force_n: [f64; 3]) {
+        self.time_s.push(time_s);
+        self.phase.push(phase);
+        self.hip_mm.push(hip_mm);
+        self.force_n.push(force_n);
+    }
+
+    /// Normal of the true surface over the HIP of a tick.
+    #[must_use]
+    pub fn normal(&self, tick: usize) -> [f64; 3] {
+        match self.cell.object {
+            Object::Horizontal | Object::Inclined => self.cell.object.normal(),
+            Object::Sphere => {
+                let here = self.hip_mm[tick];
+                let r = length(here).max(1e-9);
+                here.map(|x| x / r)
+            }
+        }
+    }
+
+    /// True depth below the surface, mm.
+    #[must_use]
+    pub fn depth_mm(&self, tick: usize) -> f64 {
+        match self.cell.object {
+            Object::Horizontal | Object::Inclined => -dot(self.normal(tick), self.hip_mm[tick]),
+            Object::Sphere => RADIUS_MM - length(self.hip_mm[tick]),
+        }
+    }
+
+    /// Force out of the surface, N.
+    #[must_use]
+    pub fn normal_force_n(&self, tick: usize) -> f64 {
+        dot(self.normal(tick), self.force_n[tick])
+    }
+
+    /// Force along the surface, N.
+    #[must_use]
+    pub fn tangential_n(&self, tick: usize) -> f64 {
+        let n = self.normal(tick);
+        let out = self.normal_force_n(tick);
+        length(std::array::from_fn(|i| self.force_n[tick][i] - out * n[i]))
+    }
+
+    /// The ticks of the last part of a phase.
+    #[must_use]
+    pub fn late(&self, phase: Phase, share: f64) -> std::ops::Range<usize> {
+        let all: Vec<usize> = (0..self.phase.len())
+            .filter(|tick| self.phase[*tick] == phase)
+            .collect();
+        let (Some(first), Some(last)) = (all.first(), all.last()) else {
+            return 0..0;
+        };
+        let end = last + 1;
+        end - ((end - first) as f64 * share) as usize..end
+    }
+
+    fn mean(ticks: std::ops::Range<usize>, of: impl Fn(usize) -> f64) -> f64 {
+        let count = ticks.len().max(1) as f64;
+        ticks.map(of).sum::<f64>() / count
+    }
+
+    /// Stiffness displayed in a stretch, N/mm: mean force out of the surface over mean depth.
+    #[must_use]
+    pub fn displayed_n_per_mm(&self, ticks: std::ops::Range<usize>) -> f64 {
+        Self::mean(ticks.clone(), |t| self.normal_force_n(t))
+            / Self::mean(ticks, |t| self.depth_mm(t))
+    }
+
+    /// Ripple of the depth in a stretch: root mean square around its own trend of 50 ticks, mm.
+    #[must_use]
+    pub fn ripple_mm(&self, ticks: std::ops::Range<usize>) -> f64 {
+        let mut sum = 0.0;
+        let mut count = 0.0_f64;
+        for tick in ticks.clone() {
+            let from = tick.saturating_sub(25).max(ticks.start);
+            let to = (tick + 25).min(ticks.end);
+            let off = self.depth_mm(tick) - Self::mean(from..to, |t| self.depth_mm(t));
+            sum += off * off;
+            count += 1.0;
+        }
+        (sum / count.max(1.0)).sqrt()
+    }
+
+    /// How fast the HIP goes along the surface in a stretch, in the mean, mm/s.
+    #[must_use]
+    pub fn speed_mm_per_s(&self, ticks: std::ops::Range<usize>) -> f64 {
+        let seconds = self.time_s[ticks.end - 1] - self.time_s[ticks.start];
+        let way: f64 = ticks
+            .skip(1)
+            .map(|t| {
+                length(std::array::from_fn(|i| {
+                    self.hip_mm[t][i] - self.hip_mm[t - 1][i]
+                }))
+            })
+            .sum();
+        way / seconds
+    }
+
+    /// Most of the tangential over the normal force in a stretch in which there is one.
+    #[must_use]
+    pub fn most_tangential(&self, ticks: std::ops::Range<usize>) -> f64 {
+        ticks
+            .filter(|t| self.normal_force_n(*t) > 0.5)
+            .map(|t| self.tangential_n(t) / self.normal_force_n(t))
+            .fold(0.0, f64::max)
+    }
+
+    /// The largest change of the force within a tick in a stretch, over the normal force: what is along the surface of it.
+    #[must_use]
+    pub fn largest_jump(&self, ticks: std::ops::Range<usize>) -> f64 {
+        ticks
+            .skip(1)
+            .filter(|t| self.normal_force_n(*t) > 0.5)
+            .map(|t| {
+                let n = self.normal(t);
+                let change: [f64; 3] =
+                    std::array::from_fn(|i| self.force_n[t][i] - self.force_n[t - 1][i]);
+                let out = dot(change, n);
+                length(std::array::from_fn(|i| change[i] - out * n[i])) / self.normal_force_n(t)
+            })
+            .fold(0.0, f64::max)
+    }
+}

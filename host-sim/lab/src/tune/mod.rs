@@ -1,0 +1,198 @@
+//! Settings for a device: from inertia, damping, friction, counts, delay, torque limit and rate to a law that a hand feels as the
+//! wall that was asked for.
+//!
+//! A setting is judged by the worst figure of its [scorecard](crate::scorecard) over three grips and every device of its cases,
+//! the limit of its ripple among them; [`search`] makes that small, from a rule that [`parameters`] states. [`settings`] writes
+//! what was found, [`pareto`] shows what it costs to ask for more stiffness, less ripple or more delay.
+
+pub mod campaign;
+pub mod cost;
+pub mod parameters;
+pub mod pareto;
+pub mod search;
+pub mod settings;
+#[cfg(test)]
+mod tests;
+
+use crate::scorecard::reference::Reference;
+use crate::scorecard::rivals::Rival;
+use cost::{Cost, Judgement};
+use parameters::{Axis, at, axes};
+use touchstone_sim::error::Result;
+use touchstone_sim::scene::Scene;
+
+/// What is asked of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Seed: the same finds the same.
+    pub seed: u64,
+    /// How long it may look.
+    pub effort: Effort,
+    /// What ripple may be on the nominal device, N·m; absent: [`Reference`].
+    pub ripple_n_m: Option<f64>,
+}
+
+/// How long a search may look. Counted in simulated ticks and not in seconds, so that every machine finds the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effort {
+    /// All devices: a minute and a half on two cores.
+    Full,
+    /// The devices that decide most, shorter presses: some seconds.
+    Quick,
+    /// As quick, with so many ticks.
+    Ticks(f64),
+}
+
+impl Effort {
+    /// Most ticks: some 250 ns each where dry friction holds the device most of the time.
+    const fn ticks(self) -> f64 {
+        match self {
+            Effort::Full => 6.0e8,
+            Effort::Quick => 4.0e7,
+            Effort::Ticks(ticks) => ticks,
+        }
+    }
+
+    /// Whether not all devices are looked at.
+    #[must_use]
+    pub fn is_quick(self) -> bool {
+        self != Effort::Full
+    }
+}
+
+/// Most looks for each parameter: by then a search stands still.
+const LOOKS_PER_PARAMETER: f64 = 400.0;
+
+/// A law with settings that were found.
+#[derive(Debug, Clone)]
+pub struct Tuned {
+    /// Which law.
+    pub rival: &'static Rival,
+    /// The scene with it.
+    pub scene: Scene,
+    /// What was tuned: path and value.
+    pub parameters: Vec<(&'static str, f64)>,
+    /// The largest share of a limit in the search's own, shorter programme.
+    pub worst: f64,
+    /// Points that were looked at.
+    pub evaluations: u64,
+    /// What ripple was measured by.
+    pub reference: Reference,
+    /// Seed of the search.
+    pub seed: u64,
+}
+
+/// Tunes a law for the device and wall of a scene; `progress` is told how much of how much is done.
+///
+/// # Errors
+/// A scene whose spring-damper cannot run.
+pub fn tune(
+    scene: &Scene,
+    rival: &'static Rival,
+    options: &Options,
+    mut progress: impl FnMut(u64, u64),
+) -> Result<Tuned> {
+    let mut reference = Reference::of(scene)?;
+    if let Some(limit) = options.ripple_n_m {
+        reference.limit_n_m = limit;
+    }
+    let judgement = Judgement::new(scene, reference, options.effort.is_quick());
+    let looks = options.effort.ticks() / judgement.ticks(scene);
+    Ok(search_by(
+        scene,
+        rival,
+        reference,
+        &judgement,
+        looks,
+        options.seed,
+        &mut progress,
+    ))
+}
+
+/// Tunes by a judgement of one's own, with so many looks at most.
+fn search_by(
+    scene: &Scene,
+    rival: &'static Rival,
+    reference: Reference,
+    judgement: &Judgement,
+    looks: f64,
+    seed: u64,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Tuned {
+    let axes = axes(rival, scene);
+    let looks = looks.min(LOOKS_PER_PARAMETER * axes.len() as f64).max(4.0) as u64;
+    let found = search::minimise(
+        &starts(scene, &axes),
+        looks,
+        seed,
+        |point| judgement.cost(&at(rival, scene, &axes, point)),
+        |done| progress(done, looks),
+    );
+    let mut scene = at(rival, scene, &axes, &found.point);
+    let parameters = axes
+        .iter()
+        .map(|axis| (axis.parameter.path, *(axis.parameter.of)(&mut scene.law)))
+        .collect();
+    let Cost { worst, .. } = found.cost;
+    Tuned {
+        rival,
+        scene,
+        parameters,
+        worst,
+        evaluations: found.evaluations,
+        reference,
+        seed,
+    }
+}
+
+/// Where a search may start: the rule, the scene's own settings, and what was found for soft and for stiff walls.
+fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
+    let mut own = scene.law.clone();
+    let own: Vec<f64> = axes
+        .iter()
+        .map(|axis| {
+            let value = *(axis.parameter.of)(&mut own);
+            (value.clamp(axis.least, axis.most) / axis.start).ln()
+        })
+        .collect();
+    let mut starts = vec![vec![0.0; axes.len()], own];
+    starts.extend(KNOWN.iter().map(|known| {
+        axes.iter()
+            .map(|axis| {
+                known
+                    .iter()
+                    .find(|(path, _)| *path == axis.parameter.path)
+                    .map_or(0.0, |(_, ratio)| ratio.ln())
+            })
+            .collect()
+    }));
+    starts
+}
+
+/// Ratios to the rule of settings that were found for the thesis' knob, at 5 and at 20 times its critical stiffness.
+const KNOWN: [&[(&str, f64)]; 2] = [
+    &[
+        ("law.limit_of_penetration", 11.4),
+        ("law.limit_of_force", 1.49),
+        ("law.step_of_ideal", 0.98),
+        ("law.filter.mass_kg_m2", 0.23),
+        ("law.filter.stiffness_n_m_per_rad", 2.96),
+        ("law.filter.damping_n_m_s_per_rad", 1.13),
+        ("law.filter.ground_damping_n_m_s_per_rad", 0.106),
+        ("law.k_soft_n_m_per_rad", 1.3),
+        ("law.virtual_damping_n_m_s_per_rad", 0.75),
+        ("law.estimator.bandwidth_hz", 1.25),
+        ("law.estimator.delay_s", 1.9),
+        ("law.estimator.inertia_kg_m2", 0.95),
+    ],
+    &[
+        ("law.limit_of_penetration", 0.97),
+        ("law.filter.mass_kg_m2", 2.3),
+        ("law.filter.stiffness_n_m_per_rad", 0.34),
+        ("law.filter.ground_damping_n_m_s_per_rad", 3.3),
+        ("law.k_soft_n_m_per_rad", 0.95),
+        ("law.virtual_damping_n_m_s_per_rad", 1.05),
+        ("law.estimator.bandwidth_hz", 0.93),
+        ("law.estimator.inertia_kg_m2", 1.5),
+    ],
+];

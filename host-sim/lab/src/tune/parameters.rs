@@ -1,0 +1,178 @@
+//! What is tuned of each law, and where the search starts.
+//!
+//! Every start is a rule in the device's own measures, `k_de`, `J` and `T`, so that one rule serves all devices: dampings in
+//! `sqrt(k J)`, bandwidths in `sqrt(k/J)/2π`, stiffnesses in `k`, masses in `J`, shares of a tick in `T sqrt(k/J)`.
+
+use crate::scorecard::rivals::Rival;
+use crate::scorecard::stiffness_per_tick;
+use std::f64::consts::TAU;
+use touchstone_control::choices::{LawKind, StatesKind};
+use touchstone_sim::scene::{Law, Scene};
+
+/// A parameter of the law.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Its path in a scene.
+    pub path: &'static str,
+    /// Where it is.
+    pub of: fn(&mut Law) -> &mut f64,
+}
+
+/// Where a parameter starts, and within what it is looked for. All above 0: the search goes by ratios.
+#[derive(Debug, Clone, Copy)]
+pub struct Axis {
+    /// Which.
+    pub parameter: Parameter,
+    /// Where the search starts.
+    pub start: f64,
+    /// Least value.
+    pub least: f64,
+    /// Largest value.
+    pub most: f64,
+}
+
+macro_rules! parameter {
+    ($($field:ident).+) => {
+        Parameter {
+            path: concat!("law" $(, ".", stringify!($field))+),
+            of: |law| &mut law.$($field).+,
+        }
+    };
+}
+
+/// Share of the control rate that an estimator's bandwidth may be: its setting ends at a fifth.
+const FASTEST_BANDWIDTH: f64 = 0.19;
+
+/// Parameters of a law for the device and wall of a scene.
+#[must_use]
+pub fn axes(rival: &Rival, scene: &Scene) -> Vec<Axis> {
+    let own = rival.to_tune(scene);
+    let mut axes = of_law(&own);
+    if own.law.states == StatesKind::Estimated && !axes.is_empty() {
+        axes.extend(of_estimator(&own));
+    }
+    axes
+}
+
+fn of_law(scene: &Scene) -> Vec<Axis> {
+    let (j, k) = (scene.device.inertia_kg_m2, scene.wall.k_desired_n_m_per_rad);
+    let rate = f64::from(scene.timing.rate_hz);
+    let unit = (k * j).sqrt();
+    // Shares of a tick were found at T sqrt(k/J) = 0.447.
+    let per_tick = (stiffness_per_tick(scene) / 0.447).min(1.0);
+    let axis = |parameter, start: f64, least: f64, most: f64| Axis {
+        parameter,
+        start: start.clamp(least, most),
+        least,
+        most,
+    };
+    let b = scene.device.damping_n_m_s_per_rad;
+    let trusted = || {
+        axis(
+            parameter!(device_damping_n_m_s_per_rad),
+            1.25 * b,
+            0.1 * b,
+            10.0 * b,
+        )
+    };
+    // k_c with the damping that is trusted at first.
+    let critical = 2.5 * b * rate;
+    match scene.law.kind {
+        LawKind::Spring => Vec::new(),
+        LawKind::SpringDamper => vec![axis(
+            parameter!(virtual_damping_n_m_s_per_rad),
+            0.5 * unit,
+            0.01 * unit,
+            10.0 * unit,
+        )],
+        LawKind::Tdpa | LawKind::Fba => vec![trusted()],
+        LawKind::Sfa | LawKind::SfaContinuous => vec![
+            trusted(),
+            axis(
+                parameter!(k_soft_n_m_per_rad),
+                0.8 * critical,
+                (0.02 * critical).max(0.01),
+                k.max(0.02),
+            ),
+        ],
+        LawKind::EnhancedSfa => vec![
+            axis(parameter!(limit_of_penetration), 0.07 * per_tick, 1e-4, 1.0),
+            axis(parameter!(limit_of_force), 0.55 * per_tick, 1e-4, 1.0),
+            axis(parameter!(step_of_ideal), 0.43 * per_tick, 1e-4, 1.0),
+            axis(parameter!(filter.mass_kg_m2), 0.03 * j, 1e-3 * j, j),
+            axis(
+                parameter!(filter.stiffness_n_m_per_rad),
+                2.0 * k,
+                (0.1 * k).max(0.01),
+                30.0 * k,
+            ),
+            axis(
+                parameter!(filter.damping_n_m_s_per_rad),
+                0.26 * unit,
+                1e-3 * unit,
+                10.0 * unit,
+            ),
+            axis(
+                parameter!(filter.ground_damping_n_m_s_per_rad),
+                1.5 * unit,
+                1e-3 * unit,
+                50.0 * unit,
+            ),
+            // At k_de the law is a plain spring.
+            axis(
+                parameter!(k_soft_n_m_per_rad),
+                0.75 * k,
+                (0.02 * k).max(0.01),
+                0.98 * k,
+            ),
+        ],
+    }
+}
+
+/// Bandwidth, delay and inertia; damping and all else is as measured.
+fn of_estimator(scene: &Scene) -> Vec<Axis> {
+    let j = scene.device.inertia_kg_m2;
+    let rate = f64::from(scene.timing.rate_hz);
+    let own_hz = (scene.wall.k_desired_n_m_per_rad / j).sqrt() / TAU;
+    let fastest = FASTEST_BANDWIDTH * rate;
+    let axis = |parameter, start: f64, least: f64, most: f64| Axis {
+        parameter,
+        start: start.clamp(least, most),
+        least,
+        most,
+    };
+    vec![
+        axis(
+            parameter!(estimator.bandwidth_hz),
+            (1.4 * own_hz).max(50.0),
+            (0.003 * rate).min(fastest),
+            fastest,
+        ),
+        // What is on the way already counts, up to the two ticks that an estimator predicts.
+        axis(
+            parameter!(estimator.delay_s),
+            scene.timing.computational_delay_s + 0.8 / rate,
+            0.05 / rate,
+            2.0 / rate,
+        ),
+        axis(parameter!(estimator.inertia_kg_m2), j, 0.25 * j, 4.0 * j),
+    ]
+}
+
+/// The scene with its law at a point, coordinates being natural logarithms of the ratios to the start. A value is rounded to four
+/// digits: what is judged is what is written down.
+#[must_use]
+pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
+    let mut scene = rival.to_tune(scene);
+    for (axis, x) in axes.iter().zip(point) {
+        let value = (axis.start * x.exp()).clamp(axis.least, axis.most);
+        *(axis.parameter.of)(&mut scene.law) = rounded(value);
+    }
+    scene
+}
+
+/// Four digits.
+#[must_use]
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

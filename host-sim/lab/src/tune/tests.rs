@@ -1,0 +1,151 @@
+//! The search finds what is there, the same every time, and writes down what it judged.
+
+use super::campaign::{Class, row, scene};
+use super::cost::{Cost, Judgement};
+use super::parameters::{at, axes};
+use super::search::minimise;
+use super::{Effort, Options, pareto, settings, tune};
+use crate::scorecard::reference::Reference;
+use crate::scorecard::rivals::{RIVALS, Rival};
+use touchstone_sim::scene::Scene;
+
+fn knob(k_desired: f64) -> Scene {
+    let mut scene = Scene::load("thesis-knob").expect("a shipped scene");
+    scene.wall.k_desired_n_m_per_rad = k_desired;
+    scene
+}
+
+#[test]
+fn a_bowl_has_a_bottom_and_every_seed_its_own_way_there() {
+    let bowl = |x: &[f64]| Cost {
+        value: (x[0] - 1.0).powi(2) + 10.0 * (x[1] + 2.0).powi(2),
+        worst: 0.0,
+    };
+    let find = |seed| minimise(&[vec![0.0, 0.0], vec![5.0, 5.0]], 600, seed, bowl, |_| ());
+    let found = find(1);
+    assert!(found.cost.value < 1e-6, "{found:?}");
+    assert!(found.evaluations <= 600);
+    assert_eq!(found.point, find(1).point);
+    assert_ne!(found.point, find(2).point);
+    // Without a parameter there is nothing to look for.
+    let none = minimise(
+        &[Vec::new()],
+        100,
+        1,
+        |_| Cost {
+            value: 3.0,
+            worst: 3.0,
+        },
+        |_| (),
+    );
+    assert_eq!((none.cost.value, none.evaluations), (3.0, 1));
+}
+
+#[test]
+fn every_parameter_starts_within_its_bounds_and_is_where_it_says() {
+    for rival in &RIVALS {
+        for k_desired in [0.5, 5.0, 50.0] {
+            let scene = knob(k_desired);
+            let axes = axes(rival, &scene);
+            let point = vec![0.0; axes.len()];
+            let started = at(rival, &scene, &axes, &point);
+            let json = serde_json::to_value(&started).expect("numbers");
+            for axis in &axes {
+                assert!(axis.least > 0.0 && axis.least <= axis.start && axis.start <= axis.most);
+                let place = format!("/{}", axis.parameter.path.replace('.', "/"));
+                let value = json.pointer(&place).and_then(|value| value.as_f64());
+                let value = value.unwrap_or_else(|| panic!("{}", axis.parameter.path));
+                assert!(
+                    (value / axis.start - 1.0).abs() < 1e-3,
+                    "{}",
+                    axis.parameter.path
+                );
+            }
+            started.settings().expect("the law takes it");
+        }
+    }
+}
+
+#[test]
+fn tuning_makes_a_wall_that_was_lost_and_writes_what_it_judged() {
+    let scene = knob(5.0);
+    let rival = Rival::named("spring-damper-estimated").expect("a law");
+    let options = Options {
+        seed: 3,
+        effort: Effort::Ticks(3e6),
+        ripple_n_m: Some(2e-3),
+    };
+    let mut last = (0, 1);
+    let tuned = tune(&scene, rival, &options, |done, all| last = (done, all)).expect("runs");
+    assert!(last.0 > 0 && last.0 <= last.1, "{last:?}");
+    assert!(tuned.worst < 1.0, "{}", tuned.worst);
+    // The same seed, the same settings.
+    let again = tune(&scene, rival, &options, |_, _| ()).expect("runs");
+    assert_eq!(tuned.parameters, again.parameters);
+    // What is written is what was judged, in a scene.
+    let folder = std::env::temp_dir().join(format!("touchstone-tune-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("settings.toml");
+    std::fs::write(&file, settings::toml(&tuned)).expect("a file");
+    let read = scene.with_settings(&file).expect("its own file");
+    std::fs::remove_dir_all(&folder).expect("gone");
+    assert_eq!(
+        Scene {
+            origin: tuned.scene.origin.clone(),
+            ..read
+        },
+        Scene {
+            operator: scene.operator.clone(),
+            ..tuned.scene.clone()
+        }
+    );
+    let judgement = Judgement::new(&tuned.scene, tuned.reference, true);
+    assert_eq!(judgement.cost(&tuned.scene).worst, tuned.worst);
+}
+
+#[test]
+fn of_the_best_points_none_is_better_than_another() {
+    let scene = knob(5.0);
+    let rival = Rival::named("spring-damper-estimated").expect("a law");
+    let axes = axes(rival, &scene);
+    let tuned = super::Tuned {
+        rival,
+        scene: at(rival, &scene, &axes, &[-0.29, 0.02, -0.47, 0.03]),
+        parameters: Vec::new(),
+        worst: 0.0,
+        evaluations: 0,
+        reference: Reference::none(),
+        seed: 0,
+    };
+    let points = pareto::points(&tuned, true, || ());
+    let best: Vec<_> = points.iter().filter(|point| point.best).collect();
+    assert!(!best.is_empty());
+    for one in &best {
+        for other in &best {
+            let better = one.k_desired > other.k_desired
+                && one.ripple_rms_n_m < other.ripple_rms_n_m
+                && one.delay_margin_ticks > other.delay_margin_ticks;
+            assert!(!better, "{one:?} {other:?}");
+        }
+        // One tick is among the cases that were held.
+        assert!(one.delay_margin_ticks >= 0.9, "{one:?}");
+    }
+    let drawn = crate::report::standalone("x", &[pareto::figure(&points)]);
+    assert!(drawn.starts_with("<svg ") && !drawn.contains("NaN"));
+}
+
+#[test]
+fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
+    let rival = Rival::named("spring-damper-estimated").expect("a law");
+    let mut rest = 0;
+    for number in 0..10 {
+        let class = Class::ALL[number as usize % 3];
+        let device = scene(1, class, number);
+        assert_eq!(device, scene(1, class, number), "a number has one device");
+        let row = row(1, class, number, rival, 1e5).expect("runs");
+        assert!(!row.certificate.is_empty() || !row.cause.is_empty());
+        println!("{row:?}");
+        rest += u32::from(row.rests);
+    }
+    assert!(rest >= 6, "{rest} of 10 rest");
+}

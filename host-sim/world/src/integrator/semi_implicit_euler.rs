@@ -1,0 +1,65 @@
+//! Semi-implicit (symplectic) Euler.
+
+use super::{Method, Model, Reaction};
+use crate::plant::{Invalid, Loss};
+
+/// Velocities by the forces at the start of the substep, then positions by the new velocities: first order, one evaluation, and
+/// stable only while the substep is short against every pole. Friction takes at most what stops the device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SemiImplicitEuler<const N: usize> {
+    positions: [bool; N],
+    /// Change of the velocity per torque of friction.
+    response: f64,
+    step_s: f64,
+}
+
+impl<const N: usize> Method<N> for SemiImplicitEuler<N> {
+    const ORDER: u32 = 1;
+
+    fn new(model: &Model<N>, step_s: f64) -> Result<Self, Invalid> {
+        Ok(Self {
+            positions: model.positions(),
+            response: step_s / model.inertia(),
+            step_s,
+        })
+    }
+
+    #[inline]
+    fn step<const LOSS: bool>(
+        &self,
+        model: &Model<N>,
+        state: &mut [f64; N],
+        held: [f64; 2],
+    ) -> Loss {
+        let before = state[1];
+        let rate = model.rate(state, held);
+        for i in 0..N {
+            if !self.positions[i] {
+                state[i] += self.step_s * rate[i];
+            }
+        }
+        let mut torque = 0.0;
+        if let Some(coulomb) = model.friction() {
+            let reaction = Reaction::of(coulomb, before, state[1], self.response);
+            torque = reaction.torque();
+            state[1] = match reaction {
+                Reaction::Rests(_) => 0.0,
+                Reaction::Slides(torque) => state[1] - torque * self.response,
+            };
+        }
+        // A position is followed by its velocity.
+        for i in 0..N {
+            if self.positions[i] {
+                state[i] += self.step_s * state[i + 1];
+            }
+        }
+        if !LOSS {
+            return Loss::default();
+        }
+        let Loss { device_j, hand_j } = model.viscous(state);
+        Loss {
+            device_j: self.step_s * (device_j + torque * state[1]),
+            hand_j: self.step_s * hand_j,
+        }
+    }
+}

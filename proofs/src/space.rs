@@ -1,0 +1,308 @@
+//! Three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction, the vector guard.
+//!
+//! ```text
+//! r² <= n < (r + 1)²                       p5_root_karatsuba
+//! |u| <= 1, no zero vector has one         p4_unit
+//! |F'| <= limit, no component grows        p4_within
+//! W = Σ F_i d_i                            p1_vector_work
+//! B' = max(min(sum of three axes, C), R)   p1_vector_account
+//! ```
+
+use crate::format::Format;
+use crate::source::Source;
+use crate::valid::Valid;
+use crate::{assume, cover, property, such};
+use touchstone_control::space::{
+    Direction, Friction, FrictionState, Leaving, Spatial, Touch, Vector, VectorGuard,
+    VectorGuardState, root,
+};
+use touchstone_control::{Compliance, Energy, Fixed8, Fixed32, Force, Guard, Position, Stiffness};
+
+fn positions<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Position<N>> {
+    Vector([N::any_position(s), N::any_position(s), N::any_position(s)])
+}
+
+fn forces<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Force<N>> {
+    Vector([N::any_force(s), N::any_force(s), N::any_force(s)])
+}
+
+/// The sum of the squares of three bit patterns.
+fn squares(bits: [i64; 3]) -> i128 {
+    bits.iter().map(|x| i128::from(*x) * i128::from(*x)).sum()
+}
+
+fn force_bits<N: Format + Spatial>(v: Vector<Force<N>>) -> [i64; 3] {
+    v.0.map(|x| N::of_signal(x.0))
+}
+
+fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64; 3] {
+    v.0.map(|x| N::of_signal(x.0))
+}
+
+/// Of at most a quarter of the format in length: what the guard's builder sees to of forces, and its look for overspeed of ways.
+fn short(bits: [i64; 3], quarter: i64) -> bool {
+    squares(bits) <= i128::from(quarter) * i128::from(quarter)
+}
+
+/// The root of one level made of the one below.
+pub mod w16 {
+    use super::*;
+
+    property! {
+        /// P5: the root by halves is the root: 16 bits.
+        equation "r r <= n < (r + 1) (r + 1)"
+        over "every number"
+        fn p5_root_karatsuba(s) {
+            let n = s.u16();
+            let root = u32::from(root::root_16(n));
+            assert!(root * root <= u32::from(n) && (root + 1) * (root + 1) > u32::from(n));
+            cover!(s, root == 255, "the largest");
+            cover!(s, root * root == u32::from(n) && root > 16, "a square");
+        }
+    }
+}
+
+/// The root that is shipped.
+pub mod w64 {
+    use super::*;
+
+    property! {
+        /// P5: the root by halves is the root: 64 bits.
+        equation "r r <= n < (r + 1) (r + 1)"
+        over "every number"
+        by sampled fn p5_root_karatsuba(s) {
+            let n = s.u64();
+            let root = u128::from(root::root_64(n));
+            assert!(root * root <= u128::from(n) && (root + 1) * (root + 1) > u128::from(n));
+            cover!(s, root == u128::from(u32::MAX), "the largest");
+            cover!(s, root * root == u128::from(n) && root > 1 << 16, "a square");
+        }
+    }
+}
+
+macro_rules! space {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+        $(#[doc = $doc])*
+        pub mod $module {
+            use super::*;
+            type N = $number;
+
+            property! {
+                /// P4: a direction is never longer than one, its components have the signs of the vector's, and only the zero vector has none.
+                equation "|u| <= 1"
+                over "every vector"
+                by $solver fn p4_unit(s) {
+                    let v = positions::<N, S>(s);
+                    let bits = position_bits(v);
+                    let Some(u) = Direction::of(v) else {
+                        assert!(bits == [0; 3]);
+                        return;
+                    };
+                    assert!(bits != [0; 3]);
+                    let one = i128::from(1_i64 << N::SIGNAL_BITS);
+                    let unit = u.0.map(|x| N::of_signal(x));
+                    assert!(squares(unit) <= one * one);
+                    let signs = unit.iter().zip(bits).all(|(u, v)| *u == 0 || (*u < 0) == (v < 0));
+                    assert!(signs);
+                    cover!(s, unit[0] == 0 && bits[0] != 0, "a component of less than a quantum");
+                    cover!(s, bits[0] == N::of_signal(N::LOWEST), "the lowest value");
+                }
+            }
+            property! {
+                /// P4: a limited vector is within the limit, none of its components grows or changes its sign, and one within the limit is left as it is.
+                equation "|F'| <= limit, |F'_i| <= |F_i|"
+                over "every vector, every limit from 0 to below the end of the format"
+                by $solver fn p4_within(s) {
+                    let (v, limit) = (forces::<N, S>(s), N::any_force(s));
+                    let bits = force_bits(v);
+                    let most = i128::from(N::of_signal(limit.0));
+                    assume!(s, limit >= Force::zero() && most < i128::from(N::of_signal(N::HIGHEST)), "validate: a limit is far within the format");
+                    let after = force_bits(v.within(limit));
+                    assert!(squares(after) <= most * most);
+                    assert!(squares(bits) > most * most || after == bits);
+                    let smaller = after.iter().zip(bits).all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
+                    assert!(smaller);
+                    cover!(s, after != bits && after[0] != 0, "shortened");
+                    cover!(s, after == bits && after[0] != 0, "left as it is");
+                }
+            }
+            property! {
+                /// P1: the work of a vector is the exact sum of three exact products.
+                equation "W = Σ F_i d_i"
+                over "forces and displacements of at most a quarter of the format"
+                by $solver fn p1_vector_work(s) {
+                    let quarter = N::of_signal(N::HIGHEST) >> 2;
+                    let f = such!(s, forces::<N, S>(s), |f| short(force_bits(f), quarter), "VectorGuard::new");
+                    let d = such!(s, positions::<N, S>(s), |d| short(position_bits(d), quarter), "VectorGuard::tick: overspeed");
+                    let sum: i128 = force_bits(f).iter().zip(position_bits(d)).map(|(f, d)| i128::from(*f) * i128::from(d)).sum();
+                    assert!(i128::from(N::of_energy(f.work(d).0)) == sum);
+                    cover!(s, sum < 0, "given");
+                    cover!(s, sum > 0, "taken");
+                }
+            }
+            property! {
+                /// P7: outside, a contact ends by projection just where the distance is longer than the offset's part along it; decoupled it never ends,
+                /// and where no axis has left, no rule ends it.
+                equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
+                over "penetrations outside, offsets, of at most a quarter of the format"
+                by $solver fn p7_leaving(s) {
+                    let quarter = N::of_signal(N::HIGHEST) >> 2;
+                    let outside = |v: &[i64; 3]| v.iter().all(|x| (-quarter..=0).contains(x));
+                    let e = such!(s, positions::<N, S>(s), |e| outside(&position_bits(e)), "outside: PerAxis::tick");
+                    let o = such!(s, positions::<N, S>(s), |o| outside(&position_bits(-o)), "offsets are not negative: p2_offset_*");
+                    let (e_bits, o_bits) = (position_bits(e), position_bits(o));
+                    let along: i128 = e_bits.iter().zip(o_bits).map(|(e, o)| -i128::from(*e) * i128::from(o)).sum();
+                    assert!(Leaving::Projection.ends(e, o) == (squares(e_bits) > along));
+                    assert!(!Leaving::Decoupled.ends(e, o));
+                    let any = e_bits.iter().zip(o_bits).any(|(e, o)| e + o < 0);
+                    assert!(Leaving::AnyAxis.ends(e, o) == any);
+                    assert!(any || !Leaving::Projection.ends(e, o));
+                    cover!(s, any && !Leaving::Projection.ends(e, o), "Fig. 4.8: one axis has left, the object has not");
+                    cover!(s, Leaving::Projection.ends(e, o) && o_bits != [0; 3], "left with an offset");
+                }
+            }
+            property! {
+                /// P4 and P7: friction is never longer than what its state allows, sliding or not, and without a normal force nothing is remembered.
+                equation "|z| <= reach_k f_n  or stuck and  |z| <= reach_s f_n"
+                over "configuration with kinetic at most static, any memory, position along the axes"
+                by $solver fn p4_friction(s) {
+                    let eighth = N::of_signal(N::HIGHEST) >> 3;
+                    let near = |v: [i64; 3]| v.iter().all(|x| x.abs() <= eighth);
+                    let law = Friction::<N> {
+                        stiffness: N::any_stiffness(s),
+                        static_reach: N::any_compliance(s),
+                        kinetic_reach: N::any_compliance(s),
+                    };
+                    assume!(
+                        s,
+                        law.stiffness >= Stiffness::zero()
+                            && law.kinetic_reach >= Compliance::zero()
+                            && law.static_reach >= law.kinetic_reach,
+                        "FrictionSettings::friction"
+                    );
+                    let touch = Touch {
+                        at: such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length"),
+                        normal: Direction::along(2, s.bool()),
+                        depth: Position::quantum(),
+                    };
+                    let home = Touch {
+                        at: such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length"),
+                        ..touch
+                    };
+                    let (before, pressed) = (N::any_force(s), N::any_force(s));
+                    let mut state = FrictionState::default();
+                    let first = law.tick(&mut state, &home, before);
+                    // No stretch yet: no force.
+                    assert!(force_bits(first) == [0; 3]);
+                    let _ = law.tick(&mut state, &touch, pressed);
+                    if pressed <= Force::zero() {
+                        assert!(state == FrictionState::default());
+                        return;
+                    }
+                    let reach = |compliance: Compliance<N>| i128::from(N::of_signal((compliance * pressed).0));
+                    let (kinetic, fixed) = (reach(law.kinetic_reach), reach(law.static_reach));
+                    let length = squares(position_bits(state.stretch));
+                    assert!(length <= kinetic * kinetic || !state.sliding && length <= fixed * fixed);
+                    cover!(s, state.sliding, "slides");
+                    cover!(s, !state.sliding && length > 0, "sticks");
+                }
+            }
+        }
+    };
+}
+space!(
+    /// 8 bits, all inputs.
+    w8, Fixed8, by cadical
+);
+space!(
+    /// As shipped, on samples.
+    w32, Fixed32, by sampled
+);
+
+/// The vector guard as shipped, on samples: three axes of products are beyond the solvers at 8 bits already.
+pub mod guard {
+    use super::*;
+    type N = Fixed32;
+
+    /// A configuration that the builder can give, and a memory within its limits.
+    fn any<S: Source>(s: &mut S) -> Option<(VectorGuard<N>, VectorGuardState<N>)> {
+        let mut of_length = None;
+        for _ in 0..200 {
+            let guard = Guard::<N>::any(s);
+            if guard.valid() {
+                of_length = Some(guard);
+                break;
+            }
+        }
+        let guard = VectorGuard {
+            of_length: of_length?,
+        };
+        let most = guard.of_length.largest_force(guard.of_length.capacity);
+        let account = N::any_energy(s);
+        let force = |s: &mut S| forces::<N, S>(s).within(most);
+        let (against, older) = (force(s), force(s));
+        let account = if account >= Energy::zero() {
+            account.min(guard.of_length.capacity)
+        } else {
+            Energy::zero()
+        };
+        let state = VectorGuardState {
+            account,
+            against,
+            older,
+            size: against.length_up().min(most),
+        };
+        Some((guard, state))
+    }
+
+    property! {
+        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did.
+        equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
+        over "valid configuration, memory in the invariant, displacement, wanted force"
+        by sampled fn p1_vector_account(s) {
+            let Some((guard, before)) = any(s) else {
+                assume!(s, false, "Guard::new");
+                return;
+            };
+            let law = &guard.of_length;
+            let moved = positions::<N, S>(s).within(law.furthest);
+            let wanted = forces::<N, S>(s);
+            let mut state = before;
+            let answer = guard.tick(&mut state, moved, wanted);
+            let Ok(force) = answer else {
+                assert!(moved.length_up() > law.furthest);
+                return;
+            };
+            let wide = |x: i64| i128::from(x);
+            let energy = |e: Energy<N>| wide(N::of_energy(e.0));
+            let (f, older) = (force_bits(before.against), force_bits(before.older));
+            let x = position_bits(moved);
+            let late = wide(N::of_signal_ratio(law.late.0));
+            let stray = wide(N::of_signal_ratio(law.stray.0));
+            let mut sum = energy(before.account) + energy(law.refill);
+            for i in 0..3 {
+                let change = wide(f[i]) - wide(older[i]);
+                let under = (late * wide(x[i]) + stray * change) >> N::SIGNAL_BITS;
+                sum += wide(f[i]) * wide(x[i]) - change * under - change.abs() * wide(N::of_signal(law.slack.0));
+            }
+            let up = wide(N::of_signal(moved.length_up().0));
+            let surely = (up - wide(N::of_signal(law.count.0)) - 1).max(0);
+            // No longer than the true length less the counts.
+            assert!(surely == 0 || (surely + wide(N::of_signal(law.count.0))).pow(2) <= squares(x));
+            sum += ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely;
+            let reserve = wide(N::of_signal(before.size.0)) * wide(N::of_signal(law.in_flight.0));
+            assert!(energy(state.account) == sum.min(energy(law.capacity)).max(reserve));
+            // The force: no longer than the account pays for, no component grown or turned.
+            let free = state.account - law.reserve(before.size);
+            let limit = wide(N::of_signal(law.largest_force(free.max(Energy::zero())).0));
+            assert!(squares(force_bits(force)) <= limit * limit);
+            let smaller = force_bits(force).iter().zip(force_bits(wanted)).all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
+            assert!(smaller);
+            assert!(state.against == -force && state.older == before.against);
+            assert!(squares(force_bits(force)) <= wide(N::of_signal(state.size.0)).pow(2));
+            cover!(s, state.account < before.account, "paid");
+            cover!(s, force != wanted && force_bits(force) != [0; 3], "shortened");
+            cover!(s, surely > 0, "damped");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Three axes as tests write them: millimetres and newtons, an omega.3's settings.
+
+use touchstone_control::settings::FilterSettings;
+use touchstone_control::space::{Direction, LengthUnit, Vector};
+use touchstone_control::{Fixed32, Force, LawKind, Position, Settings, Si};
+
+use crate::si::si;
+
+/// The format of these tests.
+pub type F = Fixed32;
+/// A position, a displacement.
+pub type Place = Vector<Position<F>>;
+/// A force.
+pub type Push = Vector<Force<F>>;
+
+/// Quanta of a position to a millimetre, in centimetres.
+const QUANTA_PER_MM: f64 = 16_777_216.0 / 10.0;
+/// Quanta of a force to a newton.
+const QUANTA_PER_N: f64 = 16_777_216.0;
+
+/// A length.
+#[must_use]
+pub fn mm(length: f64) -> Position<F> {
+    Position(fixed::types::I8F24::from_bits(
+        (length * QUANTA_PER_MM).round() as i32,
+    ))
+}
+
+/// A length in mm.
+#[must_use]
+pub fn in_mm(length: Position<F>) -> f64 {
+    f64::from(length.0.to_bits()) / QUANTA_PER_MM
+}
+
+/// A place.
+#[must_use]
+pub fn at(x: f64, y: f64, z: f64) -> Place {
+    Vector([mm(x), mm(y), mm(z)])
+}
+
+/// A place in mm.
+#[must_use]
+pub fn place_in_mm(place: Place) -> [f64; 3] {
+    place.0.map(in_mm)
+}
+
+/// A force.
+#[must_use]
+pub fn newton(force: f64) -> Force<F> {
+    Force(fixed::types::I8F24::from_bits(
+        (force * QUANTA_PER_N).round() as i32,
+    ))
+}
+
+/// A force in N.
+#[must_use]
+pub fn in_n(force: Force<F>) -> f64 {
+    f64::from(force.0.to_bits()) / QUANTA_PER_N
+}
+
+/// A force vector in N.
+#[must_use]
+pub fn push_in_n(force: Push) -> [f64; 3] {
+    force.0.map(in_n)
+}
+
+/// A direction in numbers.
+#[must_use]
+pub fn numbers(direction: &Direction<F>) -> [f64; 3] {
+    direction.0.map(|x| f64::from(x.to_bits()) / 16_777_216.0)
+}
+
+/// The direction of three numbers.
+///
+/// # Panics
+/// Of the zero vector.
+#[must_use]
+pub fn direction(x: f64, y: f64, z: f64) -> Direction<F> {
+    let longest = x.abs().max(y.abs()).max(z.abs());
+    Direction::of(at(
+        x / longest * 50.0,
+        y / longest * 50.0,
+        z / longest * 50.0,
+    ))
+    .expect("a direction")
+}
+
+/// Scalar product.
+#[must_use]
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Length.
+#[must_use]
+pub fn length(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Angle between two directions, rad.
+#[must_use]
+pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let cross = [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ];
+    length(cross).atan2(dot(a, b))
+}
+
+/// The laws' settings for an omega.3 in SI, at 1 kHz: k_c 5 N/mm (thesis §5.2), the knob's filter in the same proportions to k_c.
+#[must_use]
+pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
+    Settings {
+        law,
+        k_desired: Si::from_num(1e3 * k_desired_n_per_mm),
+        k_soft: si("4000"),
+        device_damping: si("2.5"),
+        virtual_damping: si("1"),
+        force_limit: si("12"),
+        energy_credit: si("0.0144"),
+        filter: FilterSettings {
+            mass: si("0.015"),
+            stiffness: si("5000"),
+            damping: si("0"),
+            ground_damping: si("50"),
+        },
+        ..Settings::thesis()
+    }
+}
+
+/// The unit of these tests.
+pub const UNIT: LengthUnit = LengthUnit::Centimetre;

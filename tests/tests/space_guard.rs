@@ -1,0 +1,139 @@
+//! The energy guard on the port of three axes keeps its promise under an adversary that moves in space, whatever the law.
+
+use touchstone_control::GuardSettings;
+use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
+use touchstone_control::{Fixed32, Force, GuardedDevice, Position, Si};
+use touchstone_tests::si::si;
+use touchstone_tests::space_port::{CAPACITY_MJ, COUNT_MM, Law, Port, Way, ball, whirl};
+
+/// Half a count in each coordinate at each end of a window, under the largest force that the account allows: 20 mJ over 1 mm.
+const ENCODER_MJ: f64 = 1.7320509 * COUNT_MM * 20.0;
+
+fn port(law: Law, delay: f64, guard: Option<f64>) -> Port {
+    Port {
+        law,
+        delay_ticks: delay,
+        guard_delay: guard,
+    }
+}
+
+#[test]
+fn no_hand_in_space_gets_out_more_than_promised() {
+    let (mut worst, mut worst_turn) = (0.0_f64, 0.0_f64);
+    for (name, law) in [("ball", ball as Law), ("whirl", whirl)] {
+        for delay in [0.0, 0.1, 0.5, 1.0] {
+            for way in Way::ALL {
+                let bare = port(law, delay, None).worst(way, 200, 500, 5).1;
+                let guarded = port(law, delay, Some(delay));
+                let (hand, got) = guarded.worst(way, 800, 500, 5);
+                let long = guarded.play(way, &hand, 10_000);
+                println!(
+                    "{name}, delay {delay}, {way:?}: {:.2} mJ in half a second, {:.2} in 10 s of the worst, {:.0} without a guard",
+                    got, long.above_refill, bare
+                );
+                let most = got.max(long.above_refill);
+                assert!(
+                    most <= CAPACITY_MJ + ENCODER_MJ,
+                    "{most} mJ above the refill"
+                );
+                (worst, worst_turn) = (worst.max(most), worst_turn.max(long.turned));
+            }
+        }
+    }
+    println!(
+        "most {worst:.3} mJ of {:.3}; a shortened force is turned by at most {worst_turn:.1e} rad",
+        CAPACITY_MJ + ENCODER_MJ
+    );
+    // The search is one that finds what there is.
+    assert!(worst > 0.9 * CAPACITY_MJ, "{worst}");
+    // Two quanta of a component, of a hundredth of a newton.
+    assert!(worst_turn < 3.0 * 6e-8 / 0.01);
+}
+
+/// The test can fail: a guard that is told of no delay does not hold with one.
+#[test]
+fn a_guard_that_does_not_know_the_delay_does_not_hold() {
+    let (_, got) = port(ball, 0.5, Some(0.0)).worst(Way::Policy, 1500, 500, 2);
+    println!("half a tick late, set for none: {got:.1} mJ");
+    assert!(got > 1.2 * CAPACITY_MJ, "{got}");
+}
+
+fn guard() -> VectorGuard<Fixed32> {
+    let (settings, device) = LengthUnit::Centimetre.guard(
+        &GuardSettings {
+            capacity: si("0.02"),
+            overspeed: si("1"),
+            damping: si("2.5"),
+            ..GuardSettings::default()
+        },
+        &GuardedDevice {
+            rate_hz: 1000,
+            force_limit: si("12"),
+            count: si("0.00001"),
+        },
+    );
+    VectorGuard::new(&settings, &device).expect("settings")
+}
+
+fn vector(x: &str, y: &str, z: &str) -> [Si; 3] {
+    [si(x), si(y), si(z)]
+}
+
+#[test]
+fn overspeed_in_any_direction_switches_off() {
+    let guard = guard();
+    let (f, d) = (
+        Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits"))),
+        |v: [Si; 3]| Vector(v.map(|x| Position::<Fixed32>::from_si(x).expect("fits"))),
+    );
+    // 0.95 mm diagonally is not, 1.04 mm is, though no coordinate is above 0.6 mm.
+    let mut state = guard.full();
+    let slow = d(vector("0.055", "-0.055", "0.055"));
+    assert_eq!(guard.tick(&mut state, slow, f), Ok(f));
+    let fast = d(vector("0.06", "0.06", "-0.06"));
+    assert!(guard.tick(&mut state, fast, f).is_err());
+    assert_eq!(
+        guard
+            .tick(&mut state, d(vector("0", "0", "0")), f)
+            .map(|force| force.length_up())
+            .unwrap_or(Force::zero()),
+        f.length_up(),
+        "a full account answers for it again"
+    );
+}
+
+/// Along one axis it is the guard of one axis, but for the counts of a vector.
+#[test]
+fn what_is_commanded_smaller_is_booked_smaller() {
+    let guard = guard();
+    let f = Vector(vector("1", "2", "2").map(|x| Force::<Fixed32>::from_si(x).expect("fits")));
+    let zero = Vector::default();
+    let mut one = guard.full();
+    let mut other = guard.full();
+    guard.tick(&mut one, zero, f).expect("slow");
+    guard.tick(&mut other, zero, f).expect("slow");
+    let half = f.map(|x| Force(x.0 / 2));
+    guard.commanded(&mut other, half);
+    // A longer one is none.
+    let longer = f + f;
+    let before = one;
+    guard.commanded(&mut one, longer);
+    assert_eq!(one, before);
+    // With the force, the hand gets something out: less of the smaller.
+    let along = Vector(
+        vector("0.01", "0.02", "0.02").map(|x| Position::<Fixed32>::from_si(x).expect("fits")),
+    );
+    guard
+        .tick(&mut one, along, Vector::default())
+        .expect("slow");
+    guard
+        .tick(&mut other, along, Vector::default())
+        .expect("slow");
+    assert!(other.account > one.account);
+    // 3 N over 0.3 mm are 0.9 mJ, less what 2 N/mm surely damp of 0.28 mm: 0.16 mJ, and half a count for the change.
+    let spent = (guard.of_length.capacity - one.account)
+        .to_si()
+        .to_num::<f64>()
+        * 10.0;
+    assert!((spent - 0.9 + 0.16).abs() < 0.04, "{spent} mJ");
+}
