@@ -94,7 +94,7 @@ function show() {
   const warnings = (nobody + (runs[0]?.warnings ?? "")).trim(), many = warnings.split("\n").length;
   $("warnings").textContent = warnings;
   $("warned").hidden = !warnings;
-  $("warned").firstElementChild.textContent = nobody ? nobody.trim() : many === 1 ? "One bound is left" : `${many} bounds are left`;
+  $("warned").firstElementChild.textContent = nobody ? nobody.trim() : many === 1 ? "One warning" : `${many} warnings`;
   if ($("all").open) showAll();
 }
 

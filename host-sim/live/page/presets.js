@@ -14,7 +14,7 @@ const PRESETS = [
   { name: "Ours, at 14 N·m/rad", sets: ["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=14"], b: ["law.kind=spring", "law.states=measured", "law.guard.on=false"],
     text: "The same idea with the books kept right, an offset that follows the hand both ways, estimated states and an energy guard: fourteen times the critical stiffness. Beside it, under the same hand, a bare spring of the same stiffness." },
   { name: "The adversary, guarded",
-    sets: ["preset=thesis", "law.kind=spring", "law.guard.on=true", "law.force_limit_n_m=0.3", "operator.motion.kind=press-wiggle-release", "operator.motion.wiggle_frequency_hz=10", "operator.motion.wiggle_amplitude_n_m=0.1", "operator.motion.wiggle_s=3", "timing.duration_s=5.5"],
+    sets: ["preset=thesis", "law.kind=spring", "law.guard.on=true", "law.guard.capacity_j=0.02", "law.guard.refill_w=0.0005", "law.force_limit_n_m=0.3", "operator.motion.kind=press-wiggle-release", "operator.motion.wiggle_frequency_hz=10", "operator.motion.wiggle_amplitude_n_m=0.1", "operator.motion.wiggle_s=3", "timing.duration_s=5.5"],
     b: ["law.guard.on=false"],
     text: "A hand that shakes the worst law ten times a second to get energy out. The energy guard behind it pays at most 20 mJ, whatever law and hand do, and half a milliwatt after that: then the wall is soft. Beside it the same spring without a guard." },
 ];
