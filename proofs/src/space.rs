@@ -180,15 +180,14 @@ macro_rules! space {
                             && law.static_reach >= law.kinetic_reach,
                         "FrictionSettings::friction"
                     );
+                    let at = such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length");
                     let touch = Touch {
-                        at: such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length"),
+                        at,
                         normal: Direction::along(2, s.bool()),
                         depth: Position::quantum(),
                     };
-                    let home = Touch {
-                        at: such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length"),
-                        ..touch
-                    };
+                    let at = such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length");
+                    let home = Touch { at, ..touch };
                     let (before, pressed) = (N::any_force(s), N::any_force(s));
                     let mut state = FrictionState::default();
                     let first = law.tick(&mut state, &home, before);

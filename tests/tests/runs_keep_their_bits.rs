@@ -125,11 +125,11 @@ fn every_scene_with_every_effect_keeps_its_bits() {
 }
 
 const KNOWN: &[(&str, u64)] = &[
-    ("thesis-knob", 0xb67d_f8ea_0aba_d3af),
-    ("press-hold", 0xff1b_857e_e9d2_44ce),
-    ("press-wiggle-release", 0x58bb_54b9_907f_f536),
+    ("thesis-knob", 0xe23f_18c4_dc94_4d6d),
+    ("press-hold", 0xd2d1_d19b_d666_38a0),
+    ("press-wiggle-release", 0x3344_08d4_d88f_ce33),
     ("tap", 0x042b_d40c_4853_6156),
     ("free-release", 0x562f_5265_9a23_41d6),
     ("low-stiffness", 0x8947_fbdf_6c30_f360),
-    ("identify", 0x9df4_f9a7_52e2_db0c),
+    ("identify", 0x3a0b_e09c_1748_4722),
 ];
