@@ -136,10 +136,6 @@ impl DeviceSettings {
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();
-        // From the sample of a control tick to the current loop's next period, and one more until its voltage acts, 50 us each; then
-        // the mean of the step response of a loop of 600 Hz, 1/(2π 600 Hz).
-        settings.law.guard.delay_s = const { law::Si::lit("0.0001") };
-        settings.law.guard.lag_s = const { law::Si::lit("0.000265") };
         match board {
             Board::NucleoG474re => {}
             Board::BG431bEsc1 => {
