@@ -1,6 +1,6 @@
 //! The guard where it stands, between law and motor: what scenes and devices do with it.
 
-use touchstone_control::{Controller, Fixed32, Force, Position, Reported, Settings, Si};
+use touchstone_control::{Controller, Fixed32, Force, Position, Settings, Si};
 use touchstone_sim::run::{self};
 use touchstone_tests::thesis;
 

@@ -90,12 +90,15 @@ pub fn main(options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// A law, and the settings that were found for it.
+type Tuned = (String, String);
+
 /// The laws with their settings; those of tuned ones as files.
 fn entries(
     scene: &Scene,
     rivals: &[&'static Rival],
     options: &Options,
-) -> Result<(Vec<Entry>, Vec<(String, String)>)> {
+) -> Result<(Vec<Entry>, Vec<Tuned>)> {
     let mut files = Vec::new();
     let mut entries = Vec::new();
     for rival in rivals {

@@ -187,9 +187,10 @@ fn explicit_methods_fail_beyond_their_pole_and_implicit_ones_do_not() {
     }
     let off = |x: f64| (x / state[0] - 1.0).abs();
     // The pole is 31416/s: explicit Euler needs more than 15.7 substeps, Runge–Kutta more than 11.3.
-    assert!(!(end::<SemiImplicitEuler<3>>(&model, 15).abs() < 1e6));
+    let lost = |end: f64| end.is_nan() || end.abs() >= 1e6;
+    assert!(lost(end::<SemiImplicitEuler<3>>(&model, 15)));
     assert!(off(end::<SemiImplicitEuler<3>>(&model, 17)) < 1e-2);
-    assert!(!(end::<RungeKutta4<3>>(&model, 11).abs() < 1e6));
+    assert!(lost(end::<RungeKutta4<3>>(&model, 11)));
     assert!(off(end::<RungeKutta4<3>>(&model, 12)) < 1e-3);
     assert!(off(end::<ImplicitEuler<3>>(&model, 1)) < 2e-2);
     assert!(off(end::<ImplicitMidpoint<3>>(&model, 1)) < 2e-2);

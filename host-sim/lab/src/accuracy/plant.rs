@@ -139,7 +139,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     for (angle, known) in angles.iter().zip(&known.angle_rad) {
         let off = (angle - known).abs();
         // A turn off is not an error but another motion.
-        if !(off < std::f64::consts::TAU) {
+        if off.is_nan() || off >= std::f64::consts::TAU {
             return None;
         }
         largest = largest.max(off);

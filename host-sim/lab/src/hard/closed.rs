@@ -97,7 +97,7 @@ fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
         if tick % HALF >= HALF / 2 {
             largest[tick / HALF] = largest[tick / HALF].max(state.position().abs());
         }
-        if !(state.position().abs() < 1e6) {
+        if state.position().is_nan() || state.position().abs() >= 1e6 {
             return true;
         }
     }

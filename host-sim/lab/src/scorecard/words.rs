@@ -25,7 +25,7 @@ pub fn fails(cells: &[Cell]) -> Vec<String> {
         let beyond: Vec<(&Cell, f64)> = cells
             .iter()
             .map(|cell| (cell, cell.figures.shares(&cell.limits)[index]))
-            .filter(|(_, share)| !(*share <= 1.0))
+            .filter(|(_, share)| share.is_nan() || *share > 1.0)
             .collect();
         let Some((worst, share)) = beyond.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             continue;
