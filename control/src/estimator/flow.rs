@@ -78,7 +78,8 @@ impl Device {
         time: Exact,
         end: impl Fn(Exact) -> Exact,
     ) -> Option<Flow<N, COMMANDS>> {
-        let inside = |t: Exact| t.clamp(Exact::ZERO, time);
+        // Not `clamp`, which panics for a time below zero.
+        let inside = |t: Exact| t.max(Exact::ZERO).min(time);
         let weight = <N::Wide as Wide>::weight;
         let torque = |before: Exact, after: Exact| {
             let change = before.saturating_sub(after);

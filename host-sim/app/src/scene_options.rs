@@ -146,13 +146,9 @@ pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
         return Err(strictly(refusal));
     }
     let mut said = Vec::new();
-    for (warning, message) in runner::warnings(scene)? {
-        // What the guard answers for is named in the results, and refused above; so is the credit, a documented default.
-        let answered = scene.law.guard.on && warning.is_answered_by_guard();
-        if !answered && !matches!(warning, touchstone_control::Warning::EnergyCredit { .. }) {
-            note!("warning: {message}");
-            said.push(message.to_string());
-        }
+    for message in runner::spoken_warnings(scene)? {
+        note!("warning: {message}");
+        said.push(message.to_string());
     }
     Ok(said)
 }

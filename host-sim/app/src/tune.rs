@@ -16,7 +16,7 @@ use touchstone_sim::error::{Error, Result};
 /// Options of `tune`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// Name of a shipped scene, or path of a TOML file with a scene or only its tables [device], [encoder], [timing] and [wall].
+    /// Name of a shipped scene, or path of a TOML file with a scene or only its tables device, encoder, timing and wall.
     #[arg(default_value = "thesis-knob")]
     device: String,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! The loops of a page: opened by a scene's text, moved by the hand's rest point, read as rows of numbers.
 
 use std::path::Path;
-use touchstone_control::{Choice as _, Warning};
+use touchstone_control::Choice as _;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
@@ -249,12 +249,10 @@ impl Desk {
     pub fn warnings(&mut self, handle: usize) -> String {
         let said = self
             .place(handle)
-            .and_then(|place| run::warnings(&place.scene).ok());
+            .and_then(|place| run::spoken_warnings(&place.scene).ok());
         said.unwrap_or_default()
             .iter()
-            // The credit is a documented default, as for the program's own warnings.
-            .filter(|(warning, _)| !matches!(warning, Warning::EnergyCredit { .. }))
-            .map(|(_, message)| format!("{message}\n"))
+            .map(|message| format!("{message}\n"))
             .collect()
     }
 }

@@ -147,3 +147,20 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
         .map(|warning| (warning, settings::warned(scene, &warning)))
         .collect())
 }
+
+/// Those of the [`warnings`] that are worth a word where no strictness is asked for: not what the energy guard answers for, and not
+/// the credit, a documented default; both are named in the results.
+///
+/// # Errors
+/// As [`warnings`].
+pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
+    let guarded = scene.law.guard.on;
+    let silent = |warning: &Warning| {
+        guarded && warning.is_answered_by_guard() || matches!(warning, Warning::EnergyCredit { .. })
+    };
+    Ok(warnings(scene)?
+        .into_iter()
+        .filter(|(warning, _)| !silent(warning))
+        .map(|(_, message)| message)
+        .collect())
+}
