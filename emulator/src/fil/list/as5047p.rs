@@ -380,7 +380,7 @@ pub const WITH_AS5047P: &[Injection] = &[
         // Where a tick falls due in the first 0.4 ms of it: a later one is begun less than half a period late, which is no miss.
         "control tick held off for 0.9 ms",
         Pressed,
-        610,
+        300,
         Fault::HeldOff(900),
         Off(TICK, &[DeadlineMiss]),
     ),

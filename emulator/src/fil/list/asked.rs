@@ -39,7 +39,7 @@ pub const ASKED_FOR: &[Injection] = &[
         // Where a tick falls due early in it: one that is begun less than half a period late is no miss.
         "control tick is left out once",
         Pressed,
-        400,
+        100,
         Fault::Lost(LPTIM1, 1_200),
         Off(2 * TICK, &[DeadlineMiss]),
     ),

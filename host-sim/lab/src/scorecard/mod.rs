@@ -1,7 +1,7 @@
 //! A scorecard: what a hand feels of a wall under several laws, on the device as it is and as it may also be.
 //!
 //! [`cases`] has the devices and what a hand does; [`measure`] the figures with their limits, [`watch`] takes them of one run;
-//! [`rivals`] are the laws, [`reference`] what ripple is measured by. Every figure is the worst of three grips. [`words`] says in
+//! [`rivals`] are the laws, [`mod@reference`] what ripple is measured by. Every figure is the worst of three grips. [`words`] says in
 //! plain sentences where each law fails and where a spring with damping does better; [`page`] writes it all for people.
 
 pub mod cases;

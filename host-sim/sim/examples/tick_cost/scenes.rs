@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use touchstone_sim::run::chain::Stage;
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Preset, Scene};
 
 /// Names, and what each sets beside [`BARE`].
 pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
@@ -17,6 +17,8 @@ pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
         "enhanced",
         &["law.kind=enhanced-sfa", "wall.k_desired_n_m_per_rad=5"],
     ),
+    ("estimator", &["law.states=estimated"]),
+    ("guard", &["law.guard.on=true"]),
     (
         "held",
         &["operator.grip=medium", "encoder.counts_per_rev=40000"],
@@ -28,6 +30,17 @@ pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
             "encoder.counts_per_rev=40000",
             "law.kind=enhanced-sfa",
             "wall.k_desired_n_m_per_rad=5",
+        ],
+    ),
+    (
+        "held-shipped",
+        &[
+            "operator.grip=medium",
+            "encoder.counts_per_rev=40000",
+            "law.kind=enhanced-sfa",
+            "wall.k_desired_n_m_per_rad=5",
+            "law.states=estimated",
+            "law.guard.on=true",
         ],
     ),
 ];
@@ -53,6 +66,7 @@ kind = \"spring\"
 pub fn scene(name: &str) -> Option<Scene> {
     let (_, sets) = CONFIGURATIONS.iter().find(|(known, _)| *known == name)?;
     Scene::parse(BARE, Path::new("tick-cost.toml"))
+        .and_then(|scene| scene.with_preset(Preset::Thesis))
         .and_then(|scene| scene.with_overrides(sets))
         .ok()
 }
