@@ -346,14 +346,16 @@ pub const WITH_AS5047P: &[Injection] = &[
         Pressed,
         50,
         Fault::Hang(CONTROL_TICK),
-        Off(TICK, &[Watchdog]),
+        // Two ticks where it hangs at its end, after its command was sent.
+        Off(2 * TICK, &[Watchdog]),
     ),
     row(
         "control tick hangs",
         Calibrating,
         900,
         Fault::Hang(CONTROL_TICK),
-        Off(TICK, &[Watchdog]),
+        // Two ticks where it hangs at its end, after its command was sent.
+        Off(2 * TICK, &[Watchdog]),
     ),
     row(
         "current loop hangs",

@@ -172,7 +172,8 @@ pub const ON_ESC1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
-        Off(TICK, &[Watchdog]),
+        // Two ticks where it hangs at its end, after its command was sent.
+        Off(2 * TICK, &[Watchdog]),
     ),
     row(
         "current loop hangs",
