@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use touchstone_lab::report::{self, Colour, ReportInput, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
-use touchstone_sim::scene::{self, Motion};
+use touchstone_sim::scene::{self, RestPath};
 
 /// Options of `run`.
 #[derive(Debug, Clone, clap::Args)]
@@ -52,7 +52,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if let Some(folder) = &options.out {
         interrupt::sweep(folder);
     }
-    let motion = Motion::from_scene(&scene)?;
+    let motion = RestPath::from_scene(&scene)?;
     if let Some(note) = motion.note() {
         note!("note: {note}");
     }
