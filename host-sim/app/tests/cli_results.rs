@@ -166,7 +166,7 @@ fn assert_documented(results: &serde_json::Value, runs: usize) {
 
 #[test]
 fn json_on_standard_output_parses_and_has_the_documented_fields() {
-    let output = run_in(&folder("json"), &["run", "thesis-knob", "--json"]);
+    let output = run_in(&folder("json"), ["run", "thesis-knob", "--json"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(text(&output.stderr), "");
     let results: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
