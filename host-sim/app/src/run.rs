@@ -84,9 +84,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         Some(folder) => Some(report::write(&input, folder)?),
         None => None,
     };
-    let checked = options
-        .expectations
-        .check(strict, runs.iter().map(|run| &run.summary));
+    let summaries = || runs.iter().map(|run| &run.summary);
+    let mut checked = options.expectations.check(strict, summaries());
+    options.expectations.compare(&mut checked, summaries())?;
     if json() {
         let results = expect::results(&report::json::render(&input), &checked);
         print(format_args!("{results:#}\n"))?;
