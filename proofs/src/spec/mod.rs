@@ -5,10 +5,12 @@
 //! All numbers are counts of quanta of the 32-bit formats: signals (positions, forces) have 24 fractional bits, gains
 //! (stiffnesses) 12, ratios 24, energies 48.
 
+pub mod enhanced;
 pub mod fba;
 pub mod guard;
 #[cfg(not(kani))]
 pub mod hands;
+pub mod sfa;
 pub mod tdpa;
 
 /// Fractional bits of a signal.
