@@ -1,42 +1,64 @@
-(* Reads ticks of the shipped guard (examples/guard_trace.rs) and runs the extracted specification on them: every memory and every
-   answer must be the same, to the last bit. *)
+(* Reads ticks of the shipped code (examples/trace.rs) and runs the extracted specification on them: every memory and every answer
+   must be the same, to the last bit. *)
 
-open Guard_spec
+open Specified
 
 let rec positive n = if n = 1 then XH else if n land 1 = 1 then XI (positive (n lsr 1)) else XO (positive (n lsr 1))
-let z n = if n = 0 then Z0 else if n > 0 then Zpos (positive n) else Zneg (positive (-n))
+let small n = if n = 0 then Z0 else if n > 0 then Zpos (positive n) else Zneg (positive (-n))
 
-let rec of_positive = function XH -> 1 | XO p -> 2 * of_positive p | XI p -> (2 * of_positive p) + 1
-let int = function Z0 -> 0 | Zpos p -> of_positive p | Zneg p -> -of_positive p
+(* Eighteen digits fit a machine's word; what is longer is put together. *)
+let number text =
+  let length = String.length text in
+  if length <= 18 then small (int_of_string text)
+  else
+    let negative = text.[0] = '-' in
+    let head = String.sub text 0 (length - 9) and tail = int_of_string ("1" ^ String.sub text (length - 9) 9) - 1_000_000_000 in
+    let rest = small (if negative then - tail else tail) in
+    Z.add (Z.mul (small (int_of_string head)) (small 1_000_000_000)) rest
 
-let guard = ref None
-let memory = ref None
+type running =
+  | Nothing
+  | A_guard of guard * memory
+  | A_tdpa of tdpa * observed
+  | An_fba of fba * observed
+
+let running = ref Nothing
 let ticks = ref 0
-let guards = ref 0
+let made = ref 0
 
-let fail line said = Printf.printf "after %d ticks: %s: specified %s\n" !ticks line said; exit 1
+let fail line why = Printf.printf "after %d ticks: %s: %s\n" !ticks line why; exit 1
+let check line same = if same then incr ticks else fail line "the specification says otherwise"
+let start it = incr made; running := it
 
 let take line =
   match String.split_on_char ' ' line with
-  | "guard" :: numbers -> (
-      match List.map (fun text -> z (int_of_string text)) numbers with
-      | [ capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun ] ->
+  | [] -> fail line "an empty line"
+  | word :: texts -> (
+      match (word, List.map number texts, !running) with
+      | "guard", [ capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun ], _ ->
           let it = { capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun } in
-          incr guards; guard := Some it; memory := Some (full it)
-      | _ -> fail line "another number of coefficients")
-  | "tick" :: numbers -> (
-      match (List.map int_of_string numbers, !guard, !memory) with
-      | [ moved; before; wanted; told; account'; force'; older'; fine; told' ], Some it, Some before_tick ->
-          let after, answer = tick it before_tick (z moved) (z before) (z wanted) in
-          let last = commanded after (z told) in
-          let got = [ int after.account; int after.force; int after.older; (if answer then 1 else 0); int last.force ] in
-          if got <> [ account'; force'; older'; fine; told' ] then
-            fail line (String.concat " " (List.map string_of_int got));
-          incr ticks; memory := Some last
-      | _ -> fail line "another number of values")
-  | _ -> fail line "no such line"
+          start (A_guard (it, full it))
+      | "tdpa", [ t_desired; form; t_damping; t_limit ], _ ->
+          start (A_tdpa ({ t_desired; exact = form <> Z0; t_damping; t_limit }, outside))
+      | "fba", [ f_desired; f_damping; f_limit ], _ -> start (An_fba ({ f_desired; f_damping; f_limit }, outside))
+      | "tick", [ moved; before; wanted; told; account'; force'; older'; fine; told' ], A_guard (it, m) ->
+          let after, answer = tick it m moved before wanted in
+          let last = commanded after told in
+          check line
+            (after.account = account' && after.force = force' && after.older = older'
+            && answer = (fine <> Z0) && last.force = told');
+          running := A_guard (it, last)
+      | "law", [ e; moved; force'; energy' ], A_tdpa (it, m) ->
+          let after = tdpa_tick it m e moved in
+          check line (after.shown = force' && after.energy = energy');
+          running := A_tdpa (it, after)
+      | "law", [ e; moved; force'; energy' ], An_fba (it, m) ->
+          let after = fba_tick it m e moved in
+          check line (after.shown = force' && after.energy = energy');
+          running := An_fba (it, after)
+      | _ -> fail line "not what is written here")
 
 let () =
   (try while true do take (input_line stdin) done with End_of_file -> ());
   if !ticks = 0 then fail "nothing" "nothing was compared";
-  Printf.printf "%d ticks of %d guards are the extracted specification's, bit for bit\n" !ticks !guards
+  Printf.printf "%d ticks of %d guards and laws are the extracted specification's, bit for bit\n" !ticks !made

@@ -4,10 +4,10 @@
 use fixed::types::I8F24;
 use touchstone_control::law::{Contact, Law as _, Sample};
 use touchstone_control::{
-    AnyLaw, FilterSettings, FirstContact, Fixed32, IdealStep, LawKind, ObserverForm, OffsetUpdate,
-    Position, Regulate, Settings, Si, Stiffness,
+    AnyLaw, FirstContact, Fixed32, LawKind, ObserverForm, OffsetUpdate, Position, Regulate,
+    Settings, Stiffness,
 };
-use touchstone_proofs::spec::hands::{Random, bits};
+use touchstone_proofs::spec::hands::{Hand, Random, any_law};
 use touchstone_proofs::spec::{enhanced, fba, sfa, tdpa};
 
 const TICKS: u64 = 1_500_000;
@@ -19,126 +19,6 @@ fn gain(k: Stiffness<Fixed32>) -> i128 {
     i128::from(k.0.to_bits())
 }
 
-/// Around a default, or of any size.
-fn near(random: &mut Random, default: &str) -> Si {
-    let default = Si::from_str(default).expect("a number");
-    match random.below(4) {
-        0 => Si::ZERO,
-        1 => default,
-        2 => Si::from_bits((random.any() >> 16 >> random.below(40)).cast_signed()),
-        _ => default * Si::from_num(random.below(64)) / 8,
-    }
-}
-
-fn any_settings(random: &mut Random, law: LawKind) -> Settings {
-    let one_of_two = |random: &mut Random| random.below(2) == 0;
-    Settings {
-        law,
-        rate_hz: [100, 1000, 1000, 4000][random.below(4) as usize],
-        k_desired: near(random, "5"),
-        k_soft: near(random, "4.9"),
-        device_damping: near(random, "0.0005"),
-        virtual_damping: near(random, "0.0076"),
-        observer: if one_of_two(random) {
-            ObserverForm::Exact
-        } else {
-            ObserverForm::Thesis
-        },
-        count_device_damping: one_of_two(random),
-        regulate: [Regulate::Hip, Regulate::Mass, Regulate::MassCompensated]
-            [random.below(3) as usize],
-        offset_update: [
-            OffsetUpdate::EveryTick,
-            OffsetUpdate::Inward,
-            OffsetUpdate::TurnInward,
-        ][random.below(3) as usize],
-        ideal_step: if one_of_two(random) {
-            IdealStep::Force
-        } else {
-            IdealStep::Position
-        },
-        first_contact: if one_of_two(random) {
-            FirstContact::KeepForce
-        } else {
-            FirstContact::ZeroOffset
-        },
-        step_of_ideal: near(random, "0.21"),
-        limit_of_force: near(random, "0.41"),
-        limit_of_penetration: near(random, "0.4"),
-        energy_credit: near(random, "0.02"),
-        force_limit: near(random, "0.5"),
-        filter: FilterSettings {
-            mass: near(random, "0.00000068"),
-            stiffness: near(random, "29.6"),
-            damping: near(random, "0.00655"),
-            ground_damping: near(random, "0.00356"),
-        },
-        ..Settings::default()
-    }
-}
-
-/// Penetration and displacement of the next tick: a press and its release, trembling at the surface, jumps, and now and then a displacement
-/// that does not belong to it, as an estimator can tell one.
-struct Hand {
-    habit: u64,
-    at: i64,
-}
-impl Hand {
-    fn next(&mut self, random: &mut Random, tick: u64, force: i128) -> (I8F24, I8F24) {
-        let before = self.at;
-        let speed = 1_i64 << (self.habit / 8 % 22);
-        let step = match self.habit % 8 {
-            0 => random.within(speed),
-            1 => {
-                if tick % 200 < 60 {
-                    speed
-                } else if tick % 200 < 120 {
-                    -speed / 3
-                } else {
-                    random.within(speed / 4 + 1)
-                }
-            }
-            2 => {
-                if force > 1 << 20 {
-                    -speed
-                } else {
-                    speed
-                }
-            }
-            3 => {
-                if tick % 4 < 2 {
-                    speed
-                } else {
-                    -speed
-                }
-            }
-            4 => random.signed(31) - self.at,
-            5 => {
-                if tick % 100 < 50 {
-                    speed
-                } else {
-                    -speed - 1
-                }
-            }
-            6 => random.within(3),
-            _ => {
-                if self.at > speed * 20 {
-                    -speed * 7
-                } else {
-                    random.within(speed) + speed / 8
-                }
-            }
-        };
-        self.at = (self.at + step).clamp(-(1 << 31), (1 << 31) - 1);
-        let moved = if random.below(16) == 0 {
-            random.signed(31)
-        } else {
-            self.at - before
-        };
-        (bits(self.at), bits(moved))
-    }
-}
-
 /// Runs laws of one kind; `compare` makes one tick of both and says what differs. The counts are of situations that must occur.
 fn every_tick<const N: usize>(
     kind: LawKind,
@@ -148,19 +28,16 @@ fn every_tick<const N: usize>(
     let mut random = Random(seed);
     let (mut ticks, mut laws, mut reached) = (0, 0, [0_u64; N]);
     while ticks < TICKS {
-        let settings = any_settings(&mut random, kind);
+        let settings = any_law(&mut random, kind);
         let Ok(mut law) = AnyLaw::<Fixed32>::new(&settings) else {
             continue;
         };
         laws += 1;
-        let mut hand = Hand {
-            habit: random.any() >> 20,
-            at: -1000,
-        };
+        let mut hand = Hand::any(&mut random);
         let mut force = 0;
         for tick in 0..500 {
             ticks += 1;
-            let (e, moved) = hand.next(&mut random, tick, force);
+            let (e, moved) = hand.moves(&mut random, tick, force);
             force = match &law {
                 AnyLaw::Enhanced(_, state) => wide(state.force.0),
                 AnyLaw::Tdpa(_, state) => wide(state.force.0),
