@@ -18,7 +18,8 @@ fn read(path: impl AsRef<Path>) -> String {
 fn locked() -> BTreeMap<String, Vec<String>> {
     let mut found = BTreeMap::<String, Vec<String>>::new();
     for line in read("proofs/harnesses.lock").lines() {
-        let parts: Vec<&str> = line.split("::").collect();
+        let (name, _) = line.split_once(' ').expect("a name and a number");
+        let parts: Vec<&str> = name.split("::").collect();
         let [file, instance @ .., name, "proof"] = parts.as_slice() else {
             panic!("harnesses.lock: {line}");
         };
