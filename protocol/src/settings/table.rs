@@ -92,7 +92,7 @@ macro_rules! device_settings {
                     bus_min_v: number("8", "48") = "18", "V",
                         "the bus voltage below which it switches off";
                     bus_max_v: number("8", "48") = "30", "V",
-                        "the bus voltage above which it switches off (at most 30 on b-g431b-esc1)";
+                        "the bus voltage above which it switches off (at most 26 on b-g431b-esc1)";
                     derate_from_celsius: number("20", "109") = "70", "°C",
                         "the temperature from which the current is reduced";
                     fault_from_celsius: number("30", "110") = "90", "°C",
