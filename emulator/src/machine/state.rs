@@ -50,6 +50,8 @@ pub struct Machine {
     behind_program: u32,
     /// Resets since power came on: when, and why.
     pub resets: Vec<(u64, ResetCause)>,
+    /// Whether reads of flash are looked at: they are once a word of it is torn, as every read is slower then.
+    watches_flash: bool,
 }
 
 /// What Unicorn said, as text.
@@ -133,6 +135,7 @@ impl Machine {
             locked: false,
             behind_program: ends.max().unwrap_or(flash::BASE).next_multiple_of(8),
             resets: Vec::new(),
+            watches_flash: false,
         })
     }
 
@@ -175,6 +178,29 @@ impl Machine {
     /// Overwrites memory, flash too, as a debugger or a stray particle would.
     pub fn set_memory(&mut self, address: u32, bytes: &[u8]) {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
+    }
+
+    /// The check bits of a double word are wrong from now on, until its page is erased.
+    pub(super) fn tear(&mut self, address: u32) -> Result<(), Halt> {
+        self.chip_mut().flash.torn.insert(address);
+        if std::mem::replace(&mut self.watches_flash, true) {
+            return Ok(());
+        }
+        let begin = u64::from(flash::BASE);
+        let end = begin + self.chip().board.flash_bytes as u64 - 1;
+        let on_read =
+            |uc: &mut Unicorn<'_, Chip>, _: MemType, address: u64, _: usize, _: i64| {
+                uc.get_data_mut().read_flash(address as u32);
+                true
+            };
+        let hooked = self
+            .unicorn
+            .add_mem_hook(HookType::MEM_READ, begin, end, on_read)
+            .map(|_| ());
+        // What was translated before does not know of the hook.
+        hooked
+            .and_then(|()| self.unicorn.ctl_flush_tb())
+            .map_err(|error| Halt::Unsupported(said("reads of flash")(error)))
     }
 
     /// Switches the chip on: RAM is without a meaning.
