@@ -452,8 +452,8 @@ mod tests {
                 command: None,
                 hardware_break: false,
                 gate_driver_error: false,
-            stop_button: false,
-            host_heard: true,
+                stop_button: false,
+                host_heard: true,
                 timing: TickTiming::default(),
             };
             device.tick(&input).record.count

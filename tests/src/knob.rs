@@ -135,7 +135,9 @@ impl<T: Tamper> Knob<T> {
         );
         match self.settings.encoder.kind {
             EncoderKind::Incremental => EncoderReading::Counter16(count as u16),
-            EncoderKind::As5047p => EncoderReading::As5047p(Frames::alone(motor::as5047p_frame(count))),
+            EncoderKind::As5047p => {
+                EncoderReading::As5047p(Frames::alone(motor::as5047p_frame(count)))
+            }
             EncoderKind::Mt6701 => EncoderReading::Mt6701(motor::mt6701_frame(count, 0)),
         }
     }

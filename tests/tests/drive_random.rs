@@ -36,13 +36,13 @@ fn reading(random: &mut Random, kind: EncoderKind, last: &mut u32) -> EncoderRea
     let garbled = once_in(random, 400);
     let count = i64::from(*last);
     match kind {
-        EncoderKind::As5047p if garbled => EncoderReading::As5047p(Frames::alone(bits(random) as u16)),
-        EncoderKind::As5047p => {
-            EncoderReading::As5047p(Frames {
-                angle: touchstone_world::motor::as5047p_frame(count),
-                before: once_in(random, 100).then(|| Asked::Field(bits(random) as u16)),
-            })
+        EncoderKind::As5047p if garbled => {
+            EncoderReading::As5047p(Frames::alone(bits(random) as u16))
         }
+        EncoderKind::As5047p => EncoderReading::As5047p(Frames {
+            angle: touchstone_world::motor::as5047p_frame(count),
+            before: once_in(random, 100).then(|| Asked::Field(bits(random) as u16)),
+        }),
         EncoderKind::Mt6701 if garbled => EncoderReading::Mt6701(bits(random)),
         EncoderKind::Mt6701 => {
             EncoderReading::Mt6701(touchstone_world::motor::mt6701_frame(count, 0))

@@ -210,7 +210,8 @@ fn encoder() {
         }
     };
     within(3, FaultCode::EncoderCheck, What::Input(parity));
-    let floating = |i: &mut ControlInput, _| i.encoder = EncoderReading::As5047p(Frames::alone(0xFFFF));
+    let floating =
+        |i: &mut ControlInput, _| i.encoder = EncoderReading::As5047p(Frames::alone(0xFFFF));
     assert_eq!(
         within(3, FaultCode::EncoderStatus, What::Input(floating)),
         0xFFFF

@@ -21,8 +21,8 @@ use crate::pi::{Pi, PiGains};
 use crate::transform::{AlphaBeta, Dq, Rotation};
 use crate::units::{clamp_i32, milli, product};
 use crate::{Amps, Volts};
-use touchstone_protocol::FaultCode;
 use offsets::OffsetSums;
+use touchstone_protocol::FaultCode;
 
 /// Coefficients of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

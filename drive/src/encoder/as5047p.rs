@@ -162,8 +162,14 @@ mod tests {
 
     #[test]
     fn the_error_flag_and_a_line_that_floats_high() {
-        assert_eq!(decode(Frames::alone(0xC000)), Err(EncoderError::Status(0xC000)));
-        assert_eq!(decode(Frames::alone(0xFFFF)), Err(EncoderError::Status(0xFFFF)));
+        assert_eq!(
+            decode(Frames::alone(0xC000)),
+            Err(EncoderError::Status(0xC000))
+        );
+        assert_eq!(
+            decode(Frames::alone(0xFFFF)),
+            Err(EncoderError::Status(0xFFFF))
+        );
     }
 
     #[test]

@@ -123,7 +123,9 @@ impl HeatConfig {
     /// The share that a mean square leaves.
     fn left(&self, mean: i64) -> u32 {
         // Five times what is beyond 80 %: from 0 to what the motor bears.
-        let beyond = mean.saturating_mul(5).saturating_sub(self.bears.saturating_mul(4));
+        let beyond = mean
+            .saturating_mul(5)
+            .saturating_sub(self.bears.saturating_mul(4));
         if beyond <= 0 {
             return ALL;
         }

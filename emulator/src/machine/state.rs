@@ -27,6 +27,9 @@ const GENERAL: [RegisterARM; 13] = [
     RegisterARM::R12,
 ];
 
+/// What Unicorn protects at a time, bytes.
+const BLOCK: u64 = 4_096;
+
 /// What RAM holds before anything was written to it: for the stack's watermark.
 const UNTOUCHED: u8 = 0xa5;
 
@@ -50,8 +53,6 @@ pub struct Machine {
     behind_program: u32,
     /// Resets since power came on: when, and why.
     pub resets: Vec<(u64, ResetCause)>,
-    /// Whether reads of flash are looked at: they are once a word of it is torn, as every read is slower then.
-    watches_flash: bool,
 }
 
 /// What Unicorn said, as text.
@@ -119,6 +120,19 @@ impl Machine {
         unicorn
             .add_mem_hook(HookType::MEM_WRITE_PROT, 1, 0, on_store)
             .map_err(said("hook"))?;
+        let on_torn = |uc: &mut Unicorn<'_, Chip>, _: MemType, address: u64, _: usize, _: i64| {
+            let block = address & !(BLOCK - 1);
+            let torn = &uc.get_data().flash.torn;
+            let here = torn.range(block as u32..).next().copied();
+            if let Some(place) = here.filter(|place| u64::from(*place) < block + BLOCK) {
+                uc.get_data_mut().read_flash(place);
+            }
+            // The read goes on, and finds what the tearing has left.
+            uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC).is_ok()
+        };
+        unicorn
+            .add_mem_hook(HookType::MEM_READ_PROT, 1, 0, on_torn)
+            .map_err(said("hook"))?;
         unicorn
             .mem_write(u64::from(flash::BASE), &vec![0xff; flash_bytes])
             .map_err(said("flash"))?;
@@ -135,7 +149,6 @@ impl Machine {
             locked: false,
             behind_program: ends.max().unwrap_or(flash::BASE).next_multiple_of(8),
             resets: Vec::new(),
-            watches_flash: false,
         })
     }
 
@@ -180,27 +193,13 @@ impl Machine {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
     }
 
-    /// The check bits of a double word are wrong from now on, until its page is erased.
-    pub(super) fn tear(&mut self, address: u32) -> Result<(), Halt> {
-        self.chip_mut().flash.torn.insert(address);
-        if std::mem::replace(&mut self.watches_flash, true) {
-            return Ok(());
+    /// Makes what is around each torn word of flash unreadable, so that the first read there is noticed. Not by a hook on every read:
+    /// Unicorn then gives wrong values to some of them.
+    pub(super) fn guard_torn(&mut self) {
+        for place in self.chip().flash.torn.clone() {
+            let block = u64::from(place) & !(BLOCK - 1);
+            let _ = self.unicorn.mem_protect(block, BLOCK, Prot::NONE);
         }
-        let begin = u64::from(flash::BASE);
-        let end = begin + self.chip().board.flash_bytes as u64 - 1;
-        let on_read =
-            |uc: &mut Unicorn<'_, Chip>, _: MemType, address: u64, _: usize, _: i64| {
-                uc.get_data_mut().read_flash(address as u32);
-                true
-            };
-        let hooked = self
-            .unicorn
-            .add_mem_hook(HookType::MEM_READ, begin, end, on_read)
-            .map(|_| ());
-        // What was translated before does not know of the hook.
-        hooked
-            .and_then(|()| self.unicorn.ctl_flush_tb())
-            .map_err(|error| Halt::Unsupported(said("reads of flash")(error)))
     }
 
     /// Switches the chip on: RAM is without a meaning.
@@ -214,6 +213,7 @@ impl Machine {
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);
+        self.guard_torn();
         self.asleep = None;
         self.locked = false;
         let (stack, start) = (self.word(flash::BASE), self.word(flash::BASE + 4));
