@@ -39,8 +39,9 @@ pub struct Options {
     shard: Shard,
     #[command(flatten)]
     drawing: DrawingOptions,
+    // Not there where `merge` has its own.
     #[command(flatten)]
-    place: Place,
+    place: Option<Place>,
 }
 
 /// How the maps are drawn.
@@ -99,15 +100,17 @@ pub fn main(options: &Options) -> Result<()> {
 }
 
 fn compute(options: &Options) -> Result<()> {
-    // The command's own reader refuses it without these three.
-    let (Some(name), Some(x), Some(y)) = (&options.scene, &options.x, &options.y) else {
+    // The command's own reader refuses it without these four.
+    let (Some(name), Some(x), Some(y), Some(place)) =
+        (&options.scene, &options.x, &options.y, &options.place)
+    else {
         return Ok(());
     };
     let Place {
         out: folder,
         force,
         threads,
-    } = &options.place;
+    } = place;
     let (scene, _) = options.changes.load(name)?;
     let command = plain_command();
     let sweep = Sweep::new(&scene, [x, y], &options.measure, program(), &command)?;
