@@ -1,7 +1,9 @@
 //! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
+mod baseline;
 mod certify;
+mod check;
 mod complain;
 mod config;
 mod device;

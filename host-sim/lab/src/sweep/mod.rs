@@ -15,7 +15,7 @@ pub mod store;
 #[cfg(test)]
 mod tests;
 
-use crate::report::Program;
+use crate::report::ProgramVersion;
 use crate::report::origin::{SCHEMA_VERSION, sha256};
 use axis::Axis;
 use grid::Grid;
@@ -40,7 +40,7 @@ pub struct Sweep {
     /// What is kept of each beside its verdict.
     pub measures: Vec<Measure>,
     /// The program that runs them.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// The command that makes the whole again, without words that say where, in which part and how.
     pub command: String,
     /// Files that the scene reads, with their hashes.
@@ -56,7 +56,7 @@ impl Sweep {
         scene: &Scene,
         [x, y]: [&str; 2],
         measures: &[String],
-        program: Program,
+        program: ProgramVersion,
         command: &str,
     ) -> Result<Self> {
         let x = Axis::parse("--x", x, scene)?;
@@ -196,7 +196,7 @@ pub struct Filled {
 ///
 /// # Errors
 /// A folder without a sweep; folders of different sweeps, or of another program; cells that no folder has.
-pub fn gathered(folders: &[PathBuf], program: Program) -> Result<(Sweep, store::Cells)> {
+pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, store::Cells)> {
     let mut first: Option<(Value, &Path)> = None;
     let mut cells = store::Cells::new();
     for folder in folders {
@@ -252,7 +252,7 @@ pub fn gathered(folders: &[PathBuf], program: Program) -> Result<(Sweep, store::
 }
 
 impl Sweep {
-    fn of_plan(plan: &Value, place: &Path, program: Program) -> Result<Self> {
+    fn of_plan(plan: &Value, place: &Path, program: ProgramVersion) -> Result<Self> {
         let wrong = |problem: String| Error::Io {
             path: place.join(store::PLAN),
             problem,

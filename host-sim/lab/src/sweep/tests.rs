@@ -4,7 +4,7 @@ use super::measure::Row;
 use super::output::{self, Drawing};
 use super::store::{CELLS, Shard, Store};
 use super::{Sweep, gathered, lines};
-use crate::report::Program;
+use crate::report::ProgramVersion;
 use std::fs;
 use std::path::{Path, PathBuf};
 use touchstone_sim::scene::{Preset, Scene};
@@ -22,7 +22,14 @@ fn base() -> Scene {
 
 fn sweep(x: &str, y: &str) -> Sweep {
     let measures = ["k_displayed", "penetration_max"].map(str::to_owned);
-    Sweep::new(&base(), [x, y], &measures, Program::default(), COMMAND).unwrap()
+    Sweep::new(
+        &base(),
+        [x, y],
+        &measures,
+        ProgramVersion::default(),
+        COMMAND,
+    )
+    .unwrap()
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -110,9 +117,9 @@ fn whole_and_in_shards_are_the_same_bytes() {
             part
         })
         .collect();
-    let missing = gathered(&shards[1..], Program::default()).unwrap_err();
+    let missing = gathered(&shards[1..], ProgramVersion::default()).unwrap_err();
     assert!(missing.to_string().contains("4 of 12 cells"), "{missing}");
-    let (again, cells) = gathered(&shards, Program::default()).unwrap();
+    let (again, cells) = gathered(&shards, ProgramVersion::default()).unwrap();
     let merged = folder("merged");
     let store = Store::open(&merged, &again, false).unwrap();
     output::write(
@@ -151,13 +158,17 @@ fn whole_and_in_shards_are_the_same_bytes() {
         &base(),
         [STIFFNESS, "timing.rate_hz=500..2000:2"],
         &[],
-        Program::default(),
+        ProgramVersion::default(),
         COMMAND,
     )
     .unwrap();
     let stranger = folder("stranger");
     made(&other, Shard::WHOLE, &stranger);
-    let refused = gathered(&[shards[0].clone(), stranger.clone()], Program::default()).unwrap_err();
+    let refused = gathered(
+        &[shards[0].clone(), stranger.clone()],
+        ProgramVersion::default(),
+    )
+    .unwrap_err();
     assert!(
         refused.to_string().contains("of another sweep")
             && refused.to_string().contains("y, measures"),
@@ -246,7 +257,7 @@ fn lines_lie_where_their_formulas_say() {
 #[test]
 fn axes_that_are_none_are_refused_with_what_to_write() {
     let refused = |x: &str| {
-        Sweep::new(&base(), [x, RATES], &[], Program::default(), COMMAND)
+        Sweep::new(&base(), [x, RATES], &[], ProgramVersion::default(), COMMAND)
             .unwrap_err()
             .to_string()
     };
