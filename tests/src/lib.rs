@@ -12,6 +12,7 @@ pub mod search;
 pub mod si;
 pub mod space;
 pub mod space_port;
+pub mod surface_path;
 pub mod variants;
 
 /// A shipped scene with the thesis' law, which is what most tests are about.

@@ -1,7 +1,7 @@
 //! What can be asked of a run, so that a script can go by it: verdict, depth, stiffness, energy; as exit code, lines and JUnit.
 
-use super::number;
 use super::out::json;
+use super::{baseline, number};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::{Path, PathBuf};
@@ -31,6 +31,12 @@ pub struct Expectations {
     /// The user's port never gives more than this beyond what it took, J.
     #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = number::not_negative("in J"))]
     max_energy_out: Option<f64>,
+    /// No worse than the same runs in this results file: the same verdict, and no measure worse by more than the margin.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// By how much of its value a measure may be worse than in the baseline.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, requires = "baseline", allow_negative_numbers = true, value_parser = number::not_negative("a share, 0.01 for 1 %"))]
+    margin: f64,
     /// Writes what was asked and what came as JUnit, a test for each demand.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -43,6 +49,7 @@ impl Expectations {
             || self.max_penetration.is_some()
             || self.min_stiffness.is_some()
             || self.max_energy_out.is_some()
+            || self.baseline.is_some()
             || self.junit.is_some()
     }
 }
@@ -54,12 +61,17 @@ fn verdicts() -> PossibleValuesParser {
 
 /// One demand on one run.
 #[derive(Debug, Clone, PartialEq)]
-struct Check {
-    run: String,
-    option: &'static str,
-    wanted: String,
-    came: String,
-    met: bool,
+pub struct Check {
+    /// The run, as [`name`] tells it.
+    pub run: String,
+    /// Option that asked.
+    pub option: &'static str,
+    /// What it asked for.
+    pub wanted: String,
+    /// What the run gave.
+    pub came: String,
+    /// Whether that is as asked.
+    pub met: bool,
 }
 
 /// All demands on all runs.
@@ -76,12 +88,13 @@ impl Expectations {
             || !self.expect.is_empty()
             || self.max_penetration.is_some()
             || self.min_stiffness.is_some()
-            || self.max_energy_out.is_some();
+            || self.max_energy_out.is_some()
+            || self.baseline.is_some();
         if self.junit.is_some() && !asked {
             return Err(Error::Option {
                 option: "--junit".to_owned(),
                 problem: "nothing is asked of the run, so there is no test to write".to_owned(),
-                fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out or --strict-passive".to_owned(),
+                fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out, --baseline or --strict-passive".to_owned(),
             });
         }
         Ok(())
@@ -93,6 +106,23 @@ impl Expectations {
             checks: runs.flat_map(|run| self.on(run, strict)).collect(),
             junit: self.junit.clone(),
         }
+    }
+
+    /// Holds runs against those of the baseline, if one is given.
+    ///
+    /// # Errors
+    /// A baseline that cannot be read.
+    pub fn compare<'a>(
+        &self,
+        checked: &mut Checked,
+        runs: impl Iterator<Item = &'a Summary>,
+    ) -> Result<()> {
+        if let Some(file) = &self.baseline {
+            let before = baseline::read(file)?;
+            let found = runs.flat_map(|run| baseline::on(run, &before, self.margin));
+            checked.checks.extend(found);
+        }
+        Ok(())
     }
 
     fn on(&self, run: &Summary, strict: bool) -> Vec<Check> {
@@ -159,7 +189,7 @@ impl Expectations {
 }
 
 /// What tells a run from others of the same command.
-fn name(run: &Summary) -> String {
+pub fn name(run: &Summary) -> String {
     let counts = run.encoder_counts_per_rev.map_or_else(
         || "exact position".to_owned(),
         |counts| format!("{counts} counts"),

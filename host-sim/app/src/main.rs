@@ -1,6 +1,7 @@
 //! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
+mod baseline;
 mod certify;
 mod complain;
 mod config;

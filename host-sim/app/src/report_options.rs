@@ -1,6 +1,6 @@
 //! Options of every command that writes a report.
 
-use touchstone_lab::report::{FileOptions, Program};
+use touchstone_lab::report::{FileOptions, ProgramVersion};
 
 /// What a report's folder gets.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
@@ -28,11 +28,11 @@ impl ReportOptions {
 }
 
 /// This program, with the commit that it was built from.
-pub fn program() -> Program {
-    Program {
+pub fn program() -> ProgramVersion {
+    ProgramVersion {
         version: env!("CARGO_PKG_VERSION"),
         commit: Some(env!("TOUCHSTONE_COMMIT")).filter(|commit| !commit.is_empty()),
         modified: env!("TOUCHSTONE_MODIFIED") == "true",
-        ..Program::default()
+        ..ProgramVersion::default()
     }
 }

@@ -3,11 +3,15 @@
 
 use crate::answer::Answer;
 use crate::budgets::ENHANCED;
-use crate::cortex::{Program, is_panic, is_soft_float};
+use crate::cortex::{ProgramCode, is_panic, is_soft_float};
 use crate::vectors::Report;
 
 /// Compares what both machines printed and follows a tick through the program.
-pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Result<Answer, String> {
+pub fn inspect(
+    program: &ProgramCode,
+    desktop: &str,
+    microcontroller: &str,
+) -> Result<Answer, String> {
     let mut report = Report::default();
     desktop.lines().for_each(|line| report.desktop(line));
     microcontroller
@@ -50,7 +54,7 @@ fn budget(worst: u64, most: u64) -> Result<String, String> {
 }
 
 /// Prints what a tick reaches; what of it should not be there.
-fn examine(program: &Program) -> Vec<String> {
+fn examine(program: &ProgramCode) -> Vec<String> {
     let mut wrong = Vec::new();
     println!(
         "{:<42}{:>8}{:>14}",

@@ -216,3 +216,47 @@ fn what_is_no_demand_is_refused() {
         run(&arguments).refused(parts);
     }
 }
+
+/// The same run passes; a softer wall, another verdict and another scene do not; what is better does.
+#[test]
+fn a_baseline_says_what_became_worse() {
+    let here = folder("baseline");
+    let keep = |name: &str, more: &[&str]| {
+        let mut arguments = vec!["run", "thesis-knob", "--json"];
+        arguments.extend(more);
+        std::fs::write(here.join(name), run(&arguments).ended(0).out).unwrap();
+    };
+    keep("same.json", &[]);
+    let hold = |file: &str, more: &[&str]| {
+        let mut arguments = vec!["run", "thesis-knob", "--baseline", file];
+        arguments.extend(more);
+        run_in(&here, &arguments)
+    };
+    assert_eq!(hold("same.json", &[]).ended(0).err, "");
+    assert_eq!(hold("same.json", &["--margin", "0"]).ended(0).err, "");
+
+    let thesis = hold("same.json", &["--preset", "thesis"]).ended(3).err;
+    for measure in ["peak_penetration_ratio", "settle_from_ramp_end_s"] {
+        assert!(thesis.contains(measure), "{thesis}");
+    }
+    // The other way round the shipped wall is better in both, and only the verdict is another.
+    keep("thesis.json", &["--preset", "thesis"]);
+    let better = hold("thesis.json", &[]);
+    assert!(
+        !better.err.contains("peak_penetration_ratio"),
+        "{}",
+        better.err
+    );
+
+    let other = hold("same.json", &["--k-desired", "4"]).ended(3).err;
+    assert!(other.contains("none of the same"), "{other}");
+    let missing = hold("missing.json", &[]).ended(2).err;
+    assert!(missing.contains("missing.json"), "{missing}");
+    std::fs::write(here.join("empty.json"), "{}").unwrap();
+    assert!(
+        hold("empty.json", &[])
+            .ended(2)
+            .err
+            .contains("has no \"runs\"")
+    );
+}

@@ -10,7 +10,7 @@ use super::pages::Page;
 use super::quantity::plain;
 use super::svg::{escape, typeset};
 use super::view::View;
-use super::{Block, Program, ReportInput, Section, anchor, compare, runs, summary};
+use super::{Block, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
 /// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
 /// that lie beside the page; with the default, nothing leads to any.
@@ -165,6 +165,32 @@ fn write_section(page: &mut String, section: &Section, folded: bool) {
     page.push_str(end);
 }
 
+/// A table that scrolls sideways where the page is narrow.
+pub(super) fn table<Text: AsRef<str>, Row: AsRef<[Text]>>(
+    page: &mut String,
+    caption: &str,
+    header: &[impl AsRef<str>],
+    rows: impl IntoIterator<Item = Row>,
+) {
+    let _ = write!(
+        page,
+        "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>",
+        escape(caption)
+    );
+    for text in header {
+        let _ = write!(page, "<th scope=\"col\">{}</th>", escape(text.as_ref()));
+    }
+    page.push_str("</tr></thead><tbody>");
+    for row in rows {
+        page.push_str("<tr>");
+        for text in row.as_ref() {
+            let _ = write!(page, "<td>{}</td>", escape(text.as_ref()));
+        }
+        page.push_str("</tr>");
+    }
+    page.push_str("</tbody></table></div>\n");
+}
+
 fn write_block(page: &mut String, block: &Block) {
     match block {
         Block::Text(text) => {
@@ -175,23 +201,7 @@ fn write_block(page: &mut String, block: &Block) {
             header,
             rows,
         } => {
-            let _ = write!(
-                page,
-                "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>",
-                escape(caption)
-            );
-            for text in header {
-                let _ = write!(page, "<th scope=\"col\">{}</th>", escape(text));
-            }
-            page.push_str("</tr></thead><tbody>");
-            for row in rows {
-                page.push_str("<tr>");
-                for text in row {
-                    let _ = write!(page, "<td>{}</td>", escape(text));
-                }
-                page.push_str("</tr>");
-            }
-            page.push_str("</tbody></table></div>\n");
+            table(page, caption, header, rows);
         }
         Block::Figure(svg) => {
             let _ = writeln!(page, "<figure>{svg}</figure>");
@@ -232,7 +242,7 @@ fn again(page: &mut String, command: &str) {
     }
 }
 
-fn signature(page: &mut String, program: &Program) {
+fn signature(page: &mut String, program: &ProgramVersion) {
     let commit = match (program.commit, program.modified) {
         (Some(commit), false) => format!(", commit {commit}"),
         (Some(commit), true) => format!(", commit {commit} with changes"),

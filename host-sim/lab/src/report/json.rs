@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::ReportInput;
 use super::columns::COLUMNS;
 use super::measures::{MEASURES, SETTINGS};
-use super::origin::{Input, Origin, Program, RunFiles, SCHEMA_VERSION};
+use super::origin::{Input, Origin, ProgramVersion, RunFiles, SCHEMA_VERSION};
 use touchstone_sim::run::record::Summary;
 
 /// Unit of every numeric field of a run. `1` marks a plain count.
@@ -22,7 +22,7 @@ pub fn units() -> BTreeMap<&'static str, &'static str> {
 #[derive(Serialize)]
 struct Results<'a> {
     schema_version: u32,
-    program: Program,
+    program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
     /// Only where files were written.

@@ -41,7 +41,7 @@ pub mod write;
 #[path = "../../examples/report_demo/synthetic.rs"]
 mod synthetic;
 
-pub use origin::Program;
+pub use origin::ProgramVersion;
 pub use picture::standalone;
 pub use previous::check as check_folder;
 pub use table::Colour;
@@ -65,7 +65,7 @@ pub struct ReportInput<'a> {
     /// The command line that makes this report again.
     pub command: &'a str,
     /// The program that ran.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// The scene of each run, in their order; empty where there is none to write out.
     pub scenes: &'a [Scene],
     /// Files that the scenes were read from; recordings are found in the scenes.

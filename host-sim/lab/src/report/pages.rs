@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::staging::{Staging, io_error};
-use super::{Program, Section, Written, html, previous};
+use super::{ProgramVersion, Section, Written, html, previous};
 use touchstone_sim::error::Result;
 
 /// What goes into the folder.
@@ -19,7 +19,7 @@ pub struct Page<'a> {
     /// The command line that makes it again.
     pub command: &'a str,
     /// The program that ran.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// The page, from top to bottom.
     pub sections: &'a [Section],
     /// What `results.json` has of it, under the name given.

@@ -87,7 +87,7 @@ impl Scene {
     ///
     /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall;
     /// the run takes as long as the recording; the device starts at rest where the hand starts. `--set
-    /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`Motion::note`](super::Motion::note) says in
+    /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) says in
     /// words what was chosen.
     ///
     /// # Errors Whatever is wrong with the recording, see [`Recording::read`]; [`Error::Option`] where the scene has

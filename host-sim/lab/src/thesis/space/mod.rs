@@ -8,7 +8,7 @@ pub mod figures;
 mod motion;
 mod record;
 
-pub use motion::{Motion, Phase};
+pub use motion::{Phase, ProbingMotion};
 pub use record::Record;
 
 use rayon::prelude::*;
@@ -230,7 +230,7 @@ pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
     let Ok(plant) = plant else {
         return Ok(Record::new(*cell));
     };
-    let motion = Motion::of(cell.object);
+    let motion = ProbingMotion::of(cell.object);
     let mut state = Held::at_rest(motion.rest_mm(0.0).map(|x| x * 1e-3));
     let mut record = Record::new(*cell);
     let (mut stored, mut loss, mut work) = (None, 0.0, 0.0);
