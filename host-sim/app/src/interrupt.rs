@@ -1,6 +1,8 @@
 //! Ctrl-C, and being told to end: nothing half-made stays, and the exit code says so.
 
 use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_lab::report::staging;
 use touchstone_sim::error::{Error, Result};
 
@@ -9,7 +11,7 @@ pub const INTERRUPTED: i32 = 130;
 
 /// From here on an interrupt takes away what is being prepared, and ends the program.
 pub fn clean_up() -> Result<()> {
-    ctrlc::set_handler(|| {
+    handle(|| {
         staging::abandon(|removed| {
             // Below the progress bar.
             if std::io::stderr().is_terminal() {
@@ -26,7 +28,18 @@ pub fn clean_up() -> Result<()> {
             std::process::exit(INTERRUPTED);
         });
     })
-    .map_err(|error| {
+}
+
+/// From here on an interrupt is only noted, for a loop that ends by itself and leaves its device as it should be.
+pub fn noted() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    handle(move || asked.store(true, Ordering::Relaxed))?;
+    Ok(stop)
+}
+
+fn handle(handler: impl FnMut() + Send + 'static) -> Result<()> {
+    ctrlc::set_handler(handler).map_err(|error| {
         Error::device(
             "Ctrl-C",
             error.to_string(),

@@ -14,14 +14,18 @@
 
 mod address;
 mod client;
+mod haply;
 pub mod haptic;
 mod omega3;
 pub mod servo;
+mod survey;
 mod transport;
 mod wall;
 
 pub use address::{Address, Port, is_st_link, ports};
 pub use client::Client;
+pub use haply::{Generation, Inverse3, SERVICE};
 pub use omega3::Omega3;
+pub use survey::{Pose, Survey};
 pub use transport::{Received, Transport, open};
 pub use wall::{DeviceWall, WallSettings};

@@ -20,6 +20,8 @@ pub struct Omega3 {
     sheet: DataSheet,
 }
 
+/// From a read over the USB to the force of a write: chosen, a microframe of the USB for either; nobody measured it here.
+const DELAY_S: f64 = 250e-6;
 /// How often each part of a release is tried. More would take longer than two ticks of the device.
 const RELEASE_TRIES: usize = 2;
 /// How often it is asked whether its motors are on, and how long it has in between.
@@ -70,6 +72,7 @@ impl Omega3 {
                 },
                 count_m: OMEGA3.count_m,
                 rates_hz: OMEGA3.rates_hz,
+                delay_s: DELAY_S,
                 sets_the_pace: false,
             },
         };

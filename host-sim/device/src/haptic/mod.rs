@@ -30,6 +30,8 @@ pub struct DataSheet {
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
+    /// From a position until its force acts, s; assumed, where nobody measured it.
+    pub delay_s: f64,
     /// Whether [`HapticDevice::sense`] waits for the device: its pace is then the loop's.
     pub sets_the_pace: bool,
 }

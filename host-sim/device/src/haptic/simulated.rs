@@ -80,6 +80,7 @@ impl SimulatedArm {
                 },
                 count_m: limits.count_m,
                 rates_hz: limits.rates_hz,
+                delay_s: 0.0,
                 sets_the_pace: false,
             },
             state: Cartesian::<HeldLinear>::at_rest(rest(0.0)),
