@@ -1,6 +1,6 @@
 //! Runs held against those of before: no verdict may have changed, no measure may be worse by more than a margin.
 
-use super::expect::{Check, name};
+use super::check::{Check, name};
 use serde_json::Value;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};

@@ -3,6 +3,7 @@
 mod accuracy;
 mod baseline;
 mod certify;
+mod check;
 mod complain;
 mod config;
 mod device;

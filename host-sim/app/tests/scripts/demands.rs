@@ -260,3 +260,22 @@ fn a_baseline_says_what_became_worse() {
             .contains("has no \"runs\"")
     );
 }
+
+/// What docs/ci.md gives to copy and paste asks for what the shipped wall does, with every grip.
+#[test]
+fn the_demands_of_the_documented_script_are_met() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ci.md");
+    let text = std::fs::read_to_string(page).unwrap();
+    let line = text
+        .lines()
+        .find(|line| line.trim_start().starts_with("--expect "))
+        .expect("a line of demands");
+    let demands: Vec<&str> = line.trim_end_matches('\\').split_whitespace().collect();
+    assert!(demands.len() >= 6, "{demands:?}");
+    for grip in ["light", "medium", "firm"] {
+        let grip = format!("operator.grip={grip}");
+        let mut arguments = vec!["run", "thesis-knob", "--set", &grip];
+        arguments.extend(&demands);
+        run(&arguments).ended(0);
+    }
+}
