@@ -426,7 +426,7 @@ fn what_does_not_go_together_is_said() {
         ),
         (
             &["device", "survey", "--device", "simulated", "--out", "x"],
-            &["nothing to be surveyed"],
+            &["nothing is known that could be surveyed"],
         ),
         (&["device", "lst"], &["did you mean"]),
     ] {

@@ -154,7 +154,7 @@ fn played(service: &Service) -> Result<ServoReport, HapticFault> {
         late_s: 0.25,
         ..ServoLimits::of(inverse.sheet())
     };
-    let more = |tick: &Tick| tick.number < 800;
+    let more = |tick: &Tick| tick.number < 400;
     Ok(play(
         &mut inverse,
         &mut Floor,
@@ -175,7 +175,7 @@ fn both_generations_get_a_force_for_every_state_and_none_at_the_end() {
             (&Ending::Asked, &Ok(())),
             "{version}"
         );
-        assert_eq!(report.ticks, 801);
+        assert_eq!(report.ticks, 401);
         let saw = service.saw();
         assert_eq!((saw.refused, saw.last_n), (0, 0.0), "{version}: {saw:?}");
         assert!(
@@ -184,7 +184,7 @@ fn both_generations_get_a_force_for_every_state_and_none_at_the_end() {
         );
         assert!(saw.longest_n <= 3.0 + 1e-9, "never more than was chosen");
         // 100 to measure the pace, one to catch up, one a tick, one to end with.
-        assert!(saw.commands >= 902, "{saw:?}");
+        assert!(saw.commands >= 503, "{saw:?}");
     }
 }
 
@@ -201,7 +201,7 @@ fn whatever_goes_wrong_ends_with_no_force() {
         (Wrong::NotReady, off, true),
     ];
     for (wrong, expected, reachable) in rows {
-        let service = Service::new("3.5.1", wrong, 400);
+        let service = Service::new("3.5.1", wrong, 250);
         let report = played(&service).unwrap();
         assert!(
             matches!(&report.ending, Ending::Fault(fault) if expected(fault)),

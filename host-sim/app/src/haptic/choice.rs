@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchstone_device::haptic::{HapticDevice, SimulatedArm};
-use touchstone_device::{Omega3, Survey};
+use touchstone_device::{Inverse3, Omega3, SERVICE, Survey};
 use touchstone_dhd::{Dhd, Search};
 use touchstone_lab::thesis::space::{Object, ProbingMotion};
 use touchstone_sim::error::{Error, Result};
@@ -14,6 +14,8 @@ use touchstone_sim::error::{Error, Result};
 pub enum Model {
     /// Force Dimension's omega.3, through its maker's library.
     Omega3,
+    /// Haply's Inverse3, through its maker's service.
+    Inverse3,
     /// An omega.3 by its published limits, or what a survey says, in a simulated hand.
     Simulated,
 }
@@ -23,6 +25,7 @@ impl Model {
     pub fn word(self) -> &'static str {
         match self {
             Self::Omega3 => "omega3",
+            Self::Inverse3 => "inverse3",
             Self::Simulated => "simulated",
         }
     }
@@ -37,6 +40,9 @@ pub struct Which {
     /// Force Dimension's library, libdrd or libdhd; without it, it is looked for (docs/devices.md).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
+    /// Where Haply's service listens.
+    #[arg(long, value_name = "HOST:PORT")]
+    haply: Option<String>,
     /// Simulates the device of a survey (`touchstone device survey --out FILE`).
     #[arg(long, value_name = "FILE.toml")]
     twin: Option<PathBuf>,
@@ -66,14 +72,16 @@ type Hand = Option<(Object, u32)>;
 impl Which {
     /// The kind that is to be used, if one was named.
     pub fn model(&self) -> Option<Model> {
-        // A survey can only be simulated.
-        self.device.or(self.twin.as_ref().map(|_| Model::Simulated))
+        // A survey can only be simulated, and only an Inverse3 has a service.
+        let service = self.haply.as_ref().map(|_| Model::Inverse3);
+        let twin = self.twin.as_ref().map(|_| Model::Simulated);
+        self.device.or(twin).or(service)
     }
 
     /// All kinds: what is there of each.
     pub fn all(&self) -> Vec<(Model, Result<String>)> {
         let wanted = |model: &&Model| self.model().is_none_or(|only| only == **model);
-        let models = [Model::Omega3, Model::Simulated];
+        let models = [Model::Omega3, Model::Inverse3, Model::Simulated];
         let models = models.iter().filter(wanted);
         models
             .map(|model| {
@@ -81,6 +89,7 @@ impl Which {
                     Model::Omega3 => self.omega3().map(|(omega, library)| {
                         format!("{}; {}", omega.sheet().name, described(&library))
                     }),
+                    Model::Inverse3 => self.inverse3().map(|inverse| inverse.sheet().name.clone()),
                     Model::Simulated => self.simulated(None).map(|arm| arm.sheet().name.clone()),
                 };
                 (*model, found)
@@ -93,20 +102,38 @@ impl Which {
         match self.model() {
             Some(Model::Simulated) => Ok(Box::new(self.simulated(hand)?)),
             Some(Model::Omega3) => Ok(Box::new(self.omega3()?.0)),
-            None => match self.omega3() {
-                Ok((omega, _)) => Ok(Box::new(omega)),
-                Err(Error::Device {
+            Some(Model::Inverse3) => Ok(Box::new(self.inverse3()?)),
+            None => self.first(),
+        }
+    }
+
+    /// The first real one: the omega.3 where its library is, else the Inverse3 where its service is.
+    fn first(&self) -> Result<Box<dyn HapticDevice>> {
+        let missing = match self.omega3() {
+            Ok((omega, _)) => return Ok(Box::new(omega)),
+            Err(missing) => missing,
+        };
+        match (self.inverse3(), missing) {
+            (Ok(inverse), _) => Ok(Box::new(inverse)),
+            (
+                Err(_),
+                Error::Device {
                     place,
                     problem,
                     fix,
-                }) => Err(Error::Device {
-                    place,
-                    problem,
-                    fix: format!("{fix}; without a device: --device simulated"),
-                }),
-                Err(other) => Err(other),
-            },
+                },
+            ) => Err(Error::Device {
+                place,
+                problem: format!("{problem}; nor is there a service of an Inverse3"),
+                fix: format!("{fix}; without a device: --device simulated"),
+            }),
+            (Err(_), other) => Err(other),
         }
+    }
+
+    fn inverse3(&self) -> Result<Inverse3> {
+        let service = self.haply.as_deref().unwrap_or(SERVICE);
+        Inverse3::connect(service).map_err(|fault| fault.at("Inverse3"))
     }
 
     /// The omega.3, with its motors off.

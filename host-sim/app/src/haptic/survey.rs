@@ -28,10 +28,13 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// Surveys. The motors are never switched on.
 pub fn main(options: &Options) -> Result<()> {
-    if let Some(Model::Simulated) = options.which.model() {
+    if let Some(other @ (Model::Simulated | Model::Inverse3)) = options.which.model() {
         return Err(Error::Option {
             option: "--device".into(),
-            problem: "a simulated device has nothing to be surveyed".into(),
+            problem: format!(
+                "of {} nothing is known that could be surveyed",
+                other.word()
+            ),
             fix: "survey an omega.3".into(),
         });
     }
