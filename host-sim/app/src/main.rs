@@ -10,6 +10,7 @@ mod device;
 mod doctor;
 mod expect;
 mod flash;
+mod haptic;
 mod hard;
 mod identify;
 mod interrupt;
@@ -97,7 +98,7 @@ enum Command {
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
     Config(config::Options),
-    /// Commands a device, and reads its state, its fault and the second before it.
+    /// Commands a board, and reads its state, its fault and the second before it; plays a wall on a haptic device without a law of its own.
     Device(device::Options),
     /// Looks for everything that a board needs, and says what is missing and how to get it.
     Doctor(doctor::Options),
@@ -184,7 +185,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Flash(options) => flash::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),
-        Command::Device(options) => device::main(options),
+        Command::Device(options) => return device::main(options),
         Command::Completions(options) => shell::completions(options),
         Command::Man(options) => shell::man(options),
     };

@@ -7,7 +7,6 @@ use super::port::PortOption;
 use std::fs::File;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
@@ -41,16 +40,8 @@ pub struct Options {
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
-    ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)).map_err(|error| {
-        Error::device(
-            "Ctrl-C",
-            error.to_string(),
-            "end the other handler of the signal",
-        )
-    })?;
+    let stop = super::interrupt::noted()?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
     let mut table = match &options.csv {
