@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod certify;
 pub mod hard;
 pub mod identify;
+pub mod plan;
 pub mod report;
 pub mod scorecard;
 pub mod thesis;

@@ -1,6 +1,6 @@
 //! Runs so many ticks of a named configuration and nothing else: `tick_cost NAME TICKS`, `tick_cost --list`. `tick_cost --ladder FEW
 //! MORE` runs the cost ladder in one process: of each configuration few ticks, then more, with a call of [`mark`] before each and after
-//! the last, at which callgrind can be told to write down what it has counted; `--ladder` alone names the configurations.
+//! both, at which callgrind can be told to write down what it has counted; `--ladder` alone names the configurations.
 //!
 //! For counting instructions: two runs of different length under callgrind differ by what the ticks between them cost, exactly.
 //! The names ending in `-by-hand` are the minimal loops of [`by_hand`], written without plan and chain; the others are what
@@ -32,19 +32,26 @@ fn mark(count: usize) {
     black_box(count);
 }
 
-/// Few ticks and more of every configuration of the ladder, after a look that each can be run.
+/// Few ticks and then more of every configuration of the ladder, after a look that each can be run: a call of [`mark`] before both and
+/// after, so that nothing but ticks lies between the first and the last of the three.
 fn climb(few: u64, more: u64) -> Option<()> {
     let names = ladder();
     for name in &names {
-        planned(name, 1)?;
+        planned(name, few)?;
     }
     for (at, name) in names.iter().enumerate() {
-        for ticks in [few, more] {
+        let scene = scene(name)?;
+        let mut plan = Plan::of(&scene).ok()?;
+        let mut control = Staged::around(plan.control, Pressed::default());
+        let period_s = scene.timing.period_s();
+        for ticks in [0..few, few..few + more] {
             mark(at);
-            black_box(planned(name, ticks)?);
+            plan.mechanics
+                .advance(control.as_mut(), &plan.motion, ticks, period_s, None);
         }
+        mark(at);
+        black_box(plan.mechanics.angle_rad());
     }
-    mark(names.len());
     Some(())
 }
 

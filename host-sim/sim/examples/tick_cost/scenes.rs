@@ -1,6 +1,7 @@
 //! The configurations: one scene without effects, and each effect added to it.
 
 use std::path::Path;
+use touchstone_control::{Choice as _, LawKind};
 use touchstone_sim::run::chain::Stage;
 use touchstone_sim::run::effects::{self, EFFECTS};
 use touchstone_sim::scene::{Preset, Scene};
@@ -64,7 +65,7 @@ kind = \"spring\"
 ";
 
 /// The scene of a configuration: of a name in [`CONFIGURATIONS`], of `with:` and effects joined by `+`, each at its typical
-/// magnitude, or of `silent:` and an effect at amplitude zero.
+/// magnitude, of `silent:` and an effect at amplitude zero, of `law:` and a law's word, or of `set:` and a setting.
 pub fn scene(name: &str) -> Option<Scene> {
     let bare = Scene::parse(BARE, Path::new("tick-cost.toml"))
         .and_then(|scene| scene.with_preset(Preset::Thesis))
@@ -77,13 +78,24 @@ pub fn scene(name: &str) -> Option<Scene> {
     if let Some(name) = name.strip_prefix("silent:") {
         return bare.with(effects::by_name(name)?.silence?).ok();
     }
+    if let Some(kind) = name.strip_prefix("law:") {
+        let kind = format!("law.kind={kind}");
+        return bare
+            .with_overrides(&[&kind, "wall.k_desired_n_m_per_rad=5"])
+            .ok();
+    }
+    if let Some(set) = name.strip_prefix("set:") {
+        return bare.with_overrides(&[set]).ok();
+    }
     let (_, sets) = CONFIGURATIONS.iter().find(|(known, _)| *known == name)?;
     bare.with_overrides(sets).ok()
 }
 
-/// The cost ladder: nothing, each effect at amplitude zero where it has one, each alone, and all pairs that one scene can have.
+/// The cost ladder: nothing, each law and what is put before and behind one, each effect at amplitude zero where it has one, each alone, and all pairs that one scene can have.
 pub fn ladder() -> Vec<String> {
     let mut names = vec!["bare".to_owned()];
+    names.extend(LawKind::WORDS.iter().map(|word| format!("law:{word}")));
+    names.extend(["set:law.states=estimated", "set:law.guard.on=true"].map(str::to_owned));
     let silent = EFFECTS.iter().filter(|effect| effect.silence.is_some());
     names.extend(silent.map(|effect| format!("silent:{}", effect.name)));
     names.extend(EFFECTS.iter().map(|effect| format!("with:{}", effect.name)));

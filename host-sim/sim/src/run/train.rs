@@ -107,7 +107,9 @@ impl Train {
     }
 }
 
-fn links(scene: &Scene) -> Links {
+/// What is linear of any scene's device and hand, whether its run needs a train or not.
+#[must_use]
+pub fn links(scene: &Scene) -> Links {
     let device = &scene.device;
     Links {
         device: touchstone_world::plant::Device {
