@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
@@ -19,6 +19,7 @@ mod live;
 mod monitor;
 mod number;
 mod out;
+mod plan;
 mod port;
 mod progress;
 mod report_options;
@@ -76,6 +77,8 @@ enum Command {
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
+    /// Says what a scene's run is made of: states, eigenvalues, substeps, what each effect costs, and which omitted one would matter.
+    Plan(plan::Options),
     /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
     Accuracy(accuracy::Options),
     /// Runs the hard cases, each against what must come out, and tells the worst margin.
@@ -174,6 +177,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Live(options) => live::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
+        Command::Plan(options) => plan::main(options),
         Command::Accuracy(options) => accuracy::main(options),
         Command::Sweep(options) => sweep::main(options),
         Command::Scorecard(options) => scorecard::main(options),
