@@ -421,6 +421,12 @@ fn what_does_not_go_together_is_said() {
             &["--rate-hz", "1000 to 4000 Hz, not 8000"],
         ),
         (
+            &[
+                "device", "run", "plane", "--device", "omega3", "--twin", "x",
+            ],
+            &["--twin", "is for simulated alone"],
+        ),
+        (
             &["device", "run", "plane", "--port", "COM3"],
             &["--port", "haptic devices have none"],
         ),

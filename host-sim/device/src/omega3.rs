@@ -93,7 +93,7 @@ impl Omega3 {
         if status.power() == Some(false) {
             return Err(unusable(format!("{model} has no supply"), "switch it on"));
         }
-        if status.reset() == Some(true) || self.library.initialised(id) == Some(false) {
+        if status.reset() == Some(true) {
             return Err(unusable(
                 format!("{model} is not calibrated"),
                 "move its arm to its rest position and calibrate it with the maker's HapticInit",

@@ -140,15 +140,17 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let held = |fault: &HapticFault| *fault == HapticFault::HeldElsewhere;
     let stale = |fault: &HapticFault| matches!(fault, HapticFault::Stale(_));
     let saturated = |fault: &HapticFault| matches!(fault, HapticFault::Saturated(_));
+    let jumped = |fault: &HapticFault| matches!(fault, HapticFault::Jumped(v) if *v > 70.0);
     let nan = |fault: &HapticFault| *fault == HapticFault::NotFinite("position");
     let off = |fault: &HapticFault| *fault == HapticFault::SwitchedOff(SwitchOff::Velocity);
     type Row = (Call, Kind, fn(&HapticFault) -> bool, u64);
     // The last column: ticks between what happened and the fault that it is to be, of which the sheet of limits speaks.
-    let rows: [Row; 9] = [
+    let rows: [Row; 10] = [
         (Call::Engage, Kind::Held, held, 0),
         (Call::Engage, Kind::Fails, lost, 0),
         (Call::Sense, Kind::Unplugged, lost, 0),
         (Call::Sense, Kind::NotANumber, nan, 0),
+        (Call::Sense, Kind::Jumps, jumped, 1),
         (Call::Sense, Kind::Stale, stale, 21),
         (Call::Command, Kind::Unplugged, lost, 0),
         (Call::Command, Kind::Fails, lost, 0),
@@ -163,6 +165,10 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     for (call, kind, expected, patience) in rows {
         for at in [0, 1, 300] {
             if call == Call::Engage && at > 0 {
+                continue;
+            }
+            // Nobody can know that the first position is wrong.
+            if kind == Kind::Jumps && at == 0 {
                 continue;
             }
             let injection = Injection { call, at, kind };

@@ -319,7 +319,6 @@ fn older_libraries_do() {
         "dhdGetSDKVersion",
         "dhdGetAvailableCount",
         "dhdGetSystemName",
-        "drdIsInitialized",
         "dhdGetForce",
         "dhdSetMaxForce",
     ] {

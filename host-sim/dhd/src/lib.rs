@@ -138,13 +138,6 @@ impl Dhd {
         Ok(Status(raw))
     }
 
-    /// Whether it knows where it is; `None` where the library cannot say.
-    #[must_use]
-    pub fn initialised(&self, id: i8) -> Option<bool> {
-        // A C++ bool is one byte, of which only zero is no.
-        Some(self.calls().is_initialised?(symbols::char_of(id)) != 0)
-    }
-
     /// Its position, m.
     ///
     /// # Errors

@@ -69,7 +69,6 @@ functions! {
         get_available_count "dhdGetAvailableCount" OfNothing;
         get_system_name "dhdGetSystemName" extern "system" fn(c_char) -> *const c_char;
         get_serial_number "dhdGetSerialNumber" extern "system" fn(&mut c_ushort, c_char) -> c_int;
-        is_initialised "drdIsInitialized" extern "system" fn(c_char) -> c_uchar;
         get_force "dhdGetForce" ToThree;
         set_max_force "dhdSetMaxForce" extern "system" fn(f64, c_char) -> c_int;
         get_effector_mass "dhdGetEffectorMass" extern "system" fn(&mut f64, c_char) -> c_int;

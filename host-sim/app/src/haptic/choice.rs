@@ -78,6 +78,24 @@ impl Which {
         self.device.or(twin).or(service)
     }
 
+    /// Refuses a survey or a service of a device that has none, instead of ignoring it.
+    fn check(&self) -> Result<()> {
+        let lost = |option: &str, only: Model| Error::Option {
+            option: option.into(),
+            problem: format!("is for {} alone", only.word()),
+            fix: format!("leave it out, or give --device {}", only.word()),
+        };
+        match self.model() {
+            Some(Model::Inverse3 | Model::Omega3) if self.twin.is_some() => {
+                Err(lost("--twin", Model::Simulated))
+            }
+            Some(Model::Simulated | Model::Omega3) if self.haply.is_some() => {
+                Err(lost("--haply", Model::Inverse3))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// All kinds: what is there of each.
     pub fn all(&self) -> Vec<(Model, Result<String>)> {
         let wanted = |model: &&Model| self.model().is_none_or(|only| only == **model);
@@ -99,6 +117,7 @@ impl Which {
 
     /// Opens it, with its motors off.
     pub fn open(&self, hand: Hand) -> Result<Box<dyn HapticDevice>> {
+        self.check()?;
         match self.model() {
             Some(Model::Simulated) => Ok(Box::new(self.simulated(hand)?)),
             Some(Model::Omega3) => Ok(Box::new(self.omega3()?.0)),

@@ -33,6 +33,8 @@ pub enum Kind {
     Saturated,
     /// The call takes so long.
     Slow(Duration),
+    /// From here on a coordinate is 20 mm off.
+    Jumps,
     /// A coordinate is no number.
     NotANumber,
     /// Its own safety switches it off.
@@ -60,6 +62,7 @@ pub struct Injected<D> {
     halved: bool,
     last: Option<Sensed>,
     repeats: bool,
+    shift_m: f64,
     off: Option<super::SwitchOff>,
 }
 
@@ -74,6 +77,7 @@ impl<D: HapticDevice> Injected<D> {
             halved: false,
             last: None,
             repeats: false,
+            shift_m: 0.0,
             off: None,
         }
     }
@@ -102,6 +106,7 @@ impl<D: HapticDevice> Injected<D> {
             Some(Kind::Held) => return Err(HapticFault::HeldElsewhere),
             Some(Kind::Stale) => self.repeats = true,
             Some(Kind::Saturated) => self.halved = true,
+            Some(Kind::Jumps) => self.shift_m = 0.02,
             Some(Kind::Slow(time)) => std::thread::sleep(time),
             Some(Kind::SwitchedOff(cause)) => {
                 self.off = Some(cause);
@@ -145,6 +150,7 @@ impl<D: HapticDevice> HapticDevice for Injected<D> {
             });
         }
         let mut sensed = self.inner.sense()?;
+        sensed.position_m[0] += self.shift_m;
         self.last = Some(sensed);
         if kind == Some(Kind::NotANumber) {
             sensed.position_m[1] = f64::NAN;

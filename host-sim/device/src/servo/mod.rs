@@ -199,6 +199,8 @@ fn looped<D: HapticDevice>(
         if !at.iter().all(|x| x.is_finite()) {
             return Err(HapticFault::NotFinite("position"));
         }
+        // A tick that was missed and a position that was not read again give the device more time to move.
+        let since_s = interval_s * (1 + waited.missed_ticks + stale_run) as f64;
         stale_run = if sensed.fresh { 0 } else { stale_run + 1 };
         report.stale_ticks += u64::from(!sensed.fresh);
         let stale_s = stale_run as f64 * interval_s;
@@ -206,9 +208,7 @@ fn looped<D: HapticDevice>(
             return Err(HapticFault::Stale(stale_s));
         }
         let moved = last.map_or(0.0, |was| length(std::array::from_fn(|i| at[i] - was[i])));
-        // A tick that was missed and a position that was not read again give the device more time.
-        let since_s = interval_s * (1 + waited.missed_ticks) as f64;
-        if moved > limits.jump_m_per_s * since_s.max(limits.stale_s) {
+        if moved > limits.jump_m_per_s * since_s {
             return Err(HapticFault::Jumped(moved / since_s));
         }
         last = Some(at);

@@ -169,15 +169,6 @@ extern "system" fn dhdGetStatus(status: Option<&mut [c_int; 32]>, _id: c_char) -
     })
 }
 
-/// A C++ bool, one byte.
-#[unsafe(no_mangle)]
-extern "system" fn drdIsInitialized(_id: c_char) -> c_uchar {
-    let said = of_device("drdIsInitialized", |machine, _| {
-        c_int::from(!machine.has(&Planned::Uncalibrated))
-    });
-    c_uchar::from(said > 0)
-}
-
 #[unsafe(no_mangle)]
 extern "system" fn dhdGetPosition(
     x: Option<&mut f64>,
