@@ -7,9 +7,20 @@ use touchstone_sim::error::{Error, Result};
 /// Exit code after an interrupt: 128 and the number of SIGINT, as shells have it.
 pub const INTERRUPTED: i32 = 130;
 
+/// What an interrupt does, once for the program.
+pub fn on_interrupt(act: impl FnMut() + Send + 'static) -> Result<()> {
+    ctrlc::set_handler(act).map_err(|error| {
+        Error::device(
+            "Ctrl-C",
+            error.to_string(),
+            "end the other handler of the signal",
+        )
+    })
+}
+
 /// From here on an interrupt takes away what is being prepared, and ends the program.
 pub fn clean_up() -> Result<()> {
-    ctrlc::set_handler(|| {
+    on_interrupt(|| {
         staging::abandon(|removed| {
             // Below the progress bar.
             if std::io::stderr().is_terminal() {
@@ -25,13 +36,6 @@ pub fn clean_up() -> Result<()> {
             }
             std::process::exit(INTERRUPTED);
         });
-    })
-    .map_err(|error| {
-        Error::device(
-            "Ctrl-C",
-            error.to_string(),
-            "end the other handler of the signal",
-        )
     })
 }
 

@@ -2,12 +2,14 @@
 
 mod accuracy;
 mod baseline;
+mod board_page;
 mod certify;
 mod complain;
 mod config;
 mod device;
 mod doctor;
 mod expect;
+mod fault_words;
 mod flash;
 mod hard;
 mod identify;
@@ -67,7 +69,7 @@ enum Command {
     Thesis(thesis::Options),
     /// One run of a scene.
     Run(run::Options),
-    /// A scene under the mouse: writes one page for any browser, and opens it.
+    /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
     Live(live::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
