@@ -8,6 +8,7 @@ use crate::config::Config;
 use crate::device::torque_of;
 use crate::wire::hardware;
 use fixed::types::I8F24;
+use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry};
@@ -35,6 +36,8 @@ pub struct Twin {
     knows: Knows,
     /// Share of the torque while it fades in, 2^-32.
     fade: u32,
+    /// The law showed a force in its last tick.
+    pushes: bool,
 }
 
 impl Twin {
@@ -50,6 +53,7 @@ impl Twin {
             before: None,
             knows: Knows::Little(0),
             fade: u32::MAX,
+            pushes: false,
         })
     }
 
@@ -65,6 +69,7 @@ impl Twin {
         let was_armed = before.is_some_and(|(_, phase)| phase == Phase::Armed);
         if !was_armed || !follows {
             self.law = self.config.law.resumed(&self.law);
+            self.pushes = false;
             let sees_it_armed = follows && !was_armed;
             self.fade = if sees_it_armed { 0 } else { u32::MAX };
             self.knows = if sees_it_armed {
@@ -113,6 +118,12 @@ impl Twin {
             self.law.commanded(Force(I8F24::from_bits(
                 driven.torque.0.to_bits().saturating_neg(),
             )));
+        }
+        // A flick of a knob that nothing holds begins anew, as in the device.
+        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
+        let is_free = self.law.view().contact == Contact::Free;
+        if self.law.tripped() && !pushed && is_free {
+            self.law = self.config.law.resumed(&self.law);
         }
     }
 }

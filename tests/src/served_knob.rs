@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::{Backend, FlashError, Session};
+use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
@@ -167,15 +167,16 @@ impl Backend for ServedKnob {
     fn save(&mut self, _image: &[u8]) -> Result<(), FlashError> {
         Ok(())
     }
-    fn command(&mut self, command: DeviceCommand) -> bool {
-        match command {
-            DeviceCommand::Calibrate => self.give(Command::Calibrate),
-            DeviceCommand::Arm => self.give(Command::Arm),
-            DeviceCommand::Disarm => self.give(Command::Disarm),
-            DeviceCommand::Stop => self.give(Command::Stop),
-            DeviceCommand::Zero => self.knob.device.zero_here(),
-            DeviceCommand::Reboot => false,
-        }
+    fn command(&mut self, command: DeviceCommand) -> Option<bool> {
+        let asked = match command {
+            DeviceCommand::Calibrate => Command::Calibrate,
+            DeviceCommand::Arm => Command::Arm,
+            DeviceCommand::Disarm => Command::Disarm,
+            DeviceCommand::Stop => Command::Stop,
+            DeviceCommand::Zero => return Some(self.knob.device.zero_here()),
+            DeviceCommand::Reboot => return Some(false),
+        };
+        Some(self.give(asked))
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
@@ -219,7 +220,8 @@ pub fn serve(listener: &TcpListener, happens: &Receiver<String>) -> std::io::Res
             for &byte in bytes.get(..count.unwrap_or(0)).unwrap_or_default() {
                 let errors = decoder.errors();
                 if let Some(Ok(payload)) = decoder.push(byte)
-                    && let Some(answer) = session.answer_payload(payload, errors, &mut knob)
+                    && let Answered::Now(answer) =
+                        session.answer_payload(payload, errors, &mut knob)
                 {
                     out.extend(framed(&answer));
                 }

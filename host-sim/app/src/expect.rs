@@ -1,12 +1,12 @@
 //! What can be asked of a run, so that a script can go by it: verdict, depth, stiffness, energy; as exit code, lines and JUnit.
 
+use super::check::{Check, name};
 use super::out::json;
 use super::{baseline, number};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use touchstone_control::Choice as _;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::verdict::WORDS;
@@ -57,21 +57,6 @@ impl Expectations {
 /// The verdicts with their meanings, for the help and for completions.
 fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
-}
-
-/// One demand on one run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Check {
-    /// The run, as [`name`] tells it.
-    pub run: String,
-    /// Option that asked.
-    pub option: &'static str,
-    /// What it asked for.
-    pub wanted: String,
-    /// What the run gave.
-    pub came: String,
-    /// Whether that is as asked.
-    pub met: bool,
 }
 
 /// All demands on all runs.
@@ -188,21 +173,6 @@ impl Expectations {
     }
 }
 
-/// What tells a run from others of the same command.
-pub fn name(run: &Summary) -> String {
-    let counts = run.encoder_counts_per_rev.map_or_else(
-        || "exact position".to_owned(),
-        |counts| format!("{counts} counts"),
-    );
-    format!(
-        "{}: {}, {} N·m/rad, grip {}, {counts}",
-        run.scene,
-        run.law.word(),
-        run.k_desired,
-        run.grip
-    )
-}
-
 impl Checked {
     /// For `--json`, beside the runs; nothing where nothing was asked.
     pub fn to_json(&self) -> Option<serde_json::Value> {
@@ -254,6 +224,9 @@ impl Checked {
         let text = report
             .to_string()
             .map_err(|error| wrong(error.to_string()))?;
+        if let Some(folder) = file.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| wrong(error.to_string()))?;
+        }
         std::fs::write(file, text).map_err(|error| wrong(error.to_string()))
     }
 }

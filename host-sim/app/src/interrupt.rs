@@ -20,14 +20,19 @@ pub fn on_interrupt(act: impl FnMut() + Send + 'static) -> Result<()> {
 
 /// From here on an interrupt takes away what is being prepared, and ends the program.
 pub fn clean_up() -> Result<()> {
-    on_interrupt(|| {
+    clean_up_keeping("interrupted: nothing half-written is left")
+}
+
+/// The same for a command that keeps what it has done, and says so where nothing had to be taken away.
+pub fn clean_up_keeping(words: &'static str) -> Result<()> {
+    on_interrupt(move || {
         staging::abandon(|removed| {
             // Below the progress bar.
             if std::io::stderr().is_terminal() {
                 eprintln!();
             }
             match removed {
-                [] => eprintln!("interrupted: nothing half-written is left"),
+                [] => eprintln!("{words}"),
                 folders => {
                     for folder in folders {
                         eprintln!("interrupted: {} was removed again", folder.display());

@@ -1,9 +1,10 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
 mod board_page;
 mod certify;
+mod check;
 mod complain;
 mod config;
 mod device;
@@ -26,6 +27,7 @@ mod run;
 mod scene_options;
 mod scorecard;
 mod shell;
+mod sweep;
 mod thesis;
 mod thesis_space;
 mod tune;
@@ -79,6 +81,8 @@ enum Command {
     Accuracy(accuracy::Options),
     /// Runs the hard cases, each against what must come out, and tells the worst margin.
     Hard(hard::Options),
+    /// Any two settings of a scene against any measure of its run: a map with the lines of theory, in parts and with pauses if need be.
+    Sweep(sweep::Options),
     /// Compares laws by what a hand feels of a wall: one row a law, on the device as it is and as it may also be.
     Scorecard(scorecard::Options),
     /// Finds settings of a law for a device: the best worst figure of its scorecard.
@@ -172,6 +176,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
         Command::Accuracy(options) => accuracy::main(options),
+        Command::Sweep(options) => sweep::main(options),
         Command::Scorecard(options) => scorecard::main(options),
         Command::Tune(options) => tune::main(options),
         Command::Scenes { json_schema: true } => {

@@ -21,6 +21,9 @@ const LOGGED: Duration = Duration::from_secs(1);
 /// A device that was told to send and is silent for so long is gone.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
+/// The device hears of the desktop at least this often: its shortest watchdog on it that makes sense is twice as long.
+pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
+
 /// Options of `monitor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
@@ -134,6 +137,7 @@ fn watch(
     let begun = Instant::now();
     let (mut counted, mut shown, mut heard) = (Counted::default(), None::<Instant>, begun);
     let mut state = None;
+    let mut spoken = begun;
     tell!("{HEADING}");
     let silent = out::json() || out::quiet();
     // With a file the run goes on when the reader of the screen has had enough.
@@ -143,6 +147,10 @@ fn watch(
             .seconds
             .is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
     {
+        if spoken.elapsed() >= SIGN_OF_LIFE {
+            spoken = Instant::now();
+            client.ask(&Request::Status)?;
+        }
         let Some(record) = client.next_telemetry()? else {
             if heard.elapsed() > SILENCE_LIMIT {
                 return Err(Error::device(

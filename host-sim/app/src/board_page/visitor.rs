@@ -3,6 +3,7 @@
 use super::device_side::{DeviceSide, News};
 use super::door::Socket;
 use super::told;
+use crate::monitor::SIGN_OF_LIFE;
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};
@@ -27,6 +28,7 @@ pub struct Visitor {
     seen_at: Instant,
     sent_at: Instant,
     looked_at: Instant,
+    spoken_at: Instant,
 }
 
 /// Why a page is not there any more.
@@ -42,6 +44,7 @@ impl Visitor {
             seen_at: now,
             sent_at: now,
             looked_at: now,
+            spoken_at: now,
         };
         link.rows.take(0);
         // A page that is gone already is noticed by its first turn.
@@ -69,6 +72,11 @@ impl Visitor {
         if self.sent_at.elapsed() >= BATCH {
             self.sent_at = Instant::now();
             self.send_rows(link)?;
+        }
+        // The device hears of the desktop as long as the page is there: its host watchdog is behind this program's.
+        if self.spoken_at.elapsed() >= SIGN_OF_LIFE {
+            self.spoken_at = Instant::now();
+            let _ = link.status();
         }
         if self.looked_at.elapsed() >= LOOK {
             self.looked_at = Instant::now();

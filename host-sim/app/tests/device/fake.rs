@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::{Backend, FlashError, Session};
+use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::telemetry::RING_CHUNK;
 use touchstone_protocol::{
@@ -183,7 +183,7 @@ fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std
                 world.answers += 1;
                 let answer = session.answer_payload(payload, errors, world);
                 if !world.trouble.silent
-                    && let Some(answer) = answer
+                    && let Answered::Now(answer) = answer
                 {
                     out.extend(world.frame(&answer));
                 }
@@ -327,23 +327,23 @@ impl Backend for World {
         self.saved = Some(image.to_vec());
         Ok(())
     }
-    fn command(&mut self, command: DeviceCommand) -> bool {
+    fn command(&mut self, command: DeviceCommand) -> Option<bool> {
         let event = match command {
             DeviceCommand::Calibrate => {
                 let taken = self.machine.handle(Event::Command(Command::Calibrate));
                 self.calibrated_at = taken.then_some(self.tick + CALIBRATION);
-                return taken;
+                return Some(taken);
             }
             DeviceCommand::Arm => Command::Arm,
             DeviceCommand::Disarm => Command::Disarm,
             DeviceCommand::Stop => Command::Stop,
-            DeviceCommand::Zero => return self.phase() != Phase::Armed,
+            DeviceCommand::Zero => return Some(self.phase() != Phase::Armed),
             DeviceCommand::Reboot => {
                 self.rebooted = true;
-                return true;
+                return Some(true);
             }
         };
-        self.machine.handle(Event::Command(event))
+        Some(self.machine.handle(Event::Command(event)))
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;

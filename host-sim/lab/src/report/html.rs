@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::matrix::{Matrix, matrices};
 use super::origin::Origin;
-use super::pages::Page;
 use super::quantity::plain;
 use super::svg::{escape, typeset};
 use super::view::View;
@@ -70,30 +69,6 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
     page
 }
 
-/// A page of sections alone.
-pub fn of_sections(input: &Page) -> String {
-    let mut page = String::new();
-    let title = escape(input.title);
-    let _ = write!(
-        page,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
-         <header>\n<h1>{title}</h1>\n<p>{}</p>\n</header>\n<main>\n",
-        include_str!("page.css"),
-        escape(input.intro)
-    );
-    input
-        .sections
-        .iter()
-        .for_each(|section| write_section(&mut page, section, section.folded));
-    page.push_str("</main>\n<footer>\n");
-    again(&mut page, input.command);
-    signature(&mut page, &input.program);
-    page.push_str("</body>\n</html>\n");
-    page
-}
-
 fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let _ = writeln!(page, "<header>\n<h1>{}</h1>", escape(input.title));
     let _ = writeln!(
@@ -146,7 +121,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
 }
 
 /// A caller's section.
-fn write_section(page: &mut String, section: &Section, folded: bool) {
+pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) {
     let (id, title) = (anchor(&section.title), escape(&section.title));
     let end = if folded {
         let _ = writeln!(
@@ -232,7 +207,7 @@ fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
     signature(page, &input.program);
 }
 
-fn again(page: &mut String, command: &str) {
+pub(super) fn again(page: &mut String, command: &str) {
     if !command.is_empty() {
         let _ = writeln!(
             page,
@@ -242,7 +217,7 @@ fn again(page: &mut String, command: &str) {
     }
 }
 
-fn signature(page: &mut String, program: &ProgramVersion) {
+pub(super) fn signature(page: &mut String, program: &ProgramVersion) {
     let commit = match (program.commit, program.modified) {
         (Some(commit), false) => format!(", commit {commit}"),
         (Some(commit), true) => format!(", commit {commit} with changes"),
