@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod baseline;
+mod board_page;
 mod certify;
 mod check;
 mod complain;
@@ -9,6 +10,7 @@ mod config;
 mod device;
 mod doctor;
 mod expect;
+mod fault_words;
 mod flash;
 mod haptic;
 mod hard;
@@ -71,7 +73,7 @@ enum Command {
     Thesis(thesis::Options),
     /// One run of a scene.
     Run(run::Options),
-    /// A scene under the mouse: writes one page for any browser, and opens it.
+    /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
     Live(live::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
