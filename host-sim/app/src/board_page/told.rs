@@ -48,7 +48,9 @@ pub fn state(status: &Status) -> Value {
 
 /// A page's text without its marks, its paragraphs one below the other.
 fn plain(text: &str) -> String {
-    text.replace("**", "").replace('`', "").replace("\n\n", "\n")
+    text.replace("**", "")
+        .replace('`', "")
+        .replace("\n\n", "\n")
 }
 
 /// A state, and what leads on.

@@ -154,6 +154,8 @@ impl Page {
 
     #[track_caller]
     fn arm(&mut self) {
+        // A calibration begins where the device is stopped, or was just switched on.
+        let _ = self.ask(json!({ "do": "stop" }));
         assert_eq!(self.ask(json!({ "do": "calibrate" })), None);
         self.until_phase("ready");
         assert_eq!(self.ask(json!({ "do": "arm" })), None);
@@ -285,6 +287,7 @@ fn a_page_that_is_gone_or_hangs_disarms_the_device() {
     stands(&device, Phase::Ready);
     // A calibration moves the shaft: it is stopped.
     let mut page = served.page();
+    assert_eq!(page.ask(json!({ "do": "stop" })), None);
     assert_eq!(page.ask(json!({ "do": "calibrate" })), None);
     drop(page);
     stands(&device, Phase::Stopped);
