@@ -3,6 +3,7 @@
 mod choice;
 mod run;
 mod survey;
+mod trace;
 
 pub use choice::{described, library};
 

@@ -111,6 +111,8 @@ pub struct ServoReport {
 pub struct Tick {
     /// Its number, from 0.
     pub number: u64,
+    /// Intervals since the first, those of missed ticks among them.
+    pub due: u64,
     /// The place, m.
     pub position_m: [f64; 3],
     /// The force that acts, N.
@@ -136,7 +138,7 @@ pub fn play<D: HapticDevice>(
     law: &mut impl ForceLaw,
     limits: &ServoLimits,
     rate_hz: u32,
-    pace: &mut impl Pace,
+    pace: &mut dyn Pace,
     mut more: impl FnMut(&Tick) -> bool,
 ) -> ServoReport {
     let mut report = ServoReport {
@@ -174,7 +176,7 @@ fn looped<D: HapticDevice>(
     law: &mut impl ForceLaw,
     limits: &ServoLimits,
     rate_hz: u32,
-    pace: &mut impl Pace,
+    pace: &mut dyn Pace,
     more: &mut impl FnMut(&Tick) -> bool,
     report: &mut ServoReport,
 ) -> Result<(), HapticFault> {
@@ -258,6 +260,7 @@ fn looped<D: HapticDevice>(
         report.ticks += 1;
         let tick = Tick {
             number,
+            due: number + report.missed_ticks,
             position_m: at,
             force_n: acts,
         };
