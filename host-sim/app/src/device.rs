@@ -160,7 +160,8 @@ fn calibrated(client: &mut Client) -> Result<()> {
     }
 }
 
-fn status_of(client: &mut Client) -> Result<Status> {
+/// Where the device stands.
+pub fn status_of(client: &mut Client) -> Result<Status> {
     match client.ask(&Request::Status)? {
         Reply::Status(status) => Ok(status),
         other => Err(client.odd(&other)),

@@ -11,14 +11,19 @@ pub const INTERRUPTED: i32 = 130;
 
 /// From here on an interrupt takes away what is being prepared, and ends the program.
 pub fn clean_up() -> Result<()> {
-    handle(|| {
+    clean_up_keeping("interrupted: nothing half-written is left")
+}
+
+/// The same for a command that keeps what it has done, and says so where nothing had to be taken away.
+pub fn clean_up_keeping(words: &'static str) -> Result<()> {
+    handle(move || {
         staging::abandon(|removed| {
             // Below the progress bar.
             if std::io::stderr().is_terminal() {
                 eprintln!();
             }
             match removed {
-                [] => eprintln!("interrupted: nothing half-written is left"),
+                [] => eprintln!("{words}"),
                 folders => {
                     for folder in folders {
                         eprintln!("interrupted: {} was removed again", folder.display());

@@ -69,6 +69,12 @@ impl Scene {
         Draft::from_scene(self).build().map(drop)
     }
 
+    /// What contradicts itself in a scene of which every single field is known to be in its range: the part of [`Scene::check`] that
+    /// depends on several fields at once.
+    pub fn contradiction(&self) -> Option<Error> {
+        super::check::scene(self).map(|found| self.error(&found.path, found.problem, found.fix))
+    }
+
     /// The scene with fields changed in code, checked as one that is read from a file.
     ///
     /// What is wrong with a changed field is reported with its new value; every other field keeps the place where it was written.
