@@ -12,9 +12,9 @@ use std::time::Instant;
 use touchstone_device::Omega3;
 use touchstone_device::haptic::{HapticDevice, HapticFault, SwitchOff};
 use touchstone_device::servo::{
-    Ending, ForceLaw, Pace, RealTime, ServoLimits, ServoReport, Tick, Waited, play,
+    Ending, ForceLaw, Pace, RealTime, ServoLimits, ServoReport, ServoTick, Waited, play,
 };
-use touchstone_dhd::Search;
+use touchstone_dhd::LibrarySearch;
 use touchstone_mock_dhd::door::Door;
 
 const RATE_HZ: u32 = 4000;
@@ -26,7 +26,7 @@ fn door(plan: &[&str]) -> Door {
 }
 
 fn opened(door: &Door) -> Result<Omega3, HapticFault> {
-    let library = Search::new(Some(door.path()))
+    let library = LibrarySearch::new(Some(door.path()))
         .load()
         .expect("the mock loads");
     Omega3::open(Arc::new(library))
@@ -106,7 +106,7 @@ fn limits(omega: &Omega3) -> ServoLimits {
 fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     let mut omega = opened(door)?;
     let limits = limits(&omega);
-    let more = |tick: &Tick| tick.number < 8000;
+    let more = |tick: &ServoTick| tick.number < 8000;
     let pace = &mut MockPace::of(door);
     Ok(play(
         &mut omega,
@@ -332,7 +332,7 @@ fn older_libraries_do() {
         );
     }
     let door = without("dhdSetForce", &[]);
-    let missing = Search::new(Some(door.path()))
+    let missing = LibrarySearch::new(Some(door.path()))
         .load()
         .expect_err("no library");
     assert!(
@@ -370,7 +370,7 @@ fn in_real_time_every_tick_is_played_or_counted_as_missed() {
         ..limits(&omega)
     };
     let mut seen: Option<(Instant, f64)> = None;
-    let more = |_: &Tick| {
+    let more = |_: &ServoTick| {
         let first = seen.map_or_else(Instant::now, |(first, _)| first);
         let took_s = first.elapsed().as_secs_f64();
         seen = Some((first, took_s));

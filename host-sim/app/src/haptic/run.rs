@@ -1,6 +1,6 @@
 //! `touchstone device run`: a wall on a haptic device, in real time.
 
-use super::choice::{Model, Which};
+use super::choice::{HapticKind, WhichDevice};
 use super::trace::DeviceTrace;
 use crate::out::{json, print, say, tell};
 use crate::{interrupt, number};
@@ -13,8 +13,8 @@ use std::time::Instant;
 use touchstone_control::{Choice, GuardSettings, LawKind, Settings, Si};
 use touchstone_device::haptic::{DataSheet, HapticDevice};
 use touchstone_device::servo::{
-    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, SimulatedPace, Tick,
-    play, real_time,
+    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, ServoTick,
+    SimulatedPace, play, real_time,
 };
 use touchstone_device::{DeviceWall, WallSettings};
 use touchstone_lab::thesis::space::{self, Object};
@@ -23,7 +23,7 @@ use touchstone_world::plant::OMEGA3;
 
 /// What stands in the device's workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Scene {
+enum Obstacle {
     /// A floor through the centre.
     Plane,
     /// A slope through the centre, in none of the axes.
@@ -37,9 +37,9 @@ enum Scene {
 pub struct Options {
     /// The object.
     #[arg(value_enum)]
-    object: Scene,
+    object: Obstacle,
     #[command(flatten)]
-    which: Which,
+    which: WhichDevice,
     /// The law along the normal.
     #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: LawKind,
@@ -75,7 +75,7 @@ fn law(word: &str) -> LawKind {
     LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
-impl Scene {
+impl Obstacle {
     fn object(self) -> Object {
         match self {
             Self::Plane => Object::Horizontal,
@@ -116,7 +116,7 @@ fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) 
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    if options.fast && options.which.model() != Some(Model::Simulated) {
+    if options.fast && options.which.model() != Some(HapticKind::Simulated) {
         return Err(Error::Option {
             option: "--fast".into(),
             problem: "a real device has its own time".into(),
@@ -182,7 +182,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let mut trace = DeviceTrace::for_ticks(most.filter(|_| options.csv.is_some()).unwrap_or(0));
     let priority = (!options.fast).then(real_time);
     let begun = Instant::now();
-    let more = |tick: &Tick| {
+    let more = |tick: &ServoTick| {
         trace.keep(tick);
         let over = match (options.fast, options.seconds, most) {
             (false, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,

@@ -1,7 +1,7 @@
 //! Every tick of a run on a haptic device, kept in memory that was there before the motors were on, and written after they are off.
 
 use std::path::Path;
-use touchstone_device::servo::Tick;
+use touchstone_device::servo::ServoTick;
 use touchstone_sim::error::{Error, Result};
 
 /// Places and forces along the three axes.
@@ -17,7 +17,7 @@ const COLUMNS: [&str; 7] = [
 
 /// Ticks.
 pub struct DeviceTrace {
-    ticks: Vec<Tick>,
+    ticks: Vec<ServoTick>,
 }
 
 impl DeviceTrace {
@@ -29,7 +29,7 @@ impl DeviceTrace {
     }
 
     /// Keeps a tick. Nothing is allocated.
-    pub fn keep(&mut self, tick: &Tick) {
+    pub fn keep(&mut self, tick: &ServoTick) {
         if self.ticks.len() < self.ticks.capacity() {
             self.ticks.push(*tick);
         }
