@@ -106,7 +106,7 @@ fn eigenvalues_are_those_of_the_equations() {
         "device.damping_n_m_s_per_rad=0",
     ]);
     let swing = found.last().unwrap();
-    let expected = (20.0 / (1e-4 * 0.3 * 0.7) as f64).sqrt();
+    let expected = (20.0_f64 / (1e-4 * 0.3 * 0.7)).sqrt();
     assert!(
         close(swing.im_rad_per_s, expected) && swing.re_per_s.abs() < 1e-6,
         "{found:?}"
