@@ -158,7 +158,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "prove",
-        about: "the proofs: `prove [--harness NAME] [--bless]`, or wrong changes that they must find: `prove --mutants [--tests]`",
+        about: "the proofs: `prove [--harness NAME] [--bless] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: prove::run,

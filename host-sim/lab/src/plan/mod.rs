@@ -18,7 +18,7 @@ use touchstone_sim::run::train::Train;
 use touchstone_sim::scene::{Integrator, Scene};
 
 use crate::accuracy::clock::Spread;
-use crate::report::Program;
+use crate::report::ProgramVersion;
 pub use equations::Eigenvalue;
 pub use omitted::{Moved, Omitted};
 
@@ -63,7 +63,7 @@ pub struct Planned {
     /// Version of this layout.
     pub schema_version: u32,
     /// The program.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// The scene.
     pub scene: String,
     /// What changes between two ticks.
@@ -92,7 +92,7 @@ pub struct Planned {
 ///
 /// # Errors
 /// What a run of the scene would be refused for.
-pub fn plan(scene: &Scene, asked: Asked, program: Program) -> Result<Planned> {
+pub fn plan(scene: &Scene, asked: Asked, program: ProgramVersion) -> Result<Planned> {
     // What a run would be refused for is refused here.
     Plan::of(scene)?;
     let (tier, substeps, reasons) = tier(scene);

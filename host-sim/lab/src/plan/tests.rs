@@ -12,7 +12,7 @@ fn planned(sets: &[&str], asked: Asked) -> Planned {
         .unwrap()
         .with_overrides(sets)
         .unwrap();
-    plan(&scene, asked, Program::default()).unwrap()
+    plan(&scene, asked, ProgramVersion::default()).unwrap()
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::mechanics::{Mechanics, Standing};
 use super::plan;
 use super::tick::{Recorder, Tick};
 use crate::error::Result;
-use crate::scene::{Motion, MotionSpec, Recorded, Scene};
+use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
 
 /// The loop of a scene, tick by tick. It is the loop of [`super::simulate`], so that the rest points which it was fed, replayed as
@@ -66,7 +66,7 @@ impl Live {
         // The hand waits where it would without a motion, so a recording is not looked for.
         let mut still = scene.clone();
         still.operator.motion = MotionSpec::None;
-        let motion = Motion::from_scene(&still)?;
+        let motion = RestPath::from_scene(&still)?;
         Self::from(still, plan::start(scene, &motion))
     }
 
@@ -116,7 +116,7 @@ impl Live {
         let mut last = Last(None);
         self.mechanics.advance(
             self.control.as_mut(),
-            &Motion::still(rest_rad),
+            &RestPath::still(rest_rad),
             self.next..self.next + 1,
             self.scene.timing.period_s(),
             Some(&mut last),

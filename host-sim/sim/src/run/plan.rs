@@ -12,7 +12,7 @@ use super::settings;
 use super::train::Train;
 use super::wall::Controlled;
 use crate::error::{Error, Result};
-use crate::scene::{self, Integrator, Motion, Number, Scene};
+use crate::scene::{self, Integrator, Number, RestPath, Scene};
 use touchstone_control::{ChangeOfForce, CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_world::integrator::{
     ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4, SemiImplicitEuler, Substepped,
@@ -28,7 +28,7 @@ pub struct Plan {
     /// Device and hand, at their start.
     pub mechanics: Box<dyn Mechanics>,
     /// The hand's rest point over time.
-    pub motion: Motion,
+    pub motion: RestPath,
 }
 
 impl Plan {
@@ -38,7 +38,7 @@ impl Plan {
     /// Settings that the law or its number format cannot take; a recording that cannot be read; a plant that cannot be built.
     pub fn of(scene: &Scene) -> Result<Self> {
         let control = control(scene)?;
-        let motion = Motion::from_scene(scene)?;
+        let motion = RestPath::from_scene(scene)?;
         Ok(Self {
             control,
             mechanics: mechanics(scene, start(scene, &motion))?,
@@ -178,7 +178,7 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
 
 /// Where device and hand of a scene start.
 #[must_use]
-pub fn start(scene: &Scene, motion: &Motion) -> Standing {
+pub fn start(scene: &Scene, motion: &RestPath) -> Standing {
     Standing::together(
         scene.start_rad(motion),
         scene.device.initial_velocity_rad_per_s,

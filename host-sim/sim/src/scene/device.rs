@@ -8,7 +8,7 @@ use touchstone_control::{Settings, choice};
 /// A knob with one degree of freedom: `inertia · x'' + damping · x' + friction = torques`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Device {
+pub struct DeviceSpec {
     /// Moment of inertia, kg·m², above 0. Default 1e-4.
     pub inertia_kg_m2: f64,
     /// Viscous damping, N·m·s/rad, 0 or more. Default 4e-4.
@@ -44,9 +44,9 @@ pub struct Device {
     pub transmission: Option<Transmission>,
 }
 
-impl Default for Device {
+impl Default for DeviceSpec {
     fn default() -> Self {
-        Device {
+        DeviceSpec {
             // The thesis gives no inertia. Chosen between a bare gimbal motor (2e-6 to 2e-5) and a measured student
             // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
             inertia_kg_m2: 1e-4,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::device::{Device, Encoder, Plant, Timing, Wall};
+use super::device::{DeviceSpec, Encoder, Plant, Timing, Wall};
 use super::effects::SensorErrors;
 use super::law::Law;
 use super::operator::Operator;
@@ -21,7 +21,7 @@ pub struct Scene {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
     /// What the hand moves.
-    pub device: Device,
+    pub device: DeviceSpec,
     /// Position sensor. Absent: the law sees the exact position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoder: Option<Encoder>,

@@ -115,7 +115,7 @@ impl Default for Hand {
     }
 }
 
-/// What the hand sets out to do. Turned into a rest point by [`Motion`](super::Motion).
+/// What the hand sets out to do. Turned into a rest point by [`RestPath`](super::RestPath).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum MotionSpec {

@@ -37,7 +37,7 @@ fn full_scenes() -> Vec<Scene> {
     let with = |motion| Scene {
         name: "all \"of\" it".into(),
         description: "two\nlines".into(),
-        device: Device {
+        device: DeviceSpec {
             inertia_kg_m2: 1.0 / 3.0,
             initial_angle_rad: Some(-0.1),
             torque_limit_n_m: Some(1e-12),
@@ -61,7 +61,7 @@ fn full_scenes() -> Vec<Scene> {
                 play_rad: 1.0 / 7.0,
                 ..Transmission::default()
             }),
-            ..Device::default()
+            ..DeviceSpec::default()
         },
         encoder: Some(Encoder {
             counts_per_rev: 16_384.0,
