@@ -131,12 +131,12 @@ impl Visitor {
             return Ok(());
         }
         let done = carry_out(&order, link);
-        let error = done.as_ref().err().map(Error::to_string);
+        let error = done.err().map(|error| error.to_string());
         self.say(
             &json!({ "type": "done", "do": order["do"], "path": order["path"], "error": error }),
         )?;
-        // Settings and what is saved of them are no part of a record.
-        if matches!(order["do"].as_str(), Some("set" | "defaults")) {
+        // Settings are no part of a record. A value that was refused stays where it was written.
+        if error.is_none() && matches!(order["do"].as_str(), Some("set" | "defaults")) {
             self.say(&told::hello(link))?;
         }
         self.state(link)
