@@ -110,9 +110,16 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
         return Err(format!("{} with {:?}", status.phase.name(), status.fault));
     }
     if most.sqrt() < 1.5 * bears {
-        return Err(format!("the hand leans with no more than {:.2} A", most.sqrt()));
+        return Err(format!(
+            "the hand leans with no more than {:.2} A",
+            most.sqrt()
+        ));
     }
-    let limits = bench.link.telemetry.last().map_or(0, |record| record.limits);
+    let limits = bench
+        .link
+        .telemetry
+        .last()
+        .map_or(0, |record| record.limits);
     if !Limits::from_wire(limits).has(Limit::Temperature) {
         return Err("no record tells of the derating".into());
     }
