@@ -334,11 +334,7 @@ impl Device {
         let view = self.law.view();
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.configs.now().fade_step);
-        // Out of the wall is against x. The share is at most 1 - 2^-32, and 1 when the fading is over.
-        let wide = i64::from(force.0.to_bits());
-        let share = i64::from(self.fade >> 1);
-        let faded = if fading { (wide * share) >> 31 } else { wide };
-        let torque = Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())));
+        let torque = torque_of(force, fading.then_some(self.fade));
 
         let shaft = self.supervisor.shaft();
         let advance = shaft.advance(self.configs.now().supervisor.shaft());
@@ -425,6 +421,18 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
         Some(Progress::Running(command)) => DriveCommand::Current(command),
         _ => DriveCommand::Off,
     }
+}
+
+/// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
+/// 1 - 2^-32, and all of it when the fading is over.
+#[inline(always)]
+pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
+    let wide = i64::from(force.0.to_bits());
+    let faded = match share {
+        Some(share) => (wide * i64::from(share >> 1)) >> 31,
+        None => wide,
+    };
+    Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
 }
 
 /// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).

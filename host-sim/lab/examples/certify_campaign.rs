@@ -5,9 +5,9 @@
 
 use rayon::prelude::*;
 use std::error::Error;
-use std::io::Write;
 use std::path::Path;
-use touchstone_lab::certify::campaign::{Tally, row};
+use touchstone_lab::certify::campaign::{Row, Tally, row};
+use touchstone_lab::journal::Journal;
 
 /// Rows between two writes.
 const CHUNK: u64 = 48;
@@ -19,35 +19,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     let runs: u64 = words.next().map_or(Ok(2000), |word| word.parse())?;
     let seed: u64 = words.next().map_or(Ok(1), |word| word.parse())?;
     let path = Path::new(&file);
-    let mut done = 0;
-    if path.exists() {
-        done = csv::Reader::from_path(path)?.records().count() as u64;
-    }
-    println!("seed {seed}: {done} of {runs} runs are done");
-    while done < runs {
+    let (mut journal, mut rows) = Journal::open::<Row>(path)?;
+    println!("seed {seed}: {} of {runs} runs are done", rows.len());
+    while (rows.len() as u64) < runs {
+        let done = rows.len() as u64;
         let chunk: Vec<_> = (done..runs.min(done + CHUNK))
             .into_par_iter()
             .map(|index| row(seed, index))
             .collect::<Result<_, _>>()?;
-        let mut writer = csv::WriterBuilder::new()
-            .has_headers(done == 0)
-            .from_writer(Vec::new());
-        for row in &chunk {
-            writer.serialize(row)?;
-        }
-        let text = writer.into_inner()?;
-        // One write a chunk: a chunk is there or it is not.
-        std::fs::OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path)?
-            .write_all(&text)?;
-        done += chunk.len() as u64;
-        eprint!("\r{done}/{runs}");
+        journal.append(None, &chunk)?;
+        rows.extend(chunk);
+        eprint!("\r{}/{runs}", rows.len());
     }
     let mut tally = Tally::default();
-    for record in csv::Reader::from_path(path)?.deserialize() {
-        tally.add(&record?);
+    for row in &rows {
+        tally.add(row);
     }
     println!("\n{tally}");
     Ok(())

@@ -5,8 +5,8 @@
 //! end it prints how many hold, and why the others do not.
 
 use std::error::Error;
-use std::io::Write;
 use std::path::Path;
+use touchstone_lab::journal::Journal;
 use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_lab::tune::campaign::{Class, Row, row};
 
@@ -20,12 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rival = Rival::named(&word(3, "spring-damper-estimated"))?;
     let ticks: f64 = word(4, "4e6").parse()?;
     let path = Path::new(file);
-    let mut done: Vec<Row> = Vec::new();
-    if path.exists() {
-        for record in csv::Reader::from_path(path)?.deserialize() {
-            done.push(record?);
-        }
-    }
+    let (mut journal, mut done) = Journal::open::<Row>(path)?;
     println!(
         "seed {seed}, {}: {} of {} devices are done",
         rival.name,
@@ -42,16 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 continue;
             }
             let row = row(seed, class, number, rival, ticks)?;
-            let mut writer = csv::WriterBuilder::new()
-                .has_headers(done.is_empty())
-                .from_writer(Vec::new());
-            writer.serialize(&row)?;
-            // One write a row: a row is there or it is not.
-            std::fs::OpenOptions::new()
-                .create(true)
-                .append(true)
-                .open(path)?
-                .write_all(&writer.into_inner()?)?;
+            journal.append(None, std::slice::from_ref(&row))?;
             done.push(row);
         }
     }
