@@ -22,7 +22,7 @@ const SPI3: u32 = 0x4000_3c00;
 
 /// On both chips.
 const ALL: &[Row] = &[
-    (TIM1, 0xff, 0xa1, "TIM1_CR1: on, centre-aligned 1, preload"),
+    (TIM1, 0xef, 0xa1, "TIM1_CR1: on, centre-aligned 1, preload"),
     (TIM1 + 0x04, 0xf0_0000, 7 << 20, "TIM1_CR2.MMS2: OC4REF"),
     (
         TIM1 + 0x0c,
