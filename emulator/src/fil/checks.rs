@@ -22,6 +22,10 @@ pub const CHECKS: &[Check] = &[
     ("registers after the start", registers::registers),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
+    (
+        "a calibration that the motor does not bear",
+        lasting::weak_motor,
+    ),
 ];
 
 /// Once: it is about the emulator.
