@@ -238,7 +238,7 @@ pub fn serve(listener: &TcpListener, happens: &Receiver<String>) -> std::io::Res
                 line = None;
             }
         }
-        out.extend((0..std::mem::take(&mut knob.noise)).map(|i| (i * 7919 >> 3) as u8));
+        out.extend((0..std::mem::take(&mut knob.noise)).map(|i| ((i * 7919) >> 3) as u8));
         let rate_hz = f64::from(knob.settings.timing.rate_hz);
         let now_s = begun.elapsed().as_secs_f64();
         // A machine that cannot keep up runs slower, and does not choke on what it missed.

@@ -1,14 +1,12 @@
 //! `touchstone monitor`: what a device measures and does, live; every control tick as CSV.
 
 use super::device::{name_of, page};
-use super::interrupt::on_interrupt;
 use super::number;
 use super::out::{self, is_read, print, say, tell};
 use super::port::PortOption;
 use std::fs::File;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
@@ -42,10 +40,8 @@ pub struct Options {
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
-    on_interrupt(move || asked.store(true, Ordering::Relaxed))?;
+    let stop = super::interrupt::noted()?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
     let mut table = match &options.csv {

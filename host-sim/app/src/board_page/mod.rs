@@ -13,13 +13,12 @@ mod rows;
 mod told;
 mod visitor;
 
-use super::interrupt::on_interrupt;
+use super::interrupt::noted;
 use super::live::open;
 use super::out::{note, result, tell};
 use device_side::DeviceSide;
 use door::Door;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use touchstone_device::{Address, Client};
 use touchstone_live::board_page as page;
 use touchstone_sim::error::Result;
@@ -27,9 +26,7 @@ use visitor::Visitor;
 
 /// Serves the page until Ctrl-C.
 pub fn main(address: &Address, opens: bool) -> Result<()> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    on_interrupt(move || asked.store(true, Ordering::Relaxed))?;
+    let stop = noted()?;
     let mut link = DeviceSide::new(address.clone(), Client::connect(address)?)?;
     let program = super::live::program_name();
     let door = Door::open(|socket| {
