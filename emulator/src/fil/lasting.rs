@@ -167,12 +167,9 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
             most.sqrt()
         ));
     }
-    let limits = bench
-        .link
-        .telemetry
-        .last()
-        .map_or(0, |record| record.limits);
-    if !Limits::from_wire(limits).has(Limit::Temperature) {
+    let records = &bench.link.telemetry;
+    let derated = |limits| Limits::from_wire(limits).has(Limit::Temperature);
+    if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
     // What the shunts and the tick leave of it.
