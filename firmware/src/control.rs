@@ -6,13 +6,13 @@ use heapless::Deque;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
     ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DeviceSettings, DriveCommand,
-    EncoderKind, Ring, TickTiming,
+    EncoderKind, EncoderReading, Ring, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
-use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG};
+use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD};
 use crate::shared::Guarded;
-use crate::{analogue, board, encoder, pwm};
+use crate::{analogue, board, pwm};
 
 /// How many telemetry records may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
 pub const QUEUED: usize = 16;
@@ -59,6 +59,25 @@ pub struct Control {
     brown_out_told: bool,
 }
 
+/// What the encoder says now.
+#[inline]
+fn reading(kind: EncoderKind) -> EncoderReading {
+    match kind {
+        EncoderKind::Incremental => board::encoder_count(),
+        EncoderKind::As5047p | EncoderKind::Mt6701 => board::read_magnetic(kind),
+    }
+}
+
+/// Whether a frame came since the last tick. The thread, which says so, does not run in between.
+#[inline(always)]
+fn heard() -> bool {
+    let heard = HEARD.load(Relaxed);
+    if heard {
+        HEARD.store(false, Relaxed);
+    }
+    heard
+}
+
 /// The control tick's state, which lies in a static of its own; nothing before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
 /// The last second. Too large for a stack, so it never moves.
@@ -96,11 +115,13 @@ impl Control {
         }
         let command = self.command.take();
         let output = self.device.tick(&ControlInput {
-            encoder: encoder::read(self.encoder),
+            encoder: reading(self.encoder),
             current: readings.report,
             command,
             hardware_break: readings.hardware_break,
             gate_driver_error: false,
+            stop_button: board::is_stop_pressed(),
+            host_heard: heard(),
             timing: TickTiming {
                 lateness: readings.lateness,
                 duration: self.duration,
@@ -164,8 +185,8 @@ impl Control {
     }
 
     fn reconfigure(&mut self) {
-        // Never full: the current loop takes it a PWM period later, and calibrations are further apart.
-        let _ = CONFIG.give(self.device.current_config());
+        // SAFETY: the control tick alone gives.
+        unsafe { CONFIG.give(self.device.current_config()) };
         self.encoder = self.next_encoder;
         board::prepare_magnetic(self.encoder);
     }

@@ -25,6 +25,8 @@ pub mod offset;
 pub mod settings;
 pub mod source;
 pub mod space;
+pub mod spec;
 pub mod spring_sfa;
+pub mod stage;
 pub mod tdpa;
 pub mod valid;

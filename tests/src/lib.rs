@@ -9,6 +9,7 @@ pub mod motion;
 pub mod port;
 pub mod random;
 pub mod search;
+pub mod served_knob;
 pub mod si;
 pub mod space;
 pub mod space_port;

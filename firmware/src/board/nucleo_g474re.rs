@@ -8,6 +8,7 @@ use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::gpio::vals::Idr;
 use embassy_stm32::pac::{GPIOC, TIM2};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
@@ -16,7 +17,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
 use touchstone_drive::{EncoderReading, Hardware, hardware};
 
 use crate::pwm::{Active, BreakInput, Bridge};
-use crate::sense::{Raw, Readings};
+use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{analogue, encoder, magnetic, pwm, sense, serial};
 
@@ -25,9 +26,6 @@ pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::Nucleo
 
 /// The power stage.
 pub const HARDWARE: Hardware = hardware::IHM08M1;
-
-/// Conversions of each converter in a PWM period.
-pub const RANKS: usize = 2;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
@@ -44,8 +42,11 @@ const BRIDGE: Bridge = Bridge {
 /// TIM1_BKIN's number among the functions of PA6.
 const BREAK_FUNCTION: u8 = 6;
 
+/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
+const STOP_BUTTON: usize = 13;
+
 /// Enables an external servo amplifier while it is high: PC8, on the morpho connector.
-const AMPLIFIER: usize = 8;
+const AMPLIFIER: u8 = 8;
 
 /// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
@@ -67,7 +68,9 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
         ),
     );
     let amplifier = Output::new(p.PC8, Level::Low, Speed::Low);
-    analogue::start(p.DAC1);
+    analogue::start(p.DAC1, AMPLIFIER);
+    let mut stop_button = Flex::new(p.PC13);
+    stop_button.set_as_input(Pull::Down);
     // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
     let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
@@ -85,7 +88,7 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     let select = Output::new(p.PD2, Level::High, Speed::High);
     magnetic::start(p.SPI3);
     // The pins stay as they are until the next reset.
-    core::mem::forget((break_pin, amplifier, tracks, lines, select));
+    core::mem::forget((break_pin, amplifier, stop_button, tracks, lines, select));
     sense::start(
         Adc::new(p.ADC1, Default::default()),
         [
@@ -110,9 +113,10 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
-/// Which conversion is what. The third current is the negative sum of the two.
+/// A finished set of conversions: which is what. The third current is the negative sum of the two.
 #[inline(always)]
-pub fn readings(raw: &Raw) -> Readings {
+pub fn readings() -> Readings {
+    let raw = sense::take();
     let [phase_a, bus] = raw.first;
     let [phase_b, temperature] = raw.second;
     Readings {
@@ -131,14 +135,8 @@ pub fn encoder_count() -> EncoderReading {
 
 pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
 
-/// Switches an external servo amplifier.
+/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
 #[inline(always)]
-pub fn enable_amplifier(on: bool) {
-    GPIOC.bsrr().write(|w| {
-        if on {
-            w.set_bs(AMPLIFIER, true)
-        } else {
-            w.set_br(AMPLIFIER, true)
-        }
-    });
+pub fn is_stop_pressed() -> bool {
+    GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }

@@ -62,7 +62,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
     let check = |what: &str, wanted: String, came: String, met: bool| Check {
         run: name(run),
         option: "--baseline",
-        wanted: format!("{what} {wanted}"),
+        wanted: format!("{what} {wanted}").trim_end().to_owned(),
         came,
         met,
     };
@@ -70,8 +70,8 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         .iter()
         .find(|before| SAME.iter().all(|field| before[field] == now[field]))
     else {
-        let wanted = "this run in the baseline".to_owned();
-        return vec![check("", wanted, "none of the same".to_owned(), false)];
+        let came = "none of this scene, law, stiffness, grip, encoder and rate".to_owned();
+        return vec![check("a run to compare with,", String::new(), came, false)];
     };
     let verdict = |value: &Value| value["verdict"].as_str().unwrap_or("none").to_owned();
     let mut checks = vec![check(
@@ -96,8 +96,16 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
             Worse::Less => came >= limit,
             Worse::More => came <= limit,
         });
-        let came = came.map_or_else(|| "none".to_owned(), |came| format!("{came:.6e}"));
-        checks.push(check(field, format!("{words} {limit:.6e}"), came, met));
+        let came = came.map_or_else(|| "none".to_owned(), shown);
+        checks.push(check(field, format!("{words} {}", shown(limit)), came, met));
     }
     checks
+}
+
+/// Six digits, and no more than a person reads.
+fn shown(value: f64) -> String {
+    match value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        true => format!("{value:.6}"),
+        false => format!("{value:.4e}"),
+    }
 }

@@ -224,6 +224,9 @@ impl Checked {
         let text = report
             .to_string()
             .map_err(|error| wrong(error.to_string()))?;
+        if let Some(folder) = file.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| wrong(error.to_string()))?;
+        }
         std::fs::write(file, text).map_err(|error| wrong(error.to_string()))
     }
 }

@@ -1,7 +1,8 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
+mod board_page;
 mod certify;
 mod check;
 mod complain;
@@ -9,7 +10,9 @@ mod config;
 mod device;
 mod doctor;
 mod expect;
+mod fault_words;
 mod flash;
+mod haptic;
 mod hard;
 mod identify;
 mod interrupt;
@@ -18,6 +21,7 @@ mod live;
 mod monitor;
 mod number;
 mod out;
+mod plan;
 mod port;
 mod progress;
 mod report_options;
@@ -69,12 +73,14 @@ enum Command {
     Thesis(thesis::Options),
     /// One run of a scene.
     Run(run::Options),
-    /// A scene under the mouse: writes one page for any browser, and opens it.
+    /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
     Live(live::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
+    /// Says what a scene's run is made of: states, eigenvalues, substeps, what each effect costs, and which omitted one would matter.
+    Plan(plan::Options),
     /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
     Accuracy(accuracy::Options),
     /// Runs the hard cases, each against what must come out, and tells the worst margin.
@@ -97,7 +103,7 @@ enum Command {
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
     Config(config::Options),
-    /// Commands a device, and reads its state, its fault and the second before it.
+    /// Commands a board, and reads its state, its fault and the second before it; plays a wall on a haptic device without a law of its own.
     Device(device::Options),
     /// Looks for everything that a board needs, and says what is missing and how to get it.
     Doctor(doctor::Options),
@@ -173,6 +179,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Live(options) => live::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
+        Command::Plan(options) => plan::main(options),
         Command::Accuracy(options) => accuracy::main(options),
         Command::Sweep(options) => sweep::main(options),
         Command::Scorecard(options) => scorecard::main(options),
@@ -184,7 +191,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Flash(options) => flash::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),
-        Command::Device(options) => device::main(options),
+        Command::Device(options) => return device::main(options),
         Command::Completions(options) => shell::completions(options),
         Command::Man(options) => shell::man(options),
     };

@@ -5,6 +5,7 @@ pub mod certify;
 pub mod hard;
 pub mod identify;
 pub mod journal;
+pub mod plan;
 pub mod report;
 pub mod scorecard;
 pub mod sweep;

@@ -157,10 +157,28 @@ fn junit_has_a_test_for_each_demand() {
     run_in(&here, &["run", "tap", "--junit", "no.xml"]).refused(&["--junit", "--expect"]);
     run_in(
         &here,
-        &["run", "tap", "--expect", "active", "--junit", "none/no.xml"],
+        &[
+            "run",
+            "tap",
+            "--expect",
+            "active",
+            "--junit",
+            "wall.xml/no.xml",
+        ],
     )
-    .refused(&["none/no.xml", "--junit"]);
+    .refused(&["wall.xml/no.xml", "--junit"]);
     assert_eq!(crate::names(&here), ["wall.xml"]);
+    // Its folder is made.
+    let passive = [
+        "run",
+        "tap",
+        "--expect",
+        "passive",
+        "--junit",
+        "new/tap.xml",
+    ];
+    run_in(&here, &passive).ended(0);
+    assert!(here.join("new/tap.xml").is_file());
 }
 
 #[test]
@@ -249,7 +267,7 @@ fn a_baseline_says_what_became_worse() {
     );
 
     let other = hold("same.json", &["--k-desired", "4"]).ended(3).err;
-    assert!(other.contains("none of the same"), "{other}");
+    assert!(other.contains("a run to compare with"), "{other}");
     let missing = hold("missing.json", &[]).ended(2).err;
     assert!(missing.contains("missing.json"), "{missing}");
     std::fs::write(here.join("empty.json"), "{}").unwrap();

@@ -65,7 +65,7 @@ pub fn scene(seed: u64, index: u64) -> Scene {
     scene.device.damping_n_m_s_per_rad = damping;
     scene.device.friction = has_friction.then_some(Friction {
         kinetic_n_m: friction,
-        static_n_m: None,
+        ..Friction::default()
     });
     scene.encoder = Some(Encoder {
         counts_per_rev: counts,

@@ -19,6 +19,7 @@ pub mod estimator;
 pub mod hands;
 pub mod law;
 pub mod margins;
+mod not_covered;
 pub mod plant;
 pub mod sector;
 pub mod state_space;
@@ -27,7 +28,7 @@ mod tests;
 
 use contact::Contact;
 use hands::Family;
-use law::{Clamp, Switching};
+use law::Switching;
 use margins::Margins;
 use serde::Serialize;
 use touchstone_sim::error::Result;
@@ -224,7 +225,7 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
         hands,
         worst,
         margins,
-        not_covered: not_covered(scene, &contact),
+        not_covered: not_covered::list(scene, &contact),
     })
 }
 
@@ -417,48 +418,4 @@ fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
         .max()
         .unwrap_or(Verdict::Stable);
     report.causes = found.into_iter().map(|(_, cause)| cause).collect();
-}
-
-fn not_covered(scene: &Scene, contact: &Contact) -> Vec<String> {
-    let mut list = vec![
-        "hands outside the family, and hands that push back on purpose".to_owned(),
-        "loss of contact in the middle of an oscillation, and how hard a wall throws back"
-            .to_owned(),
-        "force limits: a law or drive at its limit is softer than its matrix".to_owned(),
-        "compliance between encoder and hand, cogging, noise, a wrong torque constant".to_owned(),
-        format!(
-            "rounding inside the law ({}); rounding of readings and torques but for its gain and mean square",
-            touchstone_control::Choice::word(scene.law.number)
-        ),
-    ];
-    if scene.law.guard.on {
-        list.push(
-            "the energy guard: where it gives less force, the wall is a softer one".to_owned(),
-        );
-    }
-    if contact.current_loop_hz.is_none() {
-        list.push("a current loop: the torque follows its command at once".to_owned());
-    }
-    if contact.device.friction.is_some() {
-        list.push("dry friction: left out of the matrices, where it could only damp".to_owned());
-    }
-    match contact.phases.clamps {
-        Some(Clamp::Tdpa) => {
-            list.push("the law's passivity control: the spring alone is certified".to_owned())
-        }
-        Some(Clamp::Fba) => {
-            list.push("the law's force bound: the spring alone is certified".to_owned())
-        }
-        None => {}
-    }
-    if contact.phases.first_contact.is_some() {
-        list.push(
-            "first contact at k_de: judged by T sqrt(k_de/J) alone, as it ends at the first turn"
-                .to_owned(),
-        );
-        list.push(
-            "the passivity control at the virtual mass, where the credit is spent".to_owned(),
-        );
-    }
-    list
 }

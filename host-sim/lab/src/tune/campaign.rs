@@ -111,7 +111,7 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
     scene.device.torque_limit_n_m = Some(2.0 * MOST_N_M);
     scene.device.friction = (friction > 0.0).then_some(Friction {
         kinetic_n_m: friction,
-        static_n_m: None,
+        ..Friction::default()
     });
     scene.encoder = Some(Encoder {
         counts_per_rev: counts,

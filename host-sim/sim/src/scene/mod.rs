@@ -7,6 +7,7 @@
 mod check;
 mod device;
 mod draft;
+mod effects;
 mod experiment;
 mod law;
 mod load;
@@ -28,6 +29,10 @@ mod unknown;
 mod value;
 
 pub use device::{DeviceSpec, Encoder, Friction, Integrator, Plant, Timing, Wall};
+pub use effects::{
+    Cogging, CurrentLoop, CurrentSensor, HandReflex, HandTremor, Imbalance, PeriodicError,
+    SensorErrors, SensorNoise, Transmission,
+};
 pub use experiment::Scene;
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number};

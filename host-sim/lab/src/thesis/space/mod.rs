@@ -84,7 +84,9 @@ impl Object {
         }
     }
 
-    fn shape(self) -> Shape<N> {
+    /// Its surface, in the unit of the laws, centimetres.
+    #[must_use]
+    pub fn shape(self) -> Shape<N> {
         match self {
             Self::Horizontal => Shape::Plane(Plane {
                 normal: Direction::along(2, false),

@@ -7,136 +7,22 @@
 //! Compare values act on average a whole period after the sample they are made of: the voltage is turned by a period of the
 //! rotor's motion ([`ACTS_AFTER_PERIODS`]).
 
+mod interface;
+mod offsets;
+
+pub use interface::{
+    BridgeCommand, CurrentCommand, CurrentMode, CurrentOutput, CurrentReport, CurrentSample, Trip,
+};
+pub use offsets::Offsets;
+
 use crate::angle::Angle;
 use crate::modulation::Modulator;
 use crate::pi::{Pi, PiGains};
 use crate::transform::{AlphaBeta, Dq, Rotation};
 use crate::units::{clamp_i32, milli, product};
 use crate::{Amps, Volts};
+use offsets::OffsetSums;
 use touchstone_protocol::FaultCode;
-
-/// What the bridge shall do until the next control tick.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u8)]
-pub enum CurrentMode {
-    /// Off: all six switches open.
-    #[default]
-    Off = 0,
-    /// Off, and measure what the sensors read without current.
-    Offsets = 1,
-    /// On: the currents of the command, in the frame of the command.
-    Drive = 2,
-}
-
-/// The mailbox from the control tick to the current loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct CurrentCommand {
-    /// Number of the control tick: a new number is a sign of life.
-    pub tick: u32,
-    /// What to do.
-    pub mode: CurrentMode,
-    /// Electrical angle when the encoder was read.
-    pub angle: Angle,
-    /// How far the angle moves in a PWM period, 2^-32 turns.
-    pub advance: i32,
-    /// Currents to hold.
-    pub current: Dq,
-}
-
-impl CurrentCommand {
-    /// Off, without a sign of life.
-    pub const OFF: Self = Self {
-        tick: 0,
-        mode: CurrentMode::Off,
-        angle: Angle(0),
-        advance: 0,
-        current: Dq::ZERO,
-    };
-}
-
-/// What is sampled in a PWM period.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct CurrentSample {
-    /// Converter's code of the current of phase A.
-    pub phase_a: u16,
-    /// Of phase B.
-    pub phase_b: u16,
-    /// Of the bus voltage.
-    pub bus: u16,
-    /// Of the power stage's temperature: passed on.
-    pub temperature: u16,
-    /// The timer's break flag is set: the hardware has switched off.
-    pub hardware_break: bool,
-    /// The compare values of the period before came after the timer's turn: they act a period later than they were made for.
-    pub late: bool,
-    /// The mailbox.
-    pub command: CurrentCommand,
-}
-
-/// What the bridge is to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BridgeCommand {
-    /// All six switches open.
-    Off,
-    /// Compare values of phases A, B, C.
-    On([u16; 3]),
-}
-
-/// What the interrupt does next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CurrentOutput {
-    /// For the timer.
-    pub bridge: BridgeCommand,
-    /// A control tick is due: pend its interrupt.
-    pub pend_control: bool,
-    /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
-    pub is_stale: bool,
-}
-
-/// Why the loop switched off by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Trip {
-    /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
-    pub code: FaultCode,
-    /// As [`touchstone_protocol::Context::value`].
-    pub value: i32,
-}
-
-/// The sensors' readings without current.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Offsets {
-    /// Mean of phase A, 1/16 of a code.
-    pub a: u16,
-    /// Mean of phase B, 1/16 of a code.
-    pub b: u16,
-    /// Largest minus smallest reading, the worse of the two phases, codes.
-    pub spread: u16,
-}
-
-/// The mailbox from the current loop to the control tick.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct CurrentReport {
-    /// PWM periods since the start, wrapping.
-    pub periods: u32,
-    /// Measured currents in the frame of the command.
-    pub current: Dq,
-    /// Voltages given, same frame.
-    pub voltage: Dq,
-    /// Bus voltage.
-    pub bus: Volts,
-    /// Converter's code of the temperature.
-    pub temperature: u16,
-    /// Control ticks that were due and brought no command in time, since the start, wrapping.
-    pub missed: u16,
-    /// Periods in which the voltage was at its limit, since the start, wrapping.
-    pub saturated: u16,
-    /// How often the loop tripped, wrapping: a change is a new trip.
-    pub trips: u8,
-    /// The last trip.
-    pub trip: Option<Trip>,
-    /// The sensors' offsets, once measured.
-    pub offsets: Option<Offsets>,
-}
 
 /// Coefficients of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -169,52 +55,6 @@ pub const ACTS_AFTER_PERIODS: u32 = 1;
 /// So many late periods in a row are a fault. One is noise: the current moves little in 50 us, and whatever held the loop up is
 /// over. A processor that is too slow for the loop is so in every period.
 const LATE_IN_A_ROW: u8 = 3;
-/// Samples of which an offset is the mean: 1,024, that is 51 ms at 20 kHz.
-const OFFSET_SAMPLES_LOG2: u32 = 10;
-/// Fractional bits of an offset.
-const OFFSET_BITS: u32 = 4;
-
-/// Readings without current, on their way to a mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct OffsetSums {
-    count: u32,
-    sum: [u32; 2],
-    least: [u16; 2],
-    most: [u16; 2],
-}
-
-impl OffsetSums {
-    const EMPTY: Self = Self {
-        count: 0,
-        sum: [0; 2],
-        least: [u16::MAX; 2],
-        most: [0; 2],
-    };
-
-    fn add(&mut self, a: u16, b: u16) -> Option<Offsets> {
-        let Self {
-            sum: [sum_a, sum_b],
-            least: [least_a, least_b],
-            most: [most_a, most_b],
-            ..
-        } = self;
-        *sum_a = sum_a.saturating_add(u32::from(a));
-        *sum_b = sum_b.saturating_add(u32::from(b));
-        (*least_a, *most_a) = ((*least_a).min(a), (*most_a).max(a));
-        (*least_b, *most_b) = ((*least_b).min(b), (*most_b).max(b));
-        let spread = most_a
-            .saturating_sub(*least_a)
-            .max(most_b.saturating_sub(*least_b));
-        // Codes have 12 bits, so 1/16 of them fits; wider ones saturate and are then implausible.
-        let mean = |sum: u32| {
-            u16::try_from(sum >> (OFFSET_SAMPLES_LOG2 - OFFSET_BITS)).unwrap_or(u16::MAX)
-        };
-        let (a, b) = (mean(*sum_a), mean(*sum_b));
-        self.count += 1;
-        (self.count >= 1 << OFFSET_SAMPLES_LOG2).then_some(Offsets { a, b, spread })
-    }
-}
-
 /// The loop with its memory.
 #[derive(Debug, Clone, Copy)]
 pub struct CurrentLoop {
@@ -366,12 +206,12 @@ impl CurrentLoop {
             return BridgeCommand::Off;
         };
         let amps = |code: u16, offset: u16| {
-            let difference = (i32::from(code) << OFFSET_BITS) - i32::from(offset);
+            let difference = (i32::from(code) << Offsets::BITS) - i32::from(offset);
             // 28 + 4 fractional bits to 16.
             Amps::from_bits(product(
                 difference,
                 config.amps_per_code,
-                28 + OFFSET_BITS - 16,
+                28 + Offsets::BITS - 16,
             ))
         };
         let (a, b) = (
