@@ -112,7 +112,9 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
             sector::least_cosine(&from, &to)
         }),
     };
-    let rounding = contact.count_rad.and_then(|_| contact.rounding(hand));
+    let rounding = contact
+        .count_rad
+        .and_then(|_| undamped.rounding(hand).or_else(|| contact.rounding(hand)));
     let radius_rounded = match contact.count_rad {
         Some(_) => contact
             .radius_at_gain(hand, ROUNDING_GAIN)

@@ -20,8 +20,9 @@ pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
 pub const ROUNDING_GAIN: f64 = 1.05;
 /// Largest motion from rounding, root mean square, counts: four counts peak to peak, the threshold of a limit cycle, are nine times it.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
-/// How far a press swings about where it rests, in depths, where dry friction has to end it: one that comes at once swings by one.
-pub const SWING: f64 = 1.0;
+/// How far a press swings about where it rests, in depths, where dry friction has to end it: one that comes at once swings by
+/// one.
+pub const SWING: f64 = 1.25;
 /// Largest speed of a bounce's return over that of its touch, over all phases of the tick, that is called stable: bounces, which meet
 /// every phase, die away.
 pub const BOUNCE: f64 = 1.1;
@@ -56,7 +57,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
         || in_time
         || report
             .decay_with_friction_per_s
-            .is_some_and(|decay| decay >= slowest);
+            .is_some_and(|decay| decay >= SLOWEST_PER_S);
     if dies_out {
         // By itself, or by dry friction.
     } else if report.decay_per_s < -FASTEST_GROWTH_PER_S {
