@@ -55,7 +55,7 @@ crate::choice! {
         /// At every inward tick (3.2, Algorithm 3.1).
         Inward = "inward",
         /// At every tick of contact, in the direction of the error. Inward-only is a ratchet: it moves on only as long as
-        /// something jitters, and overshoots what it cannot take back; see the README for the difference.
+        /// something jitters, and overshoots what it cannot take back.
         #[default]
         EveryTick = "every-tick",
     }

@@ -184,6 +184,8 @@ pub enum Warning {
     },
     /// The thesis' observer reports the sampling leak with the wrong sign.
     ThesisObserver,
+    /// Time-domain passivity observes estimated displacements, which are not those of the port.
+    ObservesEstimates,
     /// A contact may give this much energy beyond what it took.
     EnergyCredit {
         /// The credit, J.
@@ -206,7 +208,9 @@ impl Warning {
     pub fn is_answered_by_guard(&self) -> bool {
         !matches!(
             self,
-            Self::GuardSoftensAtForceLimit { .. } | Self::GuardNeverRefilled
+            Self::ObservesEstimates
+                | Self::GuardSoftensAtForceLimit { .. }
+                | Self::GuardNeverRefilled
         )
     }
 
@@ -218,6 +222,7 @@ impl Warning {
             Self::CouplingAboveBound { .. } => Field::FilterStiffness,
             Self::GroundDampingBelowBound { .. } => Field::FilterGroundDamping,
             Self::ThesisObserver => Field::Observer,
+            Self::ObservesEstimates => Field::States,
             Self::EnergyCredit { .. } => Field::EnergyCredit,
             Self::GuardSoftensAtForceLimit { .. } => Field::GuardCapacity,
             Self::GuardNeverRefilled => Field::GuardRefill,
@@ -246,6 +251,10 @@ impl fmt::Display for Warning {
             Self::ThesisObserver => write!(
                 f,
                 "observer = thesis counts the sampling leak with the wrong sign: its E >= 0 says nothing about the true energy"
+            ),
+            Self::ObservesEstimates => write!(
+                f,
+                "states = estimated: the observer of tdpa then counts estimated displacements, not those of the port, and lets a wall ring that it would hold"
             ),
             Self::EnergyCredit { credit } => write!(
                 f,
@@ -377,6 +386,8 @@ impl Settings {
             ),
             (observes && self.observer == crate::ObserverForm::Thesis)
                 .then_some(Warning::ThesisObserver),
+            (self.law == LawKind::Tdpa && self.states == crate::StatesKind::Estimated)
+                .then_some(Warning::ObservesEstimates),
             (filters
                 && self.observer == crate::ObserverForm::Exact
                 && self.energy_credit > Si::ZERO)

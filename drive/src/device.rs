@@ -18,7 +18,7 @@ use crate::input::ControlInput;
 use crate::record::Record;
 use crate::reset::ResetReason;
 use crate::supervisor::power::Power;
-use crate::supervisor::{Found, Supervisor};
+use crate::supervisor::{Found, Supervisor, Watch};
 use crate::units::clamp_i32;
 use fixed::types::I8F24;
 use touchstone_control::law::Contact;
@@ -87,6 +87,8 @@ pub struct Device {
     reported: Option<Found>,
     settings_refused: bool,
     saturated: u16,
+    /// The law showed a force in its last tick.
+    pushes: bool,
     record: Record,
 }
 
@@ -109,12 +111,17 @@ impl Device {
             reported: None,
             settings_refused: false,
             saturated: 0,
+            pushes: false,
             record: Record::empty(),
         })
     }
 
     /// Takes the reason of the start: some are faults, latched with the next tick.
     pub fn started(&mut self, reason: ResetReason) {
+        if reason != ResetReason::PowerOn {
+            self.supervisor
+                .motor_may_be_hot(&self.configs.now().supervisor);
+        }
         if let Some((code, value)) = reason.fault() {
             self.report_fault(code, value);
         }
@@ -201,10 +208,14 @@ impl Device {
         let before = self.machine.state();
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
             || input.command == Some(Command::Calibrate);
-        let driven = before == State::Armed && self.record.law_ran;
-        let verdict =
-            self.supervisor
-                .inspect(&self.configs.now().supervisor, input, watched, driven);
+        let watch = Watch {
+            watched,
+            may_be_on: self.machine.outputs() == Outputs::On,
+            driven: before == State::Armed && self.record.law_ran,
+        };
+        let verdict = self
+            .supervisor
+            .inspect(&self.configs.now().supervisor, input, watch);
 
         let refused = (self.settings_refused && watched).then_some((FaultCode::SettingsInvalid, 0));
         let found = self.reported.take().or(verdict.fault).or(refused);
@@ -281,6 +292,7 @@ impl Device {
         if after == State::Armed {
             self.law = self.configs.now().law.resumed(&self.law);
             self.fade = 0;
+            self.pushes = false;
         }
         self.calibration = None;
         if after != State::Calibrating {
@@ -322,11 +334,7 @@ impl Device {
         let view = self.law.view();
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.configs.now().fade_step);
-        // Out of the wall is against x. The share is at most 1 - 2^-32, and 1 when the fading is over.
-        let wide = i64::from(force.0.to_bits());
-        let share = i64::from(self.fade >> 1);
-        let faded = if fading { (wide * share) >> 31 } else { wide };
-        let torque = Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())));
+        let torque = torque_of(force, fading.then_some(self.fade));
 
         let shaft = self.supervisor.shaft();
         let advance = shaft.advance(self.configs.now().supervisor.shaft());
@@ -357,9 +365,15 @@ impl Device {
                 driven.torque.0.to_bits().saturating_neg(),
             )));
         }
+        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
         if self.law.tripped() {
-            let speed = self.record.speed_rad_per_s;
-            self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
+            if pushed || view.contact != Contact::Free {
+                let speed = self.record.speed_rad_per_s;
+                self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
+            } else {
+                // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
+                self.law = self.configs.now().law.resumed(&self.law);
+            }
         }
         let Driven {
             command: drive,
@@ -409,6 +423,18 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
     }
 }
 
+/// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
+/// 1 - 2^-32, and all of it when the fading is over.
+#[inline(always)]
+pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
+    let wide = i64::from(force.0.to_bits());
+    let faded = match share {
+        Some(share) => (wide * i64::from(share >> 1)) >> 31,
+        None => wide,
+    };
+    Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
+}
+
 /// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
 #[inline(never)]
 fn law_tick(law: &mut Controller<Fixed32>, penetration: Position<Fixed32>) -> Force<Fixed32> {
@@ -434,6 +460,8 @@ mod tests {
                 command: None,
                 hardware_break: false,
                 gate_driver_error: false,
+                stop_button: false,
+                host_heard: true,
                 timing: TickTiming::default(),
             };
             device.tick(&input).record.count

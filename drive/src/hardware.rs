@@ -65,7 +65,8 @@ pub const IHM08M1: Hardware = Hardware {
     offset_tolerance: 250,
     offset_spread: 60,
     current_max_a: Si::lit("15"),
-    bus_min_v: Si::lit("8"),
+    // The shield's own range begins there (UM1996), and its gate drivers turn on at 9 to 10 V (L6398's data sheet).
+    bus_min_v: Si::lit("10"),
     bus_max_v: Si::lit("48"),
     temperature_max_c: Si::lit("110"),
     thermistor: NTC_10K_3455_OVER_4K7,
@@ -83,8 +84,17 @@ pub const B_G431B_ESC1: Hardware = Hardware {
     // 16 · 0.9 V/7 of 3.3 V
     offset_code: 2_553,
     current_max_a: Si::lit("25"),
+    // Three cells at 3.3 V: below it the board's own supply of the gate drivers is nowhere stated.
+    bus_min_v: Si::lit("10"),
     bus_max_v: Si::lit("26"),
-    ..IHM08M1
+    // As on the shield: the same clock and PWM, a thermistor of the same kind, the same care.
+    pwm_hz: IHM08M1.pwm_hz,
+    core_hz: IHM08M1.core_hz,
+    timer_top: IHM08M1.timer_top,
+    offset_tolerance: IHM08M1.offset_tolerance,
+    offset_spread: IHM08M1.offset_spread,
+    temperature_max_c: IHM08M1.temperature_max_c,
+    thermistor: NTC_10K_3455_OVER_4K7,
 };
 
 impl Hardware {

@@ -18,6 +18,10 @@ pub struct ControlInput {
     pub hardware_break: bool,
     /// The gate driver reports an error.
     pub gate_driver_error: bool,
+    /// The board's stop button is pressed.
+    pub stop_button: bool,
+    /// The desktop was heard since the last tick: a whole frame came.
+    pub host_heard: bool,
     /// Cycles.
     pub timing: TickTiming,
 }

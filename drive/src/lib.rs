@@ -44,6 +44,8 @@ pub mod supervisor;
 pub mod thermistor;
 pub mod timing;
 pub mod transform;
+#[cfg(feature = "wire")]
+pub mod twin;
 mod units;
 #[cfg(feature = "wire")]
 pub mod wire;

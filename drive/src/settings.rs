@@ -68,6 +68,7 @@ fn validate_motor(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), 
     narrow!(settings, limits.fault_from_celsius, to: hardware.temperature_max_c)?;
     let below = limits.fault_from_celsius.saturating_sub(Si::ONE);
     narrow!(settings, limits.derate_from_celsius, to: below)?;
+    narrow!(settings, motor.continuous_current_a, to: hardware.current_max_a)?;
     narrow!(settings, calibration.current_a, to: settings.motor.current_limit_a)
 }
 

@@ -28,7 +28,9 @@ pub(crate) const fn product(a: i32, b: i32, shift: u32) -> i32 {
     clamp_i32((a as i64 * b as i64) >> shift)
 }
 
-/// `a / b`, saturating; the largest value with the sign of `a` for `b = 0`.
+/// `a / b`, saturating; the largest value with the sign of `a` for `b = 0`. Not a part of its callers, none of which is a tick: a
+/// division of 128 bits is long, and the smaller board's flash is short.
+#[inline(never)]
 pub(crate) fn quotient(a: Si, b: Si) -> Si {
     if b == Si::ZERO {
         if a < Si::ZERO { Si::MIN } else { Si::MAX }

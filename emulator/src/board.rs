@@ -80,6 +80,8 @@ pub struct Board {
     pub name: &'static str,
     /// Which encoder is mounted.
     pub encoder: Encoder,
+    /// The button that the program takes for its stop: port and pin; high while pressed, pulled down on the board.
+    pub button: Option<(usize, usize)>,
     /// Chip select of the magnetic encoder: port and pin.
     pub chip_select: Option<(usize, usize)>,
     /// The desktop link is USART2, not LPUART1.
@@ -112,6 +114,8 @@ impl Board {
         Self {
             name: "nucleo-g474re",
             encoder,
+            // PC13 (UM2505).
+            button: Some((2, 13)),
             // PD2.
             chip_select: Some((3, 2)),
             link_is_usart2: false,
@@ -140,6 +144,7 @@ impl Board {
         Self {
             name: "b-g431b-esc1",
             encoder: Encoder::Incremental(16_384),
+            button: None,
             chip_select: None,
             link_is_usart2: true,
             // One bank, read protection off.

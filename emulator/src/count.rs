@@ -91,7 +91,7 @@ const FAULTS: &[(&str, Fault)] = &[
     ("  phase A reads +8 A", Fault::Sensor(0, 8.0)),
     ("  encoder's parity", Fault::Encoder(SlaveFault::FlipBit(0))),
     ("  encoder's bus hangs", Fault::BusHangs),
-    ("  shaft turned at +90 rad/s", Fault::Turned(90.0)),
+    ("  shaft turned at +150 rad/s", Fault::Turned(150.0)),
     ("  break that stays", Fault::Break(0)),
     ("  comparator of phase A stays", Fault::Comparator(1, 0)),
 ];

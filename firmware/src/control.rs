@@ -10,7 +10,7 @@ use touchstone_drive::{
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
-use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG};
+use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD};
 use crate::shared::Guarded;
 use crate::{analogue, board, encoder, pwm};
 
@@ -59,6 +59,16 @@ pub struct Control {
     brown_out_told: bool,
 }
 
+/// Whether a frame came since the last tick. The thread, which says so, does not run in between.
+#[inline(always)]
+fn heard() -> bool {
+    let heard = HEARD.load(Relaxed);
+    if heard {
+        HEARD.store(false, Relaxed);
+    }
+    heard
+}
+
 /// The control tick's state, which lies in a static of its own; nothing before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
 /// The last second. Too large for a stack, so it never moves.
@@ -101,6 +111,8 @@ impl Control {
             command,
             hardware_break: readings.hardware_break,
             gate_driver_error: false,
+            stop_button: board::is_stop_pressed(),
+            host_heard: heard(),
             timing: TickTiming {
                 lateness: readings.lateness,
                 duration: self.duration,
@@ -164,8 +176,8 @@ impl Control {
     }
 
     fn reconfigure(&mut self) {
-        // Never full: the current loop takes it a PWM period later, and calibrations are further apart.
-        let _ = CONFIG.give(self.device.current_config());
+        // SAFETY: the control tick alone gives.
+        unsafe { CONFIG.give(self.device.current_config()) };
         self.encoder = self.next_encoder;
         board::prepare_magnetic(self.encoder);
     }

@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32};
 use touchstone_drive::CurrentConfig;
 use touchstone_drive::exchange::{CommandBox, ReportBox};
 
-use crate::shared::Slot;
+use crate::shared::Latest;
 
 /// From the control tick to the current loop.
 pub static COMMAND: CommandBox = CommandBox::new();
@@ -25,4 +25,6 @@ pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
 pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
 
 /// Other coefficients for the current loop.
-pub static CONFIG: Slot<CurrentConfig> = Slot::new();
+pub static CONFIG: Latest<CurrentConfig> = Latest::new();
+/// A whole frame of the desktop came, since the control tick looked.
+pub static HEARD: AtomicBool = AtomicBool::new(false);

@@ -60,7 +60,8 @@ fn ADC1_2() {
     let Some(current) = (unsafe { CURRENT.mine() }) else {
         return;
     };
-    if let Some(config) = CONFIG.take() {
+    // SAFETY: this priority alone takes.
+    if let Some(config) = unsafe { CONFIG.take() } {
         current.reconfigure(config);
     }
     let readings = board::readings(&raw);

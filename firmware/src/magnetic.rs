@@ -1,10 +1,12 @@
 //! A magnetic encoder at SPI3, through its registers and with every wait bounded: the driver of embassy-stm32 waits for ever.
 
+use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
+
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Ds, Frxth, Mstr};
 use embassy_stm32::pac::{GPIOD, SPI3};
 use embassy_stm32::{Peri, peripherals, rcc};
 use touchstone_drive::encoder::{
-    AS5047P_READ_ANGLE, AS5047P_READ_ERRORS, EncoderKind, EncoderReading,
+    AS5047P_READ_ANGLE, EncoderKind, EncoderReading, Frames, Question,
 };
 
 /// The chip select, PD2.
@@ -27,6 +29,7 @@ pub fn prepare(kind: EncoderKind) {
         // 24 bits are three times eight.
         EncoderKind::Mt6701 => (Ds::BITS8, Frxth::QUARTER),
     };
+    ASKED.store(0, Relaxed);
     SPI3.cr1().modify(|w| w.set_spe(false));
     SPI3.cr1().write(|w| {
         w.set_mstr(Mstr::MASTER);
@@ -53,9 +56,11 @@ pub fn read(kind: EncoderKind) -> EncoderReading {
     }
 }
 
-/// Each frame is answered by the next: the first asks for the angle, the second brings that of now. It asks for the errors, which
-/// the next tick's first frame brings: nobody looks at them, but reading clears them. Otherwise the encoder would mark every
-/// angle as wrong after a single damaged frame.
+/// What the tick before asked the AS5047P for, beside the angle: 0 for nothing, else its frame.
+static ASKED: AtomicU16 = AtomicU16::new(0);
+
+/// Each frame is answered by the next: the first asks for the angle and brings what the tick before asked for, the second brings the
+/// angle of now and asks for the magnet's field, or for what was wrong with a frame.
 fn as5047p() -> EncoderReading {
     let frame = |word| {
         select();
@@ -63,10 +68,20 @@ fn as5047p() -> EncoderReading {
         deselect();
         answer
     };
-    let asked = frame(AS5047P_READ_ANGLE);
+    let asked = Question::of(ASKED.swap(0, Relaxed));
+    let Some(first) = frame(AS5047P_READ_ANGLE) else {
+        return EncoderReading::Silent;
+    };
+    let question = Question::after(first);
     cortex_m::asm::delay(SETTLE);
-    let answer = asked.and_then(|_| frame(AS5047P_READ_ERRORS));
-    answer.map_or(EncoderReading::Silent, EncoderReading::As5047p)
+    let Some(angle) = frame(question.frame()) else {
+        return EncoderReading::Silent;
+    };
+    ASKED.store(question.frame(), Relaxed);
+    EncoderReading::As5047p(Frames {
+        angle,
+        before: asked.map(|asked| asked.answered(first)),
+    })
 }
 
 fn mt6701() -> EncoderReading {

@@ -220,10 +220,12 @@ pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Whether the break has pulled since it was last cleared.
+/// Whether a break has pulled since it was last cleared: the input's, or the system's (supply, lockup, an error in flash that
+/// cannot be corrected), which has a flag of its own.
 #[inline(always)]
 pub fn is_broken() -> bool {
-    TIM1.sr().read().bif(0)
+    let status = TIM1.sr().read();
+    status.bif(0) || status.sbif()
 }
 
 /// No more interrupts of the break, whose flag stays. No other interrupt of this timer is ever on.
@@ -232,12 +234,14 @@ pub fn silence_break() {
     TIM1.dier().write(|_| ());
 }
 
-/// Clears the break's flag, which comes back at once if the input is still active, and lets it interrupt again.
+/// Clears the flags of both breaks, which come back at once if their cause is still there, and lets them interrupt again. While
+/// the system's flag is up the timer takes no `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
     // Written, not modified: a zero clears, a one leaves alone.
     TIM1.sr().write(|w| {
         w.0 = !0;
         w.set_bif(0, false);
+        w.set_sbif(false);
     });
     TIM1.dier().write(|w| w.set_bie(true));
 }

@@ -14,10 +14,8 @@ use touchstone_protocol::{
 use crate::control::{CONTROL, Control, RING};
 use crate::exchange::CURRENT_CYCLES_MAX;
 use crate::storage::{self, Storage};
-use crate::{analogue, board, cycles, pwm};
-
-/// A command is taken by the next control tick, 10 ms later at the slowest rate; cycles.
-const PATIENCE: u32 = 20 * (crate::clock::CORE_HZ / 1_000);
+use crate::shared::InThread;
+use crate::{analogue, board, pwm};
 
 /// The device as the thread sees it.
 pub struct Thread {
@@ -25,23 +23,30 @@ pub struct Thread {
     storage: Storage,
     /// Why the processor started.
     reset_reason: ResetReason,
+    here: InThread,
     /// The session has settings that the control tick does not have.
     new_settings: bool,
 }
 
 /// Looks at the control tick's state. It is there from before the first request on.
-pub fn control<R>(look: impl FnOnce(&mut Control) -> R) -> Option<R> {
-    CONTROL.in_thread(|control| control.as_mut().map(|control| look(control)))
+pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
+    CONTROL.in_thread(here, |control| control.as_mut().map(|control| look(control)))
 }
 
 impl Thread {
     /// At the start.
-    pub const fn new(storage: Storage, reset_reason: ResetReason) -> Self {
+    pub const fn new(storage: Storage, reset_reason: ResetReason, here: InThread) -> Self {
         Self {
             storage,
             reset_reason,
+            here,
             new_settings: false,
         }
+    }
+
+    /// That this is the thread.
+    pub const fn here(&self) -> InThread {
+        self.here
     }
 
     /// Whether the session has settings that the control tick does not have.
@@ -56,31 +61,31 @@ impl Thread {
         self.new_settings = false;
         match Config::new(settings, &board::HARDWARE) {
             Ok(config) => {
-                control(|control| control.prepare(settings, config));
+                control(self.here, |control| control.prepare(settings, config));
             }
             // They were checked, so this does not happen.
             Err(_) => {
-                control(|control| control.device.report_fault(FaultCode::SettingsInvalid, 0));
+                control(self.here, |control| control.device.report_fault(FaultCode::SettingsInvalid, 0));
             }
         }
     }
 
-    /// Gives a command to the next control tick and waits for its answer. The thread does nothing else meanwhile; the
-    /// interrupts do.
-    fn give(&mut self, command: Command) -> bool {
-        control(|control| {
+    /// Gives a command to the next control tick; what becomes of it is told by [`Self::accepted`].
+    fn give(&mut self, command: Command) {
+        control(self.here, |control| {
             control.accepted = None;
             control.command = Some(command);
         });
-        let begun = cycles::now();
-        while cycles::now().wrapping_sub(begun) < PATIENCE {
-            if let Some(accepted) = control(|control| control.accepted.take()).flatten() {
-                return accepted;
-            }
-        }
-        // Nobody answered: then nobody shall act on it later.
-        control(|control| control.command = None);
-        false
+    }
+
+    /// Whether the last command had an effect, once a control tick has looked at it.
+    pub fn accepted(&self) -> Option<bool> {
+        control(self.here, |control| control.accepted.take()).flatten()
+    }
+
+    /// Nobody answers: then nobody shall act on it later.
+    pub fn withdraw(&self) {
+        control(self.here, |control| control.command = None);
     }
 }
 
@@ -98,11 +103,11 @@ impl Backend for Thread {
     }
 
     fn phase(&self) -> Phase {
-        control(|control| Phase::from(control.state)).unwrap_or(Phase::Boot)
+        control(self.here, |control| Phase::from(control.state)).unwrap_or(Phase::Boot)
     }
 
     fn fault(&self) -> Option<Fault> {
-        control(|control| match control.state {
+        control(self.here, |control| match control.state {
             State::Fault(context) => Some(Fault::from(context)),
             _ => None,
         })
@@ -110,11 +115,11 @@ impl Backend for Thread {
     }
 
     fn tick(&self) -> u32 {
-        control(|control| control.tick).unwrap_or(0)
+        control(self.here, |control| control.tick).unwrap_or(0)
     }
 
     fn counters(&self) -> Counters {
-        let counters = control(|control| Counters {
+        let counters = control(self.here, |control| Counters {
             decode_errors: 0,
             telemetry_dropped: control.dropped,
             ticks: control.tick,
@@ -126,7 +131,7 @@ impl Backend for Thread {
     }
 
     fn ring(&self, first: u16) -> Option<RingChunk> {
-        RING.in_thread(|ring| {
+        RING.in_thread(self.here, |ring| {
             ring.is_frozen().then(|| {
                 let mut chunk = RingChunk {
                     first,
@@ -160,23 +165,25 @@ impl Backend for Thread {
         flash::save(&mut self.storage, storage::pages(), image)
     }
 
-    fn command(&mut self, command: DeviceCommand) -> bool {
-        match command {
-            DeviceCommand::Calibrate => self.give(Command::Calibrate),
-            DeviceCommand::Arm => self.give(Command::Arm),
-            DeviceCommand::Disarm => self.give(Command::Disarm),
-            DeviceCommand::Stop => self.give(Command::Stop),
-            DeviceCommand::Zero => control(|control| control.device.zero_here()).unwrap_or(false),
+    fn command(&mut self, command: DeviceCommand) -> Option<bool> {
+        let command = match command {
+            DeviceCommand::Calibrate => Command::Calibrate,
+            DeviceCommand::Arm => Command::Arm,
+            DeviceCommand::Disarm => Command::Disarm,
+            DeviceCommand::Stop => Command::Stop,
+            DeviceCommand::Zero => return control(self.here, |control| control.device.zero_here()),
             DeviceCommand::Reboot => {
                 pwm::outputs_off();
                 analogue::off();
                 cortex_m::peripheral::SCB::sys_reset()
             }
-        }
+        };
+        self.give(command);
+        None
     }
 
     fn telemetry(&mut self, decimation: u16) {
-        control(|control| control.decimation = decimation);
+        control(self.here, |control| control.decimation = decimation);
     }
 }
 

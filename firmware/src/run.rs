@@ -15,6 +15,7 @@ use crate::control::{CONTROL, Control};
 use crate::exchange::{CONTROL_LIVES, CURRENT_LIVES, LATE_PERIODS};
 use crate::requests::Thread;
 use crate::serial::{LINK_LIVES, link};
+use crate::shared::InThread;
 use crate::storage::{self, Storage};
 use crate::{board, crash, cycles, interrupts, supply, watchdog};
 
@@ -27,10 +28,12 @@ const SUPERVISION: Duration = Duration::from_millis(10);
 
 /// The program after the board's set-up, with the link to the desktop and where settings are kept; ends with the next reset.
 pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
-    let current = start(spawner, serial, storage);
+    // SAFETY: this is the executor's, in the thread.
+    let here = unsafe { InThread::new() };
+    let current = start(spawner, serial, storage, here);
     // SAFETY: once, and the control tick has its state. Only here: `start` needs the stack for itself.
     unsafe { interrupts::start(current) };
-    supervise().await
+    supervise(here).await
 }
 
 /// Everything before the first interrupt that works. Not a part of the future above: what it needs once is on the stack, not in
@@ -40,6 +43,7 @@ fn start(
     spawner: Spawner,
     serial: BufferedUart<'static>,
     mut storage: Storage,
+    here: InThread,
 ) -> &'static mut CurrentLoop {
     watchdog::start();
     supply::start();
@@ -53,8 +57,8 @@ fn start(
         touchstone_protocol::ResetReason::from(reason).words()
     );
     let (session, are_refused) = session(&mut storage);
-    let current = control(session.settings(), reason, are_refused);
-    let device = Thread::new(storage, reason.into());
+    let current = control(session.settings(), reason, are_refused, here);
+    let device = Thread::new(storage, reason.into(), here);
     match link(serial, session, device) {
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the link's task exists already"),
@@ -82,6 +86,7 @@ fn control(
     settings: &DeviceSettings,
     reason: ResetReason,
     are_refused: bool,
+    here: InThread,
 ) -> &'static mut CurrentLoop {
     let control = CONTROLLER.init_with(|| match Device::new(settings, &board::HARDWARE) {
         Ok(device) => Control::new(device, settings),
@@ -93,13 +98,13 @@ fn control(
     }
     board::prepare_magnetic(settings.encoder.kind);
     let current = CURRENT_LOOP.init(CurrentLoop::new(control.device.current_config()));
-    CONTROL.in_thread(|place| *place = Some(control));
+    CONTROL.in_thread(here, |place| *place = Some(control));
     current
 }
 
 /// Tells a person with a probe where the device stands, whenever that changed. Not by the control tick: a log takes its time.
-fn tell_state(told: &mut Option<State>) {
-    let state = CONTROL.in_thread(|control| control.as_ref().map(|control| control.state));
+fn tell_state(here: InThread, told: &mut Option<State>) {
+    let state = CONTROL.in_thread(here, |control| control.as_ref().map(|control| control.state));
     if state == *told {
         return;
     }
@@ -117,14 +122,14 @@ fn tell_state(told: &mut Option<State>) {
 }
 
 /// Feeds the watchdog when every stage has shown a sign of life since the last feeding, and only then.
-async fn supervise() -> ! {
+async fn supervise(here: InThread) -> ! {
     let mut ticker = Ticker::every(SUPERVISION);
     let stages = [&CURRENT_LIVES, &CONTROL_LIVES, &LINK_LIVES];
     let mut late = 0;
     let mut told = None;
     loop {
         ticker.next().await;
-        tell_state(&mut told);
+        tell_state(here, &mut told);
         let now_late = LATE_PERIODS.load(Relaxed);
         if now_late != late {
             late = now_late;

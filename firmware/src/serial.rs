@@ -5,20 +5,26 @@ use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_futures::select::select;
 use embassy_stm32::usart;
 use embassy_stm32::usart::BufferedUart;
-use embassy_time::{Duration, Ticker};
+use embassy_time::{Duration, Instant, Ticker, Timer};
 use embedded_io_async::{Read, Write};
 use static_cell::ConstStaticCell;
 use touchstone_protocol::FromDevice;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::Session;
+use touchstone_protocol::session::{Answered, Session};
 
+use crate::exchange::HEARD;
 use crate::requests::{Thread, control};
+use crate::shared::InThread;
 
 /// 115,200 would not carry the telemetry.
 pub const BAUD: u32 = 921_600;
 
 /// Most telemetry records between two looks at what was received: 4 ms of the port.
 const RECORDS_A_ROUND: usize = 8;
+
+/// A command is taken by the next control tick, 2 ms later at the slowest rate. Looked for so often.
+const PATIENCE: Duration = Duration::from_millis(20);
+const LOOK: Duration = Duration::from_micros(250);
 
 /// What waits to be sent: 8 ms of the port.
 pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
@@ -57,17 +63,23 @@ pub async fn link(
             _ => 0,
         };
         for byte in received.iter().take(count) {
-            if let Some(length) = take(*byte, decoder, session, &mut device, frame) {
-                // Writing to this port cannot fail.
-                let _ = port.write_all(&frame[..length]).await;
-            }
+            let length = match take(*byte, decoder, session, &mut device, frame) {
+                Taken::Nothing => continue,
+                Taken::Answer(length) => length,
+                Taken::Command => {
+                    let accepted = looked_at(&device).await;
+                    commanded(accepted, session, &device, frame)
+                }
+            };
+            // Writing to this port cannot fail.
+            let _ = port.write_all(&frame[..length]).await;
         }
         if device.has_new_settings() {
             device.apply(session.settings());
         }
         // Not until there is none left: more may come than the port carries, and requests are to be read as well.
         for _ in 0..RECORDS_A_ROUND {
-            let Some(length) = next_record(frame) else {
+            let Some(length) = next_record(device.here(), frame) else {
                 break;
             };
             let _ = port.write_all(&frame[..length]).await;
@@ -75,8 +87,32 @@ pub async fn link(
     }
 }
 
-/// Takes a byte; the length of the answer's frame if it was the last of a request. Not a part of the task, so that its messages
-/// are on the stack only while they are needed.
+/// What a byte was the last of.
+enum Taken {
+    /// Of nothing.
+    Nothing,
+    /// Of a request; so long is the answer's frame.
+    Answer(usize),
+    /// Of a command that the control tick looks at next.
+    Command,
+}
+
+/// What became of a command: the thread does other things until a control tick has looked at it.
+async fn looked_at(device: &Thread) -> bool {
+    let begun = Instant::now();
+    loop {
+        if let Some(accepted) = device.accepted() {
+            return accepted;
+        }
+        if begun.elapsed() > PATIENCE {
+            device.withdraw();
+            return false;
+        }
+        Timer::after(LOOK).await;
+    }
+}
+
+/// Takes a byte. Not a part of the task, so that its messages are on the stack only while they are needed.
 #[inline(never)]
 fn take(
     byte: u8,
@@ -84,26 +120,39 @@ fn take(
     session: &mut Session,
     device: &mut Thread,
     frame: &mut [u8],
-) -> Option<usize> {
+) -> Taken {
     let errors = decoder.errors();
-    let payload = decoder.push(byte)?.ok()?;
-    // Not moved out of the option: it is large.
+    let Some(Ok(payload)) = decoder.push(byte) else {
+        return Taken::Nothing;
+    };
+    HEARD.store(true, Relaxed);
+    // Not moved out: it is large.
     match &session.answer_payload(payload, errors, device) {
-        Some(answer) => Some(frame::encode(answer, frame).ok()?.len()),
-        None => {
+        Answered::Later => Taken::Command,
+        Answered::Now(answer) => encoded(answer, frame).map_or(Taken::Nothing, Taken::Answer),
+        Answered::Unreadable => {
             decoder.count_error();
-            None
+            Taken::Nothing
         }
     }
 }
 
+/// The frame of a command's answer: its length.
+#[inline(never)]
+fn commanded(accepted: bool, session: &mut Session, device: &Thread, frame: &mut [u8]) -> usize {
+    match &session.commanded(accepted, device) {
+        Answered::Now(answer) => encoded(answer, frame).unwrap_or(0),
+        _ => 0,
+    }
+}
+
+fn encoded(answer: &FromDevice, frame: &mut [u8]) -> Option<usize> {
+    Some(frame::encode(answer, frame).ok()?.len())
+}
+
 /// The next telemetry record's frame.
 #[inline(never)]
-fn next_record(frame: &mut [u8]) -> Option<usize> {
-    let record = control(|control| control.telemetry.pop_front()).flatten()?;
-    Some(
-        frame::encode(&FromDevice::Telemetry(record), frame)
-            .ok()?
-            .len(),
-    )
+fn next_record(here: InThread, frame: &mut [u8]) -> Option<usize> {
+    let record = control(here, |control| control.telemetry.pop_front()).flatten()?;
+    encoded(&FromDevice::Telemetry(record), frame)
 }

@@ -4,15 +4,34 @@
 //! The control tick shares everything else with the thread, which holds it off for a few microseconds to look at it: [`Guarded`].
 
 use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, compiler_fence};
+use core::marker::PhantomData;
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering, compiler_fence};
 
 use cortex_m::register::{basepri, basepri_max};
 
 /// Masks the control interrupt, priority 2, and all below it.
 const CONTROL_MASK: u8 = 2 << 4;
 
+/// Says that the code that has it runs in the thread, and in no interrupt: it never leaves the thread.
+#[derive(Debug, Clone, Copy)]
+pub struct InThread(PhantomData<*const ()>);
+
+impl InThread {
+    /// In the thread.
+    ///
+    /// # Safety
+    /// No interrupt calls this.
+    pub const unsafe fn new() -> Self {
+        Self(PhantomData)
+    }
+}
+
 /// A value of the control tick's that the thread may look at, by holding the control tick off for as long.
-pub struct Guarded<T>(UnsafeCell<T>);
+pub struct Guarded<T> {
+    value: UnsafeCell<T>,
+    /// The thread has a reference.
+    taken: AtomicBool,
+}
 
 // SAFETY: the control interrupt and a thread that masks it are the only users, one at a time (see the two methods).
 unsafe impl<T: Send> Sync for Guarded<T> {}
@@ -20,7 +39,10 @@ unsafe impl<T: Send> Sync for Guarded<T> {}
 impl<T> Guarded<T> {
     /// With a value.
     pub const fn new(value: T) -> Self {
-        Self(UnsafeCell::new(value))
+        Self {
+            value: UnsafeCell::new(value),
+            taken: AtomicBool::new(false),
+        }
     }
 
     /// The value, in the control interrupt.
@@ -31,67 +53,87 @@ impl<T> Guarded<T> {
     #[inline]
     pub unsafe fn mine(&self) -> &mut T {
         // SAFETY: a handler does not interrupt itself, and the thread masks it while it has a reference.
-        unsafe { &mut *self.0.get() }
+        unsafe { &mut *self.value.get() }
     }
 
-    /// The value, in the thread. Keep it short: a few microseconds are a few microseconds of lateness. Not nested.
-    pub fn in_thread<R>(&self, look: impl FnOnce(&mut T) -> R) -> R {
+    /// The value, in the thread. Keep it short: a few microseconds are a few microseconds of lateness.
+    ///
+    /// # Panics
+    /// Within itself: the value would be there twice.
+    pub fn in_thread<R>(&self, _in_thread: InThread, look: impl FnOnce(&mut T) -> R) -> R {
         let before = basepri::read();
         basepri_max::write(CONTROL_MASK);
         cortex_m::asm::isb();
+        assert!(!self.taken.load(Ordering::Relaxed));
+        self.taken.store(true, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
-        // SAFETY: priorities 2 and below wait now, and those above do not use the value.
-        let result = look(unsafe { &mut *self.0.get() });
+        // SAFETY: this is the thread, as `_in_thread` says, which has no other reference, as `taken` says. Priorities 2 and below
+        // wait now, and those above do not use the value.
+        let result = look(unsafe { &mut *self.value.get() });
         compiler_fence(Ordering::SeqCst);
+        self.taken.store(false, Ordering::Relaxed);
         // SAFETY: back to what was.
         unsafe { basepri::write(before) };
         result
     }
 }
 
-/// One value from a lower priority to a higher one, taken once.
-pub struct Slot<T> {
-    value: UnsafeCell<Option<T>>,
-    full: AtomicBool,
+/// Nothing, or in which of two places the last value is.
+const NOTHING: u8 = 2;
+
+/// The last value from a lower priority to a higher one, taken once. None is refused: one that was not taken yet is replaced.
+pub struct Latest<T> {
+    places: [UnsafeCell<Option<T>>; 2],
+    /// Where the value is that was not taken yet.
+    waiting: AtomicU8,
+    /// Where the last one was written.
+    written: AtomicU8,
 }
 
-// SAFETY: `full` says who may touch the value: the giver while it is false, the taker while it is true.
-unsafe impl<T: Send> Sync for Slot<T> {}
+// SAFETY: the giver writes the place that was not published last, so that the taker, which may interrupt it but is not interrupted
+// by it, finds the other one whole.
+unsafe impl<T: Send> Sync for Latest<T> {}
 
-impl<T> Slot<T> {
-    /// Empty.
+impl<T: Copy> Latest<T> {
+    /// Nothing.
     pub const fn new() -> Self {
         Self {
-            value: UnsafeCell::new(None),
-            full: AtomicBool::new(false),
+            places: [const { UnsafeCell::new(None) }; 2],
+            waiting: AtomicU8::new(NOTHING),
+            written: AtomicU8::new(0),
         }
     }
 
-    /// From one priority only. `false` if the last one was not taken yet, which then stays.
-    pub fn give(&self, value: T) -> bool {
-        if self.full.load(Ordering::Acquire) {
-            return false;
-        }
-        // SAFETY: the taker does not touch it before `full` is set, and there is one giver.
-        unsafe { *self.value.get() = Some(value) };
-        self.full.store(true, Ordering::Release);
-        true
+    /// A new value.
+    ///
+    /// # Safety
+    /// From one priority only.
+    pub unsafe fn give(&self, value: T) {
+        let place = self.written.load(Ordering::Relaxed) ^ 1;
+        // SAFETY: the taker has no business with this place before it is published below, and there is one giver.
+        unsafe { *self.places[usize::from(place & 1)].get() = Some(value) };
+        compiler_fence(Ordering::SeqCst);
+        self.written.store(place, Ordering::Relaxed);
+        self.waiting.store(place, Ordering::Release);
     }
 
-    /// From a higher priority than [`Self::give`]'s, one only.
+    /// The last value, if there is a new one.
+    ///
+    /// # Safety
+    /// From one priority only, higher than [`Self::give`]'s.
     #[inline]
-    pub fn take(&self) -> Option<T> {
-        if !self.full.load(Ordering::Acquire) {
+    pub unsafe fn take(&self) -> Option<T> {
+        let place = self.waiting.load(Ordering::Acquire);
+        if place == NOTHING {
             return None;
         }
-        // SAFETY: the giver does not touch it before `full` is cleared, and there is one taker.
-        let value = unsafe { (*self.value.get()).take() };
-        self.full.store(false, Ordering::Release);
-        value
+        self.waiting.store(NOTHING, Ordering::Relaxed);
+        // SAFETY: the giver is interrupted by this and at most writes the other place.
+        unsafe { *self.places[usize::from(place & 1)].get() }
     }
 }
 
-impl<T> Default for Slot<T> {
+impl<T: Copy> Default for Latest<T> {
     fn default() -> Self {
         Self::new()
     }

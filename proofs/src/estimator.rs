@@ -5,7 +5,7 @@
 
 use crate::source::Source;
 use crate::{cover, property, such};
-use touchstone_control::estimator::{Flow, Motion, TAPS, UNDER_WAY};
+use touchstone_control::estimator::{EstimatedMotion, Flow, TAPS, UNDER_WAY};
 use touchstone_control::law::Sample;
 use touchstone_control::number::{Wide as _, Wide64};
 use touchstone_control::{Estimator, Fixed32, Force, Number, Position};
@@ -92,13 +92,13 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-fn any_motion<S: Source>(s: &mut S) -> Motion<N> {
+fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
         // Within ±2^bits at once, where that is no proof.
         Wide64(if s.shortcut() { any >> (9 - bits) } else { any })
     };
-    Motion {
+    EstimatedMotion {
         position: state(7),
         moved: state(2),
         pushed: state(2),
@@ -106,7 +106,7 @@ fn any_motion<S: Source>(s: &mut S) -> Motion<N> {
 }
 
 /// The invariant: `|x| <= 136 rad`, `|d| < 4 rad` a tick, `|g| < 4 rad` a tick².
-pub fn holds(motion: &Motion<N>) -> bool {
+pub fn holds(motion: &EstimatedMotion<N>) -> bool {
     motion.position.0.unsigned_abs() <= 136 * RAD.unsigned_abs()
         && motion.moved.within(2)
         && motion.pushed.within(2)
@@ -169,7 +169,7 @@ property! {
     by cadical fn p2_rest_stays32(s) {
         let law = such!(s, any(s), |law| ok(&law), "settings");
         let measured = Position(fixed::types::I8F24::from_bits(s.i32()));
-        let motion = Motion::<N> { position: N::widen(measured.0), ..Motion::default() };
+        let motion = EstimatedMotion::<N> { position: N::widen(measured.0), ..EstimatedMotion::default() };
         let mut state = touchstone_control::estimator::EstimatorState { motion: Some(motion), commands: [0; TAPS] };
         let sample = law.tick(&mut state, measured);
         assert!(sample == Sample { e: measured, moved: Position::zero() });

@@ -424,7 +424,7 @@ mod accepted {
         };
         assert!(law.valid(), "{settings:?} {device:?} {law:?}");
         assert!(law.holds(&law.full()));
-        let reach = N::of_signal(law.furthest.0) + N::of_signal(law.count.0) - 2;
+        let reach = N::of_signal(law.furthest.0) + N::of_signal(law.count.0) - 3;
         assert!(
             i128::from(N::of_gain(law.per_reach.0)) * i128::from(reach)
                 <= 1 << (N::GAIN_BITS + N::SIGNAL_BITS)

@@ -25,6 +25,7 @@ pub mod offset;
 pub mod settings;
 pub mod source;
 pub mod space;
+pub mod spec;
 pub mod spring_sfa;
 pub mod tdpa;
 pub mod valid;

@@ -59,11 +59,17 @@ pub enum FaultCode {
     Panic = 19,
     /// The current sensors' resting values are implausible; the worst of them, counts of the converter.
     CurrentSensor = 20,
+    /// By the model of its windings the motor is too hot; the mean square of its current in ‰ of what it bears for ever.
+    MotorHot = 21,
+    /// Nothing was heard of the desktop for too long while the outputs may be on; ms.
+    HostSilent = 22,
+    /// The board's stop button was pressed; 0.
+    StopButton = 23,
 }
 
 impl FaultCode {
     /// All of them.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 23] = [
         Self::OverCurrent,
         Self::OverVoltage,
         Self::UnderVoltage,
@@ -84,6 +90,9 @@ impl FaultCode {
         Self::BrownOut,
         Self::Panic,
         Self::CurrentSensor,
+        Self::MotorHot,
+        Self::HostSilent,
+        Self::StopButton,
     ];
 
     /// The fault that a number on the wire stands for.
@@ -262,7 +271,7 @@ mod tests {
             assert_eq!(FaultCode::from_wire(code.to_wire()), Some(code));
         }
         assert_eq!(FaultCode::from_wire(0), None);
-        assert_eq!(FaultCode::from_wire(21), None);
+        assert_eq!(FaultCode::from_wire(24), None);
     }
 
     #[test]

@@ -35,8 +35,8 @@ pub trait Backend {
     /// # Errors
     /// The flash refused; what was in it before is still there.
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
-    /// A command; whether it had an effect.
-    fn command(&mut self, command: DeviceCommand) -> bool;
+    /// A command; whether it had an effect. `None`: that is told later, to [`Session::commanded`].
+    fn command(&mut self, command: DeviceCommand) -> Option<bool>;
     /// Telemetry from now on, one record every so many control ticks; 0 for none.
     fn telemetry(&mut self, decimation: u16);
 }
@@ -50,6 +50,21 @@ pub struct FlashError;
 pub struct Session {
     settings: DeviceSettings,
     unsaved: bool,
+    /// A command of which nobody knows yet what became, and the request's number.
+    waiting: Option<(u8, DeviceCommand)>,
+}
+
+/// What becomes of a payload.
+// One message is held at a time.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answered {
+    /// This is the answer.
+    Now(FromDevice),
+    /// A command that the device has still to look at: [`Session::commanded`] has its answer. Nothing else is asked meanwhile.
+    Later,
+    /// Not to be answered, but to be counted.
+    Unreadable,
 }
 
 impl Session {
@@ -59,6 +74,7 @@ impl Session {
         Self {
             settings,
             unsaved: !saved,
+            waiting: None,
         }
     }
 
@@ -69,28 +85,55 @@ impl Session {
     }
 
     /// Answers a whole frame's payload. A payload that is no request of this version is answered where its number can be
-    /// read, as the frame was whole; `None` where not, to be counted.
+    /// read, as the frame was whole.
     #[inline(never)]
     pub fn answer_payload(
         &mut self,
         payload: &[u8],
         decode_errors: u32,
         device: &mut impl Backend,
-    ) -> Option<FromDevice> {
+    ) -> Answered {
         let message: Option<ToDevice<'_>> = frame::message(payload);
-        if let Some(ToDevice { id, request }) = &message {
-            return Some(FromDevice::Answer {
+        match (&message, payload.first()) {
+            (
+                Some(ToDevice {
+                    id,
+                    request: Request::Command(command),
+                }),
+                _,
+            ) => {
+                self.waiting = Some((*id, *command));
+                let known = device.command(*command);
+                known.map_or(Answered::Later, |accepted| self.commanded(accepted, device))
+            }
+            (Some(ToDevice { id, request }), _) => Answered::Now(FromDevice::Answer {
                 id: *id,
                 answer: self.answer(request, decode_errors, device),
-            });
+            }),
+            (None, Some(&id)) => Answered::Now(FromDevice::Answer {
+                id,
+                answer: Err(Refusal::NotUnderstood),
+            }),
+            (None, None) => Answered::Unreadable,
         }
-        payload.first().map(|&id| FromDevice::Answer {
-            id,
-            answer: Err(Refusal::NotUnderstood),
-        })
     }
 
-    /// Answers a request.
+    /// What became of a command that was waited for: its answer.
+    #[inline(never)]
+    pub fn commanded(&mut self, accepted: bool, device: &impl Backend) -> Answered {
+        let Some((id, command)) = self.waiting.take() else {
+            return Answered::Unreadable;
+        };
+        let phase = device.phase();
+        let answer = if accepted || is_so(command, phase) {
+            Ok(Reply::Done)
+        } else {
+            Err(Refusal::NotNow(phase))
+        };
+        Answered::Now(FromDevice::Answer { id, answer })
+    }
+
+    /// Answers a request that is no command.
     ///
     /// # Errors
     /// Why not; nothing is changed then.
@@ -107,7 +150,6 @@ impl Session {
             | Request::SetAll(_)
             | Request::Defaults
             | Request::Save
-            | Request::Command(_)
             | Request::Telemetry { .. } => self.act(request, device).map(|()| Reply::Done),
             _ => self.tell(request, decode_errors, device),
         }
@@ -165,9 +207,6 @@ impl Session {
             Request::SetAll(settings) => self.change(settings, device),
             Request::Defaults => self.defaults(device),
             Request::Save => self.save(device),
-            Request::Command(command) if device.command(*command) => Ok(()),
-            Request::Command(command) if is_so(*command, device.phase()) => Ok(()),
-            Request::Command(_) => Err(Refusal::NotNow(device.phase())),
             Request::Telemetry { decimation } => {
                 device.telemetry(*decimation);
                 Ok(())

@@ -121,7 +121,7 @@ class Browser:
 
     def key(self, key, hold=0.02):
         code = {"text": key} if len(key) == 1 else {}
-        virtual = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32}.get(key, ord(key[0].upper()))
+        virtual = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32, "Escape": 27}.get(key, ord(key[0].upper()))
         named = {"key": key, "windowsVirtualKeyCode": virtual}
         self.call("Input.dispatchKeyEvent", {"type": "keyDown", **named, **code})
         self.wait(hold)

@@ -1,18 +1,21 @@
-"""Drives the live page in a Chromium without a window: every control, every preset, real time, a record that the program repeats.
+"""Drives the live page in a Chromium without a window: every control, every preset, real time, a record that the program repeats; then
+the page of a board.
 
-    drive.py PROGRAM [SECONDS [FOLDER]]    ticks are counted over SECONDS (20), pictures go to FOLDER
+    drive.py PROGRAM KNOB [SECONDS [FOLDER]]    KNOB is the example `knob_on_a_socket`; ticks are counted over SECONDS (20), pictures go to FOLDER
 
 Exit code 0: all holds; 1: something does not; 77: no Chromium here.
 """
 
 import csv
 import glob
+import json
 import os
 import struct
 import subprocess
 import sys
 import tempfile
 
+from board import board
 from browser import Browser, find
 
 # A page of this many bytes is still one to send by mail.
@@ -156,6 +159,38 @@ def transport(page):
     page.key("s")
     page.wait(0.2)
     check(page.run("audio.state") == "suspended", "and silent again")
+    backwards(page)
+    page.key("0")
+    running(page)
+
+
+def backwards(page):
+    """In the press, with a second law beside it: back and forth gives the same numbers to the bit."""
+    page.key("6")
+    running(page)
+    page.until("runs[0].last.force_n_m > 0.05")
+    click(page, "run")
+    page.wait(0.2)
+    now = "JSON.stringify(runs.map((r) => COLUMNS.map((name) => String(r.last[name]))))"
+
+    def forward(ticks):
+        page.run(f"for (let i = 0; i < {ticks}; i += 1) tell('step')")
+        page.wait(0.5)
+        return page.run(now)
+
+    there = page.run(now)
+    page.key("b")
+    page.until(f"runs[0].last.clock < JSON.parse({there!r})[0][0] - 0.099")
+    page.key(",")
+    page.wait(0.3)
+    first = page.run(now)
+    gone = page.run(f"Math.round(1e3 * (JSON.parse({there!r})[0][0] - runs[0].last.clock))")
+    again = forward(101)
+    check(gone == 101 and again == there != first, f"{gone} ticks back and forth again: {len(json.loads(there))} laws, {len(json.loads(there)[0])} numbers each, the same to the bit")
+    choose(page, "delay-n", "1")
+    page.key(",")
+    page.until("document.getElementById('record-told').textContent.startsWith('A setting was changed')")
+    choose(page, "delay-n", "0")
 
 
 def hands(page):
@@ -245,6 +280,41 @@ def record(page, program, folder):
               f"{law}: {len(live['time_s'])} ticks recorded, {touched} with a force, {len(live)} columns the same to the bit in the program {differing}")
 
 
+def put_file(page, path):
+    document = page.call("DOM.getDocument")["root"]["nodeId"]
+    node = page.call("DOM.querySelector", {"nodeId": document, "selector": "#file"})["nodeId"]
+    page.call("DOM.setFileInputFiles", {"files": [path], "nodeId": node})
+
+
+def opened_files(page, program, folder):
+    """A record of the same scene gives the same forces; a recording of a board is drawn; what is neither is refused."""
+    put_file(page, os.path.join(folder, "live-a.csv"))
+    page.until("openedFile !== null && runs.length === 2 && runs[1].file && openedFile.at > 1500", 30)
+    at, compared, differing = page.run("[openedFile.at, openedFile.compared, openedFile.differing]")
+    moved = page.run("Math.max(...runs[1].ring.columns.force_n_m)")
+    check(compared > 1500 and differing == 0 and moved > 0.02, f"the last record, opened: {at} rows, {compared} ticks compared, {differing} with another force")
+    page.key("0")
+    page.wait(0.3)
+    running(page)
+    check(page.run("openedFile") is None and page.run("runs.length") == 1, "and away again")
+    board_csv = os.path.join(folder, "monitor.csv")
+    with open(board_csv, "w", encoding="ascii") as file:
+        file.write("tick,time_s,count,penetration_rad,force_n_m,offset_rad,energy_observed_j,state\n")
+        file.writelines(f"{i},{i / 1000},{i},{1e-4 * (i % 300 - 100)},{1e-3 * (i % 7)},0,0,armed\n" for i in range(1500) if i not in range(400, 450))
+    put_file(page, board_csv)
+    page.until("runs.length === 2 && openedFile.at === openedFile.length", 30)
+    check(page.run("runs[1].last.force_n_m") == 0.001 * (1499 % 7), "an opened recording of a board")
+    wrong = os.path.join(folder, "wrong.csv")
+    with open(wrong, "w", encoding="ascii") as file:
+        file.write("a,b\n1,2\n")
+    page.key("0")
+    running(page)
+    put_file(page, wrong)
+    page.until("!document.getElementById('error').hidden")
+    check("it needs time_s" in shown(page), f"another file is refused: {shown(page)}")
+    page.run("complain('')")
+
+
 def link(page, url):
     page.key("6")
     page.wait(0.2)
@@ -277,12 +347,13 @@ def pace(page, seconds):
 
 
 def main():
-    program = os.path.abspath(sys.argv[1])
-    seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 20
-    pictures = sys.argv[3] if len(sys.argv) > 3 else None
+    program, knob = (os.path.abspath(path) for path in sys.argv[1:3])
+    seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 20
+    pictures = sys.argv[4] if len(sys.argv) > 4 else None
     if find() is None:
         print("no Chromium here: install chromium, or name one in CHROMIUM")
         return 77
+    board(program, knob, pictures, check)
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "page.html")
         subprocess.run([program, "--quiet", "live", "--no-open", "--out", file], check=True)
@@ -298,6 +369,7 @@ def main():
             transport(page)
             hands(page)
             record(page, program, folder)
+            opened_files(page, program, folder)
             link(page, url)
             pace(page, seconds)
             for width in (400, 800, 1600):
@@ -315,7 +387,7 @@ def main():
             check(not page.problems, f"no complaint of the browser {page.problems[:3]}")
         finally:
             page.close()
-    print(f"the page: {len(failures)} failures")
+    print(f"the pages: {len(failures)} failures")
     return 1 if failures else 0
 
 

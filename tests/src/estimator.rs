@@ -132,9 +132,9 @@ impl Reference {
 pub const LIMIT: Si = Si::lit("0.5");
 
 /// A device: rate, bandwidth, inertia, damping, delay in ticks.
-pub type Device = (u32, &'static str, &'static str, &'static str, f64);
+pub type DeviceRow = (u32, &'static str, &'static str, &'static str, f64);
 /// From slow to quick, with no delay to two ticks.
-pub const DEVICES: [Device; 7] = [
+pub const DEVICES: [DeviceRow; 7] = [
     (1000, "60", "0.0001", "0.0004", 1.0),
     (1000, "60", "0.0001", "0.0004", 0.0),
     (1000, "100", "0.00003", "0.00004", 0.37),
@@ -145,7 +145,7 @@ pub const DEVICES: [Device; 7] = [
 ];
 
 /// The estimator's settings of a device.
-pub fn settings(&(rate, p, j, b, delay): &Device) -> EstimatorSettings {
+pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: Si::from_str(p).unwrap(),
         inertia: Si::from_str(j).unwrap(),
@@ -158,13 +158,13 @@ pub fn settings(&(rate, p, j, b, delay): &Device) -> EstimatorSettings {
 ///
 /// # Panics
 /// Where its settings are refused.
-pub fn estimator<N: Number>(device: &Device) -> Estimator<N> {
+pub fn estimator<N: Number>(device: &DeviceRow) -> Estimator<N> {
     let built = settings(device).estimator(device.0, LIMIT);
     built.unwrap_or_else(|error| panic!("{device:?}: {error}"))
 }
 
 /// The reference of the same device, of what the settings hold.
-pub fn reference(device: &Device) -> Reference {
+pub fn reference(device: &DeviceRow) -> Reference {
     let given = settings(device);
     let rate = f64::from(device.0);
     let of = |x: Si| x.to_num::<f64>();

@@ -5,6 +5,7 @@
 //! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
 //! ```
 
+use touchstone_drive::encoder::Frames;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,
@@ -134,7 +135,9 @@ impl<T: Tamper> Knob<T> {
         );
         match self.settings.encoder.kind {
             EncoderKind::Incremental => EncoderReading::Counter16(count as u16),
-            EncoderKind::As5047p => EncoderReading::As5047p(motor::as5047p_frame(count)),
+            EncoderKind::As5047p => {
+                EncoderReading::As5047p(Frames::alone(motor::as5047p_frame(count)))
+            }
             EncoderKind::Mt6701 => EncoderReading::Mt6701(motor::mt6701_frame(count, 0)),
         }
     }
@@ -182,6 +185,8 @@ impl<T: Tamper> Knob<T> {
             command: self.command.take(),
             hardware_break: self.hardware_break,
             gate_driver_error: false,
+            stop_button: false,
+            host_heard: true,
             timing: TickTiming {
                 lateness: 40,
                 duration: 2_500,

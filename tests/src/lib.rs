@@ -9,9 +9,11 @@ pub mod motion;
 pub mod port;
 pub mod random;
 pub mod search;
+pub mod served_knob;
 pub mod si;
 pub mod space;
 pub mod space_port;
+pub mod surface_path;
 pub mod variants;
 
 /// A shipped scene with the thesis' law, which is what most tests are about.

@@ -1,6 +1,7 @@
 //! A million random inputs into the two interrupts: no panic (arithmetic is checked in this build), no output outside of
 //! calibrating and armed, no way from a fault to armed but through stop and calibration.
 
+use touchstone_drive::encoder::{Asked, Frames};
 use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1};
 use touchstone_drive::settings::DriveKind;
 use touchstone_drive::{
@@ -35,10 +36,13 @@ fn reading(random: &mut Random, kind: EncoderKind, last: &mut u32) -> EncoderRea
     let garbled = once_in(random, 400);
     let count = i64::from(*last);
     match kind {
-        EncoderKind::As5047p if garbled => EncoderReading::As5047p(bits(random) as u16),
-        EncoderKind::As5047p => {
-            EncoderReading::As5047p(touchstone_world::motor::as5047p_frame(count))
+        EncoderKind::As5047p if garbled => {
+            EncoderReading::As5047p(Frames::alone(bits(random) as u16))
         }
+        EncoderKind::As5047p => EncoderReading::As5047p(Frames {
+            angle: touchstone_world::motor::as5047p_frame(count),
+            before: once_in(random, 100).then(|| Asked::Field(bits(random) as u16)),
+        }),
         EncoderKind::Mt6701 if garbled => EncoderReading::Mt6701(bits(random)),
         EncoderKind::Mt6701 => {
             EncoderReading::Mt6701(touchstone_world::motor::mt6701_frame(count, 0))
@@ -113,6 +117,8 @@ fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
             command: command(&mut random, before),
             hardware_break: rare(&mut random),
             gate_driver_error: rare(&mut random),
+            stop_button: rare(&mut random),
+            host_heard: !rare(&mut random),
             timing: if rare(&mut random) {
                 TickTiming {
                     lateness: bits(&mut random),

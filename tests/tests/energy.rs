@@ -78,6 +78,7 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
             torque_n_m,
             motor_j,
             device_loss_j: loss.device_j,
+            stored_j: 0.0,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses what it cannot believe.
 
 use std::f64::consts::TAU;
+use touchstone_drive::encoder::Frames;
 use touchstone_drive::{
     ControlInput, CurrentSample, DeviceSettings, EncoderKind, EncoderReading, Reason,
 };
@@ -114,7 +115,7 @@ fn wrong_pole_pairs_are_a_mismatch() {
 struct Frozen;
 impl Tamper for Frozen {
     fn input(&mut self, _tick: u32, input: &mut ControlInput) -> bool {
-        input.encoder = EncoderReading::As5047p(0x8001);
+        input.encoder = EncoderReading::As5047p(Frames::alone(0x8001));
         true
     }
 }

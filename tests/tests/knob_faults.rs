@@ -1,6 +1,7 @@
 //! Every fault that the supervisor knows, injected into an armed knob: outputs off in the very tick that sees it, its code and
 //! value latched, and no way back to armed but through stop and calibration.
 
+use touchstone_drive::encoder::Frames;
 use touchstone_drive::{
     ControlInput, CurrentSample, DeviceSettings, EncoderReading, Si, TickTiming,
 };
@@ -204,12 +205,13 @@ fn encoder() {
     let silent = |i: &mut ControlInput, _| i.encoder = EncoderReading::Silent;
     assert_eq!(within(3, FaultCode::EncoderSilent, What::Input(silent)), 3);
     let parity = |i: &mut ControlInput, _| {
-        if let EncoderReading::As5047p(frame) = &mut i.encoder {
+        if let EncoderReading::As5047p(Frames { angle: frame, .. }) = &mut i.encoder {
             *frame ^= 0x0010;
         }
     };
     within(3, FaultCode::EncoderCheck, What::Input(parity));
-    let floating = |i: &mut ControlInput, _| i.encoder = EncoderReading::As5047p(0xFFFF);
+    let floating =
+        |i: &mut ControlInput, _| i.encoder = EncoderReading::As5047p(Frames::alone(0xFFFF));
     assert_eq!(
         within(3, FaultCode::EncoderStatus, What::Input(floating)),
         0xFFFF
@@ -217,35 +219,35 @@ fn encoder() {
     // Alternating kinds of bad are in a row, too: the last one gives the code.
     let mixed = |i: &mut ControlInput, n| {
         i.encoder = if n % 2 == 0 {
-            EncoderReading::As5047p(1)
+            EncoderReading::As5047p(Frames::alone(1))
         } else {
             EncoderReading::Silent
         };
     };
     within(3, FaultCode::EncoderCheck, What::Input(mixed));
     let jump = |i: &mut ControlInput, _| {
-        if let EncoderReading::As5047p(frame) = &mut i.encoder {
+        if let EncoderReading::As5047p(Frames { angle: frame, .. }) = &mut i.encoder {
             *frame = touchstone_world::motor::as5047p_frame(i64::from(*frame & 0x3FFF) + 4_000);
         }
     };
     let moved = within(1, FaultCode::EncoderJump, What::Input(jump));
     assert!((3_900..4_100).contains(&moved), "{moved}");
-    // 70 rad/s: 183 counts in a millisecond, less than a jump of 630.
+    // 112 rad/s: 293 counts in a millisecond, less than a jump of 1,047.
     let fast = |i: &mut ControlInput, n: u32| {
-        if let EncoderReading::As5047p(frame) = &mut i.encoder {
+        if let EncoderReading::As5047p(Frames { angle: frame, .. }) = &mut i.encoder {
             *frame = touchstone_world::motor::as5047p_frame(
-                i64::from(*frame & 0x3FFF) + 183 * (i64::from(n) + 1),
+                i64::from(*frame & 0x3FFF) + 293 * (i64::from(n) + 1),
             );
         }
     };
     let speed = within(1, FaultCode::OverSpeed, What::Input(fast));
-    assert!((68_000..72_000).contains(&speed), "{speed} mrad/s");
+    assert!((110_000..115_000).contains(&speed), "{speed} mrad/s");
 }
 
 #[test]
 fn speed_after_a_gap_is_that_of_all_its_ticks() {
-    // Two bad readings while the shaft moves on at 40 rad/s, or at 70: 313 counts in three ticks, or 548.
-    for (counts, expected) in [(313, None), (548, Some(FaultCode::OverSpeed))] {
+    // Two bad readings while the shaft moves on at 40 rad/s, or at 110: 313 counts in three ticks, or 861.
+    for (counts, expected) in [(313, None), (861, Some(FaultCode::OverSpeed))] {
         struct Gap {
             from: u32,
             counts: i64,
@@ -254,7 +256,7 @@ fn speed_after_a_gap_is_that_of_all_its_ticks() {
             fn input(&mut self, tick: u32, input: &mut ControlInput) -> bool {
                 match (tick.checked_sub(self.from), &mut input.encoder) {
                     (Some(0 | 1), reading) => *reading = EncoderReading::Silent,
-                    (Some(_), EncoderReading::As5047p(frame)) => {
+                    (Some(_), EncoderReading::As5047p(Frames { angle: frame, .. })) => {
                         let moved = i64::from(*frame & 0x3FFF) + self.counts;
                         *frame = touchstone_world::motor::as5047p_frame(moved);
                     }

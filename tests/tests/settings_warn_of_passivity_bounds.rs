@@ -1,7 +1,9 @@
 //! Both sides of every passivity bound: the last setting without a warning, and the named warning for the next one. Warnings
 //! come where a law uses the setting, and nowhere else.
 
-use touchstone_control::{Field, LawKind, ObserverForm, Settings, Si, Warning};
+use touchstone_control::{
+    Choice as _, Field, LawKind, ObserverForm, Settings, Si, StatesKind, Warning,
+};
 use touchstone_tests::si::{assert_one_line, next, si};
 
 fn warns(settings: &Settings, is: fn(&Warning) -> bool) -> bool {
@@ -120,6 +122,24 @@ fn ground_damping_below_half_the_soft_spring_is_warned_about() {
     assert_eq!(expected.field(), Field::FilterGroundDamping);
     settings.law = LawKind::Tdpa;
     assert!(!warns(&settings, is));
+}
+
+#[test]
+fn an_observer_of_estimates_is_warned_about() {
+    let is = |w: &Warning| matches!(w, Warning::ObservesEstimates);
+    for &law in LawKind::ALL {
+        for &states in StatesKind::ALL {
+            let settings = Settings {
+                law,
+                states,
+                ..Settings::default()
+            };
+            let expected = law == LawKind::Tdpa && states == StatesKind::Estimated;
+            assert_eq!(warns(&settings, is), expected, "{law:?} {states:?}");
+        }
+    }
+    assert_eq!(Warning::ObservesEstimates.field(), Field::States);
+    assert!(!Warning::ObservesEstimates.is_answered_by_guard());
 }
 
 #[test]

@@ -1,13 +1,14 @@
-//! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim/sim`.
+//! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim/sim`; `bench --ladder
+//! [--write]`: of every effect of a scene alone and of all pairs ([`ladder`](crate::ladder)).
 //!
 //! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks; the
 //! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
 //! the same on a busy machine. Without ARGS, each name that `EXAMPLE --list` prints is counted.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::outcome::Outcome;
-use crate::{packages, shell};
+use crate::{ladder, packages, shell};
 
 /// What to count.
 #[derive(Debug, PartialEq, Eq)]
@@ -40,7 +41,7 @@ impl Plan {
 }
 
 /// Instructions in all, from callgrind's output file.
-fn instructions(file: &str) -> Option<u64> {
+pub fn instructions(file: &str) -> Option<u64> {
     let value = |key| {
         file.lines()
             .find_map(|line: &str| line.strip_prefix(key)?.trim().parse().ok())
@@ -49,14 +50,18 @@ fn instructions(file: &str) -> Option<u64> {
 }
 
 /// `(Ir(n2) - Ir(n1)) / (n2 - n1)`.
-fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
+pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
     (counted[1] as f64 - counted[0] as f64) / (ticks[1] - ticks[0]) as f64
 }
 
 pub fn run(words: &[String]) -> Outcome {
+    if let [first, rest @ ..] = words
+        && first == "--ladder"
+    {
+        return ladder::run(rest);
+    }
     let Some(plan) = Plan::parse(words) else {
-        let usage =
-            "cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS], TICKS below MORE_TICKS";
+        let usage = "cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS], TICKS below MORE_TICKS, or bench --ladder [--write]";
         return Outcome::Usage(usage.into());
     };
     let folder = shell::root().join("host-sim/sim/examples");
@@ -72,13 +77,7 @@ pub fn run(words: &[String]) -> Outcome {
 
 /// Counts what was asked for: the configuration named by the arguments, or each that the example lists.
 fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
-    let mut build = shell::cargo_locked("build");
-    build.args(["--release", "--package", "touchstone-sim", "--example"]);
-    let built = shell::run(build.arg(&plan.example));
-    if built.is_failure() {
-        return Err(built);
-    }
-    let binary = shell::target("release/examples").join(&plan.example);
+    let binary = built(&plan.example)?;
     let listed = shell::capture(shell::program(&binary).arg("--list")).unwrap_or_default();
     let configurations: Vec<Vec<String>> = if plan.args.is_empty() && !listed.is_empty() {
         listed.lines().map(|name| vec![name.to_owned()]).collect()
@@ -102,6 +101,17 @@ fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
             costs.len()
         )
     }))
+}
+
+/// An example of `host-sim/sim`, as a user would run it.
+pub fn built(example: &str) -> Result<PathBuf, Outcome> {
+    let mut build = shell::cargo_locked("build");
+    build.args(["--release", "--package", "touchstone-sim", "--example"]);
+    let built = shell::run(build.arg(example));
+    if built.is_failure() {
+        return Err(built);
+    }
+    Ok(shell::target("release/examples").join(example))
 }
 
 fn count(plan: &Plan, binary: &Path, args: &[String]) -> Result<f64, Outcome> {

@@ -14,6 +14,7 @@ mod firmware;
 mod float_free;
 mod fmt;
 mod inspect;
+mod ladder;
 mod lint;
 mod live;
 mod mutants;
@@ -149,14 +150,15 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "bench",
-        about: "instructions per tick of an example, counted by valgrind: `bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`",
+        about: "instructions per tick of an example, counted by valgrind: `bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`; of every effect of a scene alone and in \
+                pairs: `bench --ladder [--write]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: bench::run,
     },
     Step {
         name: "prove",
-        about: "the proofs: `prove [--harness NAME] [--bless]`, or wrong changes that they must find: `prove --mutants [--tests]`",
+        about: "the proofs: `prove [--harness NAME] [--bless] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: prove::run,

@@ -1,4 +1,4 @@
-//! `cargo xtask page`: the live page in a real browser, driven by a script.
+//! `cargo xtask page`: the live page and the board's in a real browser, driven by a script.
 
 use crate::outcome::Outcome;
 use crate::shell;
@@ -18,9 +18,24 @@ pub fn run(args: &[String]) -> Outcome {
     if built.is_failure() {
         return built;
     }
-    let program = shell::target("debug").join("touchstone");
+    let example = [
+        "--package",
+        "touchstone-tests",
+        "--example",
+        "knob_on_a_socket",
+    ];
+    let built = shell::run(shell::cargo_locked("build").args(example));
+    if built.is_failure() {
+        return built;
+    }
+    let made = shell::target("debug");
+    let (program, knob) = (
+        made.join("touchstone"),
+        made.join("examples/knob_on_a_socket"),
+    );
     let mut script = shell::program("python3");
-    script.arg("tests/page/drive.py").arg(program).args(args);
+    script.arg("tests/page/drive.py").args([program, knob]);
+    script.args(args);
     let mut last = String::new();
     match shell::exit_code(&mut script, |line| last = line.to_owned()) {
         Ok(Some(code)) => Outcome::of_code(code).map_or_else(

@@ -105,6 +105,15 @@ const TOOLS: &[Tool] = &[
         packages: &EMULATOR,
     },
     Tool {
+        name: "coq",
+        required: false,
+        purpose: "prove: the theorems over traces",
+        version: || first_line(&["coqc", "--version"]),
+        // 250 MB to fetch, 1 GB on disk.
+        hint: "apt-get install --no-install-recommends coq",
+        packages: &["coq"],
+    },
+    Tool {
         name: "kani",
         required: false,
         purpose: "prove: the harnesses",

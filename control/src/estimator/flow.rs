@@ -1,6 +1,6 @@
 //! How the modelled device moves over a time, as weights.
 
-use super::{Motion, Part, Weight};
+use super::{EstimatedMotion, Part, Weight};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
@@ -31,7 +31,7 @@ pub struct Flow<N: Number, const COMMANDS: usize> {
 
 /// A device in ticks: what flows are made of.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Device {
+pub(super) struct DeviceInTicks {
     /// `β = b T/J`.
     pub loss: Exact,
     /// `q = T²/J`, rad/(N·m).
@@ -43,7 +43,7 @@ pub(super) struct Device {
 /// More terms than `(β t)^k/k!` has digits, for `β t` up to 4.
 const TERMS: i32 = 48;
 
-impl Device {
+impl DeviceInTicks {
     /// `V` and `X` of a time in ticks.
     pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
@@ -107,7 +107,11 @@ impl Device {
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
     /// Position and displacement per tick at the end.
     #[inline(always)]
-    pub fn apply(&self, from: &Motion<N>, commands: &[Part<N>; TAPS]) -> (N::Wide, N::Wide) {
+    pub fn apply(
+        &self,
+        from: &EstimatedMotion<N>,
+        commands: &[Part<N>; TAPS],
+    ) -> (N::Wide, N::Wide) {
         let (moved, pushed) = (from.moved.part(), from.pushed.part());
         let mut position = from
             .position

@@ -54,7 +54,7 @@ pub struct Estimator<N: Number> {
 
 /// Where the device is, how it moves, and how it is pushed: each with many digits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion<N: Number> {
+pub struct EstimatedMotion<N: Number> {
     /// Penetration `x`, rad.
     pub position: N::Wide,
     /// Displacement per tick `d`, rad.
@@ -67,7 +67,7 @@ pub struct Motion<N: Number> {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatorState<N: Number> {
     /// The motion at the last sample; `None` before the first one.
-    pub motion: Option<Motion<N>>,
+    pub motion: Option<EstimatedMotion<N>>,
     /// The last commands, the latest first.
     pub commands: [Part<N>; TAPS],
 }
@@ -85,9 +85,9 @@ impl<N: Number> Estimator<N> {
         let motion = state
             .motion
             .and_then(|before| self.corrected(&before, &state.commands, measured))
-            .unwrap_or(Motion {
+            .unwrap_or(EstimatedMotion {
                 position: N::widen(measured.0),
-                ..Motion::default()
+                ..EstimatedMotion::default()
             });
         state.motion = Some(motion);
         let (position, moved) = self.ahead.apply(&motion, &state.commands);
@@ -101,10 +101,10 @@ impl<N: Number> Estimator<N> {
     #[inline(always)]
     pub fn corrected(
         &self,
-        before: &Motion<N>,
+        before: &EstimatedMotion<N>,
         commands: &[Part<N>; TAPS],
         measured: Position<N>,
-    ) -> Option<Motion<N>> {
+    ) -> Option<EstimatedMotion<N>> {
         let (position, moved) = self.tick.apply(before, commands);
         let surprise = N::widen(measured.0).minus_fitting(position);
         if !surprise.within(LARGEST_SURPRISE_BITS) {
@@ -112,7 +112,7 @@ impl<N: Number> Estimator<N> {
         }
         let surprise = surprise.part();
         let [of_position, of_moved, of_pushed] = self.correction;
-        let after = Motion::<N> {
+        let after = EstimatedMotion::<N> {
             position: position.plus_fitting(N::Wide::product(of_position, surprise)),
             moved: moved.plus_fitting(N::Wide::product(of_moved, surprise)),
             pushed: before

@@ -1,6 +1,6 @@
 //! What the estimator is told, in SI, and the coefficients that it becomes.
 
-use super::flow::{Device, LONGEST_DELAY};
+use super::flow::{DeviceInTicks, LONGEST_DELAY};
 use super::{Estimator, Weight};
 use crate::number::Exact;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
@@ -82,7 +82,7 @@ impl EstimatorSettings {
         let rate = Si::saturating_from_num(rate_hz.max(1));
         let inertia = self.inertia.saturating_mul(rate).saturating_mul(rate);
         let angle = ratio(self.bandwidth_hz, rate).saturating_mul(Exact::TAU);
-        let device = Device {
+        let device = DeviceInTicks {
             loss: ratio(self.damping.saturating_mul(rate), inertia).min(angle),
             per_torque: ratio(Si::ONE, inertia),
             delay: ratio(self.delay_s.saturating_mul(rate), Si::ONE)
@@ -105,9 +105,9 @@ impl EstimatorSettings {
 }
 
 /// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`.
-fn correction<N: Number>(device: &Device, angle: Exact) -> Option<[Weight<N>; 3]> {
+fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
     // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
-    let decay = Device {
+    let decay = DeviceInTicks {
         loss: angle,
         ..*device
     };

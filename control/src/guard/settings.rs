@@ -124,6 +124,13 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
     }
 }
 
+/// One step of a signal.
+fn quantum<N: Number>() -> Si {
+    let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
+    let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);
+    (0..Si::FRAC_NBITS).map(step).find(shows).unwrap_or(Si::ONE)
+}
+
 /// A position, rounded up.
 fn up<N: Number>(field: Field, value: Si) -> Result<Position<N>, SettingsError> {
     N::signal(value)
@@ -171,7 +178,11 @@ impl<N: Number> Guard<N> {
         .into_iter()
         .find(|room| quarter(Field::GuardCapacity, *room).is_ok())
         .unwrap_or_default();
-        let per_reach = over(Si::ONE, derived.reach).min(over(room, settings.capacity));
+        // The reserve in flight is rounded up by a quantum, and the positions that both are measured with by one each.
+        let step = quantum::<N>();
+        let rounded = step.saturating_add(step).saturating_add(step);
+        let reach = derived.reach.saturating_add(rounded);
+        let per_reach = over(Si::ONE, reach).min(over(room, settings.capacity));
         let largest_change = settings
             .capacity
             .saturating_mul(per_reach)
@@ -204,8 +215,10 @@ impl<N: Number> Guard<N> {
         let half_count = device.count / 2;
         let mut slack =
             up::<N>(Field::GuardOverspeed, half_count)? + Position::quantum() + Position::quantum();
-        // What the last digit of the stray leaves out: a quantum for every newton-metre that a change can have.
-        for _ in 0..=largest_change.saturating_to_num::<u16>() {
+        // What the last digits of stray and share leave out: a quantum for every newton-metre that a change can have, and for every
+        // radian that a displacement can.
+        let left_out = largest_change.saturating_add(derived.distance);
+        for _ in 0..=left_out.saturating_to_num::<u16>() {
             slack = slack + Position::quantum();
         }
         let in_flight = if delayed {
@@ -230,12 +243,16 @@ impl<N: Number> Guard<N> {
                 N::signal(over(settings.overspeed, rate))
                     .ok_or(refused::<N>(Field::GuardOverspeed, settings.overspeed))?,
             ),
-            count: up::<N>(Field::GuardOverspeed, device.count)? + Position::quantum(),
+            count: up::<N>(Field::GuardOverspeed, device.count)?
+                + Position::quantum()
+                + Position::quantum(),
             late: Ratio(N::ratio(late).ok_or(refused::<N>(Field::GuardDelay, late))?),
             stray: Compliance(N::ratio(stray).ok_or(refused::<N>(Field::GuardDamping, stray))?),
             slack,
             per_reach: gain(Field::GuardOverspeed, per_reach)?,
-            in_flight: up::<N>(Field::GuardDelay, in_flight.saturating_add(half_count))?,
+            // The position that it is measured from is rounded as well.
+            in_flight: up::<N>(Field::GuardDelay, in_flight.saturating_add(half_count))?
+                + Position::quantum(),
             overrun: Compliance(overrun),
         })
     }

@@ -4,57 +4,202 @@
 //! |---|---|
 //! | 15 | even parity over all bits |
 //! | 14 | error flag: a frame before was wrong (framing, parity, command) |
-//! | 13–0 | angle, 16,384 counts a turn |
+//! | 13–0 | what was asked for |
+//!
+//! The error flag is about frames only. Whether there is a magnet stands in `DIAAGC`, which has to be asked for, or the angle of an
+//! encoder that has lost its magnet looks as good as any:
+//!
+//! | bit | `DIAAGC` |
+//! |---|---|
+//! | 11 | the field is too weak, and the gain at its largest |
+//! | 10 | the field is too strong, and the gain at its smallest |
+//! | 9 | the angle's calculation overflowed |
+//! | 8 | the offsets are compensated: 0 while the encoder starts |
+//! | 7–0 | the gain |
 
 use super::{EncoderError, Word};
 
 /// The frame that asks for `ANGLECOM` (0x3FFF), the angle compensated for the filter's delay: read bit and even parity set.
 pub const READ_ANGLE: u16 = 0xFFFF;
 /// The frame that asks for `ERRFL` (0x0001), which clears the error flag: read bit set, parity even.
-pub const READ_ERRORS: u16 = 0x4001;
+const READ_ERRORS: u16 = 0x4001;
+/// The frame that asks for `DIAAGC` (0x3FFC): read bit set, parity even.
+const READ_FIELD: u16 = 0xFFFC;
 
 const ERROR: u16 = 1 << 14;
-const ANGLE: u16 = 0x3FFF;
+const DATA: u16 = 0x3FFF;
+/// Too weak, too strong, overflow, compensated; and how they are while all is well.
+const FIELD: u16 = 0xF << 8;
+const FIELD_IS_RIGHT: u16 = 1 << 8;
 
-pub(super) fn decode(frame: u16) -> Result<Word, EncoderError> {
+/// What a tick's two frames brought. The second one asks for what the next tick's first frame brings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frames {
+    /// The answer to [`READ_ANGLE`].
+    pub angle: u16,
+    /// The answer to the question before; `None` where there was none.
+    pub before: Option<Asked>,
+}
+
+impl Frames {
+    /// Where nothing was asked in the tick before.
+    #[must_use]
+    pub const fn alone(angle: u16) -> Self {
+        Self {
+            angle,
+            before: None,
+        }
+    }
+}
+
+/// An answer to what was asked at the end of the tick before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// `DIAAGC`.
+    Field(u16),
+    /// `ERRFL`, which nobody looks at: reading clears it.
+    Errors(u16),
+}
+
+/// What a tick asks for beside the angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Whether the magnet is there.
+    Field,
+    /// What was wrong with a frame: until that is read, the encoder marks every answer.
+    Errors,
+}
+
+impl Question {
+    /// After the first of a tick's answers.
+    #[must_use]
+    pub const fn after(answer: u16) -> Self {
+        if answer & ERROR != 0 {
+            Self::Errors
+        } else {
+            Self::Field
+        }
+    }
+
+    /// The question that a frame asks.
+    #[must_use]
+    pub const fn of(frame: u16) -> Option<Self> {
+        match frame {
+            READ_FIELD => Some(Self::Field),
+            READ_ERRORS => Some(Self::Errors),
+            _ => None,
+        }
+    }
+
+    /// The frame that asks.
+    #[must_use]
+    pub const fn frame(self) -> u16 {
+        match self {
+            Self::Field => READ_FIELD,
+            Self::Errors => READ_ERRORS,
+        }
+    }
+
+    /// What an answer to it is.
+    #[must_use]
+    pub const fn answered(self, answer: u16) -> Asked {
+        match self {
+            Self::Field => Asked::Field(answer),
+            Self::Errors => Asked::Errors(answer),
+        }
+    }
+}
+
+pub(super) fn decode(frames: Frames) -> Result<Word, EncoderError> {
+    let angle = whole(frames.angle)?;
+    if let Some(Asked::Field(answer)) = frames.before
+        && whole(answer)? & FIELD != FIELD_IS_RIGHT
+    {
+        return Err(EncoderError::Status(u32::from(answer)));
+    }
+    Ok(Word::new(u32::from(angle), 14))
+}
+
+/// The data of a frame that is not marked and whose parity is right.
+fn whole(frame: u16) -> Result<u16, EncoderError> {
     if !frame.count_ones().is_multiple_of(2) {
         return Err(EncoderError::Check(u32::from(frame)));
     }
     if frame & ERROR != 0 {
         return Err(EncoderError::Status(u32::from(frame)));
     }
-    Ok(Word::new(u32::from(frame & ANGLE), 14))
+    Ok(frame & DATA)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// An answer with its parity.
+    fn answer(data: u16) -> u16 {
+        data | ((data.count_ones() & 1) as u16) << 15
+    }
+
     #[test]
     fn a_right_frame_and_every_single_flipped_bit() {
+        let field = answer(FIELD_IS_RIGHT | 0x7F);
         for angle in [0_u16, 1, 0x1234, 0x3FFF] {
-            let parity = ((angle.count_ones() & 1) as u16) << 15;
-            let frame = angle | parity;
-            assert_eq!(decode(frame).unwrap().value(), u32::from(angle));
+            let right = Frames {
+                angle: answer(angle),
+                before: Some(Asked::Field(field)),
+            };
+            assert_eq!(decode(right).unwrap().value(), u32::from(angle));
             for bit in 0..16 {
-                let flipped = frame ^ (1 << bit);
-                assert_eq!(
-                    decode(flipped),
-                    Err(EncoderError::Check(u32::from(flipped)))
-                );
+                let flipped = right.angle ^ (1 << bit);
+                let check = |word| Err(EncoderError::Check(u32::from(word)));
+                assert_eq!(decode(Frames::alone(flipped)), check(flipped));
+                let flipped = field ^ (1 << bit);
+                let before = Some(Asked::Field(flipped));
+                assert_eq!(decode(Frames { before, ..right }), check(flipped));
             }
         }
     }
 
     #[test]
     fn the_error_flag_and_a_line_that_floats_high() {
-        assert_eq!(decode(0xC000), Err(EncoderError::Status(0xC000)));
-        assert_eq!(decode(0xFFFF), Err(EncoderError::Status(0xFFFF)));
+        assert_eq!(
+            decode(Frames::alone(0xC000)),
+            Err(EncoderError::Status(0xC000))
+        );
+        assert_eq!(
+            decode(Frames::alone(0xFFFF)),
+            Err(EncoderError::Status(0xFFFF))
+        );
+    }
+
+    #[test]
+    fn a_magnet_that_is_gone_too_near_or_not_yet_seen() {
+        let with = |before| {
+            decode(Frames {
+                angle: answer(77),
+                before,
+            })
+        };
+        // Too weak, too strong, overflow, not yet compensated.
+        for field in [0x9FF, 0x500, 0x380, 0x080] {
+            let word = answer(field);
+            let status = Err(EncoderError::Status(u32::from(word)));
+            assert_eq!(with(Some(Asked::Field(word))), status, "{field:x}");
+            // The same bits in `ERRFL` say nothing of a field.
+            assert!(with(Some(Asked::Errors(word))).is_ok());
+        }
+        assert!(with(None).is_ok());
+    }
+
+    #[test]
+    fn what_was_wrong_is_asked_for_once_the_flag_is_up_and_else_the_field() {
+        assert_eq!(Question::after(answer(0x17F)), Question::Field);
+        assert_eq!(Question::after(answer(0x4000)), Question::Errors);
     }
 
     #[test]
     fn commands_have_even_parity() {
-        for command in [READ_ANGLE, READ_ERRORS] {
+        for command in [READ_ANGLE, READ_ERRORS, READ_FIELD] {
             assert_eq!(command.count_ones() & 1, 0);
             assert_ne!(command & (1 << 14), 0, "read bit");
         }

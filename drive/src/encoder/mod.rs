@@ -8,7 +8,7 @@ pub use touchstone_protocol::settings::EncoderKind;
 use touchstone_protocol::Unwrap32;
 
 pub use as5047p::READ_ANGLE as AS5047P_READ_ANGLE;
-pub use as5047p::READ_ERRORS as AS5047P_READ_ERRORS;
+pub use as5047p::{Asked, Frames, Question};
 
 /// What was read in this tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,8 +17,8 @@ pub enum EncoderReading {
     Counter16(u16),
     /// A timer of 32 bits.
     Counter32(u32),
-    /// The frame that answered [`AS5047P_READ_ANGLE`] of the frame before.
-    As5047p(u16),
+    /// The frames that answered [`AS5047P_READ_ANGLE`] and what was asked in the tick before.
+    As5047p(Frames),
     /// 24 bits of SSI, the first received in bit 23.
     Mt6701(u32),
     /// Nothing came in time.
@@ -71,7 +71,7 @@ impl EncoderReading {
                 Ok(Word::new(u32::from(value), 16))
             }
             (EncoderKind::Incremental, Self::Counter32(value)) => Ok(Word::new(value, 32)),
-            (EncoderKind::As5047p, Self::As5047p(frame)) => as5047p::decode(frame),
+            (EncoderKind::As5047p, Self::As5047p(frames)) => as5047p::decode(frames),
             (EncoderKind::Mt6701, Self::Mt6701(frame)) => mt6701::decode(frame),
             _ => Err(EncoderError::Silent),
         }

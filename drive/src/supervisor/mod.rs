@@ -10,12 +10,16 @@
 //! | [`power`] | bus voltage, temperature (with derating below the fault) |
 //! | [`shaft`] | encoder silent, parity and CRC, own error, jump, overspeed |
 //! | [`stuck`] | encoder stuck while armed |
+//! | [`heat`] | a motor that is too hot by the model of its windings (with derating below the fault) |
+//! | [`asked`] | stop button, a desktop that is silent |
 //! | [`crate::current`] | over-current, stale command, break: the loop has switched off already and says why |
 //! | [`crate::calibration`] | calibration, current sensors, encoder stuck while calibrating |
 //! | [`crate::reset`] | watchdog, brown-out, panic: after the reset that they caused |
 //!
 //! Limits that hold back without a fault have codes of their own, [`touchstone_protocol::Limits`].
 
+pub mod asked;
+pub mod heat;
 pub mod power;
 pub mod shaft;
 pub mod stuck;
@@ -25,6 +29,8 @@ use crate::hardware::Hardware;
 use crate::input::ControlInput;
 use crate::settings::DriveKind;
 use crate::timing::TickTiming;
+use asked::{Asked, AskedConfig};
+use heat::{Heat, HeatConfig};
 use power::{Power, PowerConfig};
 use shaft::{Seen, Shaft, ShaftConfig};
 use stuck::{Stuck, StuckConfig};
@@ -39,7 +45,8 @@ pub type Found = (FaultCode, i32);
 pub struct SupervisorConfig {
     shaft: ShaftConfig,
     /// Not for an analogue drive, whose power stage is somebody else's.
-    motor: Option<(PowerConfig, StuckConfig)>,
+    motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
+    asked: AskedConfig,
     /// Cycles of a control period.
     period: u32,
 }
@@ -52,10 +59,12 @@ impl SupervisorConfig {
         let motor = (
             PowerConfig::new(settings, hardware),
             StuckConfig::new(settings),
+            HeatConfig::new(settings),
         );
         Self {
             shaft: ShaftConfig::new(settings, hardware),
             motor: (settings.drive.kind == DriveKind::ThreePhase).then_some(motor),
+            asked: AskedConfig::new(settings),
             period: hardware.core_hz / rate,
         }
     }
@@ -72,6 +81,8 @@ impl SupervisorConfig {
 pub struct Supervisor {
     shaft: Shaft,
     stuck: Stuck,
+    heat: Heat,
+    asked: Asked,
     trips: u8,
     missed: u16,
     watched: bool,
@@ -84,8 +95,19 @@ pub struct Verdict {
     pub fault: Option<Found>,
     /// The unbroken count, if the reading was good.
     pub count: Option<i64>,
-    /// Share of the current that the temperature leaves, in 1/65,536.
+    /// Share of the current that the temperatures of power stage and motor leave, in 1/65,536.
     pub derating: u32,
+}
+
+/// What the state of the device makes of what is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Watch {
+    /// Broken limits are faults.
+    pub watched: bool,
+    /// The outputs may be on.
+    pub may_be_on: bool,
+    /// The tick before drove the motor by the law.
+    pub driven: bool,
 }
 
 impl Default for Supervisor {
@@ -101,13 +123,22 @@ impl Supervisor {
         Self {
             shaft: Shaft::new(),
             stuck: Stuck::new(),
+            heat: Heat::cold(),
+            asked: Asked::new(),
             trips: 0,
             missed: 0,
             watched: false,
         }
     }
 
-    /// For another configuration: the shaft is new, what the current loop counts goes on.
+    /// The processor was away, nobody knows for how long: the motor may be as hot as it may be.
+    pub const fn motor_may_be_hot(&mut self, config: &SupervisorConfig) {
+        if let Some((_, _, heat)) = &config.motor {
+            self.heat = Heat::unknown(heat);
+        }
+    }
+
+    /// For another configuration: the shaft is new, what the current loop counts and the motor's heat go on.
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
@@ -119,14 +150,18 @@ impl Supervisor {
         &self.shaft
     }
 
-    /// Inspects everything that was read. `watched`: broken limits are faults. `driven`: the tick before drove the motor by the law.
+    /// Inspects everything that was read.
     pub fn inspect(
         &mut self,
         config: &SupervisorConfig,
         input: &ControlInput,
-        watched: bool,
-        driven: bool,
+        watch: Watch,
     ) -> Verdict {
+        let Watch {
+            watched,
+            may_be_on,
+            driven,
+        } = watch;
         let report = &input.current;
         let seen = self.shaft.read(&config.shaft, input.encoder, watched);
         let (count, shaft_fault) = match seen {
@@ -135,7 +170,7 @@ impl Supervisor {
             Seen::Fault(code, value) => (None, Some((code, value))),
         };
         let stuck_fault = match (&config.motor, seen) {
-            (Some((_, stuck)), Seen::Good { moved, .. }) if driven => {
+            (Some((_, stuck, _)), Seen::Good { moved, .. }) if driven => {
                 self.stuck.update(stuck, moved, report)
             }
             _ => {
@@ -144,9 +179,14 @@ impl Supervisor {
             }
         };
         let (power_fault, derating) = match &config.motor {
-            Some((power, _)) => Power::inspect(power, report),
+            Some((power, ..)) => Power::inspect(power, report),
             None => (None, 1 << 16),
         };
+        let (heat_fault, left) = match &config.motor {
+            Some((.., heat)) => self.heat.update(heat, report),
+            None => (None, 1 << 16),
+        };
+        let asked_fault = self.asked.update(&config.asked, input, may_be_on);
         let loop_fault = self.look_at_loop(config, input.timing, report);
         // Always taken along, so that what happened unwatched is not found later.
         let before = self.watched;
@@ -154,12 +194,14 @@ impl Supervisor {
         let fault = break_fault(input)
             .or(loop_fault.filter(|_| before))
             .or(power_fault)
+            .or(asked_fault)
+            .or(heat_fault)
             .or(shaft_fault)
             .or(stuck_fault);
         Verdict {
             fault: fault.filter(|_| watched),
             count,
-            derating,
+            derating: derating.min(left),
         }
     }
 

@@ -236,6 +236,7 @@ mod tests {
         settings.encoder.kind = EncoderKind::Incremental;
         settings.encoder.counts_per_rev = 16_384;
         settings.timing.rate_hz = rate_hz;
+        settings.limits.max_speed_rad_per_s = Si::lit("60");
         let config = ShaftConfig::new(&settings, &IHM08M1);
         let mut shaft = Shaft::new();
         for tick in 0..200_u32 {

@@ -1,22 +1,37 @@
-//! What switches the bridge off without the processor: the break pin, the comparators, a lockup.
+//! What switches the bridge off without the processor: the break pin, the comparators; and the system's break, which a lockup, the
+//! supply's detector and an error in flash hold, each where SYSCFG_CFGR2 lets it (RM0440, 10.2.5).
 
 use super::Chip;
 
-/// Offset of the register with CLL, in the block of SYSCFG: a lockup of the processor pulls the break of TIM1.
+/// Offset of the register that connects the system's errors to the breaks of the timers.
 const SYSCFG_CFGR2: u32 = 0x1c;
+const CLL: u32 = 1;
+const PVDL: u32 = 1 << 2;
+const ECCL: u32 = 1 << 3;
+/// The exception that an error in flash raises.
+const NMI: usize = 2;
 /// Offsets of the comparators' registers in the same block, COMP1 to COMP4.
 const COMP_CSR: [u32; 4] = [0x200, 0x204, 0x208, 0x20c];
 /// A comparator is on.
 const COMP_EN: u32 = 1;
 
 impl Chip {
-    /// The processor has locked up: with SYSCFG_CFGR2.CLL that pulls the break of TIM1.
+    /// The processor has locked up.
     pub fn lock_up(&mut self) {
         let now = self.core.now;
-        if self.plain[2].get(SYSCFG_CFGR2) & 1 != 0 {
-            self.drive_world();
-            self.bridge.pull_break(now);
-            self.drive_world();
+        self.locked_up = true;
+        self.drive_world();
+        self.update_break(now);
+        self.drive_world();
+    }
+
+    /// The processor reads flash.
+    pub fn read_flash(&mut self, address: u32) {
+        let before = self.flash.has_error();
+        if self.flash.reads_torn(address) && !before {
+            self.nvic.pend(NMI);
+            self.update_break(self.core.now);
+            self.core.interrupted = true;
         }
     }
 
@@ -28,6 +43,14 @@ impl Chip {
             comparators |= (self.plain[2].get(offset) & COMP_EN) << bit;
         }
         self.bridge.set_break(pin, over & comparators, now);
+        let lets = self.plain[2].get(SYSCFG_CFGR2);
+        let sources = [
+            (CLL, self.locked_up),
+            (PVDL, self.pwr.is_low()),
+            (ECCL, self.flash.has_error()),
+        ];
+        let holds = sources.iter().any(|(bit, is_so)| lets & bit != 0 && *is_so);
+        self.bridge.set_system_break(holds, now);
         self.exti.set_detector(self.pwr.is_low());
         self.refresh();
     }

@@ -1,8 +1,10 @@
 //! The chip: what is connected to what inside, and the time.
 
 mod breaks;
+mod bus;
 mod map;
 mod system;
+mod time;
 
 use crate::board::Board;
 use crate::cpu::core::Core;
@@ -18,13 +20,12 @@ use crate::peripheral::plain::Plain;
 pub use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::rcc::{Pwr, Rcc};
 use crate::peripheral::spi::Spi;
-use crate::peripheral::timer::bridge::{BridgeTimer, Edge};
+use crate::peripheral::timer::bridge::BridgeTimer;
 use crate::peripheral::timer::general::Timer;
 use crate::peripheral::uart::Uart;
 use crate::peripheral::wwdg::Wwdg;
-use crate::peripheral::{NEVER, Peripheral};
+use crate::peripheral::Peripheral;
 use crate::world::World;
-use map::{Block, MAP};
 
 /// Interrupts (RM0440, table 97).
 const TIMERS: [(u32, u32); 4] = [(28, 32), (29, 16), (30, 16), (50, 32)];
@@ -63,6 +64,7 @@ pub struct Chip {
     plain: [Plain; 6],
     system: Plain,
     cycle_offset: u32,
+    locked_up: bool,
     /// What is connected to the chip.
     pub board: Board,
     /// Motor, knob, hand.
@@ -107,6 +109,7 @@ impl Chip {
             plain: Default::default(),
             system: Plain::default(),
             cycle_offset: 0,
+            locked_up: false,
             board,
             world,
             running: Vec::new(),
@@ -152,10 +155,8 @@ impl Chip {
         self.spi3.set_hangs(hangs, self.core.now);
         self.iwdg = Iwdg::new(self.lsi_hz);
         self.wwdg = Wwdg::default();
-        let (count, cut_at) = (self.flash.count, self.flash.cut_at);
-        self.flash = Flash::new(self.board.option_bytes);
-        self.flash.count = count;
-        self.flash.cut_at = cut_at;
+        self.flash.reset(self.board.option_bytes);
+        self.locked_up = false;
         self.rcc = Rcc::new(cause, Some(&self.rcc));
         self.pwr = Pwr::new(self.pwr.supply_v);
         self.exti = Exti::default();
@@ -185,108 +186,6 @@ impl Chip {
         match self.board.link_is_usart2 {
             true => &mut self.usart2,
             false => &mut self.lpuart1,
-        }
-    }
-
-    fn peripheral(&mut self, block: Block) -> &mut dyn Peripheral {
-        match block {
-            Block::Timer(index) => &mut self.timers[index],
-            Block::Iwdg => &mut self.iwdg,
-            Block::Wwdg => &mut self.wwdg,
-            Block::Spi3 => &mut self.spi3,
-            Block::Usart2 => &mut self.usart2,
-            Block::Lpuart1 => &mut self.lpuart1,
-            Block::Pwr => &mut self.pwr,
-            Block::Exti => &mut self.exti,
-            Block::Tim1 => &mut self.bridge,
-            Block::Rcc => &mut self.rcc,
-            Block::Flash => &mut self.flash,
-            Block::Port(index) => &mut self.ports[index],
-            Block::Adc(index) => &mut self.adcs[index],
-            Block::AdcCommon => &mut self.plain[0],
-            Block::Dac => &mut self.plain[1],
-            Block::Syscfg => &mut self.plain[2],
-            Block::Analog => &mut self.plain[3],
-            Block::Dma => &mut self.plain[4],
-            Block::Other => &mut self.plain[5],
-        }
-    }
-
-    fn find(&mut self, address: u32) -> (Block, u32) {
-        let found = MAP
-            .iter()
-            .find(|(base, size, _)| (*base..base + size).contains(&address));
-        match found {
-            Some((base, _, block)) => (*block, address - base),
-            None => {
-                self.unknown.insert(address);
-                (Block::Other, address)
-            }
-        }
-    }
-
-    /// A read by the program.
-    pub fn read(&mut self, address: u32, size: usize) -> u32 {
-        let now = self.core.now;
-        let word = match address & !3 {
-            system if system >= 0xe000_0000 => self.read_system(system),
-            rom @ 0x1fff_7000..0x1fff_8000 => self.board.system_memory(rom),
-            register => {
-                let (block, offset) = self.find(register);
-                let value = self.peripheral(block).read(offset, now);
-                let value = self.board.read_back(register, value);
-                self.refresh();
-                value
-            }
-        };
-        let shifted = word >> (8 * (address & 3));
-        match size {
-            1 => shifted & 0xff,
-            2 => shifted & 0xffff,
-            _ => shifted,
-        }
-    }
-
-    /// A write by the program.
-    pub fn write(&mut self, address: u32, value: u32, size: usize) {
-        let now = self.core.now;
-        if address >= 0xe000_0000 {
-            self.write_system(address, value, size);
-        } else {
-            let (block, offset) = self.find(address & !3);
-            let shift = 8 * (address & 3);
-            if block == Block::Tim1 {
-                // What changes the bridge changes it from now on.
-                self.drive_world();
-            }
-            self.peripheral(block)
-                .write(offset & !3, value << shift, now);
-            self.after_write(block);
-        }
-        self.refresh();
-        self.core.limit = self.core.limit.min(self.next_event());
-    }
-
-    /// What a write has changed elsewhere.
-    fn after_write(&mut self, block: Block) {
-        match block {
-            Block::AdcCommon => {
-                let common = self.plain[0].get(0x08);
-                self.adcs.iter_mut().for_each(|adc| adc.set_common(common));
-            }
-            Block::Port(_) => {
-                if let Some((port, pin)) = self.board.chip_select {
-                    let level = self.ports[port].level(pin);
-                    self.spi3.set_select(level);
-                }
-            }
-            Block::Pwr => self.exti.set_detector(self.pwr.is_low()),
-            Block::Tim1 => self.drive_world(),
-            Block::Rcc => self.wwdg.set_clock(self.rcc.wwdg_hz(), self.core.now),
-            _ => {}
-        }
-        if self.flash.busy_until() > self.core.now {
-            self.core.interrupted = true;
         }
     }
 
@@ -324,113 +223,6 @@ impl Chip {
         if self.nvic.any_pending() || self.reset_request.is_some() {
             self.core.interrupted = true;
         }
-    }
-
-    /// When something next happens by itself.
-    #[must_use]
-    pub fn next_event(&self) -> u64 {
-        let timers = self
-            .timers
-            .iter()
-            .map(Peripheral::next_event)
-            .min()
-            .unwrap_or(NEVER);
-        let adcs = self
-            .adcs
-            .iter()
-            .map(Peripheral::next_event)
-            .min()
-            .unwrap_or(NEVER);
-        let ports = self.lpuart1.next_event().min(self.usart2.next_event());
-        let slow = self
-            .rcc
-            .next_event()
-            .min(self.iwdg.next_event())
-            .min(self.wwdg.next_event())
-            .min(self.flash.next_event());
-        let storm = self.storm.map_or(NEVER, |(_, _, next)| next);
-        let fast = self.bridge.next_event().min(self.spi3.next_event());
-        timers.min(adcs).min(ports).min(slow).min(fast).min(storm)
-    }
-
-    /// Does what is due by now.
-    pub fn advance(&mut self) {
-        let now = self.core.now;
-        // In the order of time: what a converter sees depends on what the bridge did before.
-        while let Some((time, edge)) = self.bridge.next_edge(now) {
-            self.convert(time);
-            let triggers = match edge {
-                Edge::Trigger => true,
-                Edge::Top | Edge::Bottom => {
-                    let duty = self.bridge.duty();
-                    self.world.drive(time, duty);
-                    self.on_period(edge, time);
-                    self.bridge.triggers_on_update() && self.bridge.was_update()
-                }
-            };
-            if triggers {
-                self.adcs.iter_mut().for_each(|adc| adc.trigger(time));
-            }
-        }
-        self.convert(now);
-        self.timers.iter_mut().for_each(|timer| timer.advance(now));
-        self.lpuart1.advance(now);
-        self.usart2.advance(now);
-        self.spi3.advance(now);
-        self.rcc.advance(now);
-        self.flash.advance(now);
-        self.wwdg.set_clock(self.rcc.wwdg_hz(), now);
-        if self.wwdg.bites(now) {
-            self.reset_request = Some(ResetCause::WindowWatchdog);
-        }
-        if self.iwdg.bites(now) {
-            self.reset_request = Some(ResetCause::Watchdog);
-        }
-        if let Some((interrupt, period, next)) = &mut self.storm
-            && *next <= now
-        {
-            *next = now + *period;
-            self.nvic
-                .pend(crate::cpu::nvic::FIRST + *interrupt as usize);
-        }
-        self.refresh();
-        self.core.interrupted = false;
-    }
-
-    /// Lets the converters sample and finish what is due by a time.
-    fn convert(&mut self, until: u64) {
-        loop {
-            let next = self
-                .adcs
-                .iter()
-                .map(Peripheral::next_event)
-                .min()
-                .unwrap_or(NEVER);
-            if next > until {
-                return;
-            }
-            for (index, adc) in self.adcs.iter_mut().enumerate() {
-                if let Some(channel) = adc.wants(next) {
-                    self.world.advance(next);
-                    let volts = self.board.analog(index, channel, &self.world);
-                    adc.sample(crate::board::code(volts));
-                }
-                adc.advance(next);
-            }
-        }
-    }
-
-    /// Once a half period: shaft to encoders, break input, supply.
-    fn on_period(&mut self, _edge: Edge, now: u64) {
-        self.world.advance(now);
-        let count = self.board.encoder_count(&self.world);
-        for timer in &mut self.timers {
-            timer.set_encoder(count);
-        }
-        if let Some(slave) = &mut self.spi3.slave {
-            slave.set_angle(self.world.turns());
-        }
-        self.update_break(now);
     }
 
     /// A handler begins.

@@ -5,7 +5,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{press, storage};
+use super::{lasting, press, storage};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -19,6 +19,8 @@ pub const CHECKS: &[Check] = &[
     ("power cuts", power_cuts),
     ("damaged settings", damaged_settings),
     ("random frames", random_frames),
+    ("cable pulled", lasting::cable_pulled),
+    ("a hand that leans", lasting::leaning_hand),
 ];
 
 /// Once: it is about the emulator.

@@ -4,7 +4,7 @@ use touchstone_protocol::{DeviceCommand, Request};
 
 use crate::bench::{Bench, US};
 use crate::board::Source;
-use crate::chip::ResetCause;
+use crate::chip::{Chip, ResetCause};
 use crate::peripheral::spi::SlaveFault;
 
 /// Which code is made to hang.
@@ -52,6 +52,8 @@ pub enum Fault {
     TrackJumps(i64),
     /// Something turns the shaft, rad/s.
     Turned(f64),
+    /// Somebody flicks the knob: so fast for this long, us, and lets it go at that speed.
+    Flicked(f64, u64),
     /// Every instruction takes this many times as long.
     Slow(u64),
     /// An interrupt is raised every so many cycles by nobody.
@@ -66,6 +68,8 @@ pub enum Fault {
     Undefined(Level),
     /// The stack is used up.
     StackOverflow,
+    /// The board's button is pressed for this long, us.
+    StopPressed(u64),
     /// The supply sags to this voltage, V, and comes back only with a reset.
     Supply(f64),
     /// The chip is reset.
@@ -126,7 +130,7 @@ impl Fault {
                 chip.board.wiring.encoder_held = Some(count);
             }
             Self::TrackJumps(counts) => chip.board.wiring.encoder_moved = counts,
-            Self::Turned(rad_per_s) => chip.world.force(rad_per_s),
+            Self::Turned(rad_per_s) | Self::Flicked(rad_per_s, _) => chip.world.force(rad_per_s),
             Self::Slow(times) => chip.core.stretch = 256 * times,
             Self::Storm(interrupt, cycles) => chip.storm = Some((interrupt, cycles, now)),
             Self::Lost(interrupt, _) => {
@@ -151,6 +155,7 @@ impl Fault {
                 chip.pwr.supply_v = volts;
                 chip.update_break(now);
             }
+            Self::StopPressed(_) => press(chip, true),
             Self::Reset(cause) => chip.reset_request = Some(cause),
             Self::Reboot => {
                 let (_, frame) = bench.link.ask(Request::Command(DeviceCommand::Reboot));
@@ -182,6 +187,8 @@ impl Fault {
             Self::Break(us)
             | Self::Comparator(_, us)
             | Self::Bus(_, us)
+            | Self::StopPressed(us)
+            | Self::Flicked(_, us)
             | Self::Lost(_, us)
             | Self::HeldOff(us) => (us > 0).then_some(us * US),
             Self::BreakWithin(..) => Some(US),
@@ -203,9 +210,13 @@ impl Fault {
         chip.core.stretch = 256;
         chip.storm = None;
         chip.pwr.supply_v = 3.3;
+        press(chip, false);
         if let Self::Lost(interrupt, _) = self {
             let (register, bit) = (4 * (interrupt / 32), 1 << (interrupt % 32));
             chip.nvic.write(ISER + register, bit, 4);
+        }
+        if matches!(self, Self::Flicked(..)) {
+            chip.world.release();
         }
         if matches!(self, Self::Turned(_)) {
             chip.world.force(0.0);
@@ -215,6 +226,12 @@ impl Fault {
         if matches!(self, Self::HeldOff(_)) {
             bench.machine.unmask();
         }
+    }
+}
+
+fn press(chip: &mut Chip, pressed: bool) {
+    if let Some((port, pin)) = chip.board.button {
+        chip.port(port).drive(pin, Some(pressed));
     }
 }
 

@@ -4,6 +4,7 @@ pub mod campaign;
 pub mod checks;
 pub mod fault;
 pub mod jobs;
+pub mod lasting;
 pub mod list;
 pub mod press;
 pub mod report;

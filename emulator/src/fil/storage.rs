@@ -35,6 +35,17 @@ fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.boot().map(|_| ())
 }
 
+/// The field turns when it is asked for, and ends when it is not.
+fn starts(bench: &mut Bench) -> Result<(), String> {
+    bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+    let on = bench.run_until("the outputs on", 200 * MS, |bench| bench.is_on());
+    let status = bench.status()?;
+    on.map_err(|error| format!("{error}: {} with {:?}", status.phase.name(), status.fault))?;
+    bench
+        .demand(Request::Command(DeviceCommand::Stop))
+        .map(|_| ())
+}
+
 /// Cuts the power at each change of the flash during `Save` until one is not cut any more; how many cuts there were. Each time the
 /// settings afterwards must be the old or the new ones, and the device must take and keep further ones.
 ///
@@ -69,6 +80,8 @@ pub fn power_cuts(program: &Program, setup: &Setup, at_most: u64) -> Result<u64,
                 status.fault
             )));
         }
+        // A word that was torn interrupts when it is read, and pulls the system's break: it must be over by now.
+        starts(&mut bench).map_err(said)?;
         let k = k_of(&mut bench)?;
         if k != old && k != new {
             return Err(said(format!("k_desired is {k}")));

@@ -104,6 +104,7 @@ impl Machine {
                         // Cut in the middle: some bits have fallen, and the check bits are wrong.
                         let torn: Vec<u8> = bytes.iter().map(|byte| byte | 0xa4).collect();
                         self.set_memory(address, &torn);
+                        self.chip_mut().flash.torn.insert(address);
                     } else {
                         self.set_memory(address, &bytes);
                     }
@@ -111,6 +112,9 @@ impl Machine {
                 Change::Erase(address) => {
                     let length = if cut { flash::PAGE / 2 } else { flash::PAGE };
                     self.set_memory(address, &vec![0xff; length as usize]);
+                    let erased = address..address + length;
+                    let torn = &mut self.chip_mut().flash.torn;
+                    torn.retain(|place| !erased.contains(place));
                 }
             }
         }

@@ -27,6 +27,9 @@ const GENERAL: [RegisterARM; 13] = [
     RegisterARM::R12,
 ];
 
+/// What Unicorn protects at a time, bytes.
+const BLOCK: u64 = 4_096;
+
 /// What RAM holds before anything was written to it: for the stack's watermark.
 const UNTOUCHED: u8 = 0xa5;
 
@@ -117,6 +120,19 @@ impl Machine {
         unicorn
             .add_mem_hook(HookType::MEM_WRITE_PROT, 1, 0, on_store)
             .map_err(said("hook"))?;
+        let on_torn = |uc: &mut Unicorn<'_, Chip>, _: MemType, address: u64, _: usize, _: i64| {
+            let block = address & !(BLOCK - 1);
+            let torn = &uc.get_data().flash.torn;
+            let here = torn.range(block as u32..).next().copied();
+            if let Some(place) = here.filter(|place| u64::from(*place) < block + BLOCK) {
+                uc.get_data_mut().read_flash(place);
+            }
+            // The read goes on, and finds what the tearing has left.
+            uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC).is_ok()
+        };
+        unicorn
+            .add_mem_hook(HookType::MEM_READ_PROT, 1, 0, on_torn)
+            .map_err(said("hook"))?;
         unicorn
             .mem_write(u64::from(flash::BASE), &vec![0xff; flash_bytes])
             .map_err(said("flash"))?;
@@ -177,6 +193,15 @@ impl Machine {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
     }
 
+    /// Makes what is around each torn word of flash unreadable, so that the first read there is noticed. Not by a hook on every read:
+    /// Unicorn then gives wrong values to some of them.
+    pub(super) fn guard_torn(&mut self) {
+        for place in self.chip().flash.torn.clone() {
+            let block = u64::from(place) & !(BLOCK - 1);
+            let _ = self.unicorn.mem_protect(block, BLOCK, Prot::NONE);
+        }
+    }
+
     /// Switches the chip on: RAM is without a meaning.
     pub fn power_on(&mut self, cause: ResetCause) {
         let ram_bytes = self.chip().board.ram_bytes;
@@ -188,6 +213,7 @@ impl Machine {
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);
+        self.guard_torn();
         self.asleep = None;
         self.locked = false;
         let (stack, start) = (self.word(flash::BASE), self.word(flash::BASE + 4));

@@ -17,7 +17,8 @@ impl Angle {
     fn count(&mut self) -> u16 {
         let count = ((self.turns.rem_euclid(1.0) * COUNTS) as u16) & 0x3fff;
         match self.fault {
-            SlaveFault::Stuck => *self.held.get_or_insert(count),
+            // Without a field the angle is whatever it was, and noise.
+            SlaveFault::Stuck | SlaveFault::NoMagnet => *self.held.get_or_insert(count),
             SlaveFault::Jump(by) => count.wrapping_add(by >> 2) & 0x3fff,
             _ => {
                 self.held = None;
@@ -49,6 +50,11 @@ pub struct As5047p {
 /// Parity error in a frame, in `ERRFL`.
 const PARITY_ERROR: u16 = 1 << 2;
 
+/// `DIAAGC` with a magnet at a usual distance; with none: gain at its end, MAGL; with one that touches the chip: MAGH.
+const FIELD_RIGHT: u16 = 1 << 8 | 0x60;
+const FIELD_WEAK: u16 = 1 << 8 | 1 << 11 | 0xff;
+const FIELD_STRONG: u16 = 1 << 8 | 1 << 10;
+
 impl Slave for As5047p {
     fn select(&mut self) {}
 
@@ -59,6 +65,11 @@ impl Slave for As5047p {
         let flag = u16::from(self.errors != 0) << 14;
         let data = match self.command & 0x3fff {
             0x3fff | 0x3ffe => self.angle.count(),
+            0x3ffc => match self.angle.fault {
+                SlaveFault::NoMagnet => FIELD_WEAK,
+                SlaveFault::MagnetTooNear => FIELD_STRONG,
+                _ => FIELD_RIGHT,
+            },
             0x0001 => std::mem::take(&mut self.errors),
             _ => 0,
         };
@@ -109,10 +120,12 @@ fn crc(mut data: u32) -> u32 {
 
 impl Slave for Mt6701 {
     fn select(&mut self) {
-        let status = if self.angle.fault == SlaveFault::SaysError {
-            8
-        } else {
-            0
+        // Mg3: track lost; Mg1 and Mg0: field too strong, too weak.
+        let status = match self.angle.fault {
+            SlaveFault::SaysError => 8,
+            SlaveFault::MagnetTooNear => 1,
+            SlaveFault::NoMagnet => 2,
+            _ => 0,
         };
         let data = u32::from(self.angle.count()) << 4 | status;
         self.word = self.angle.disturb(data << 6 | crc(data), 24);

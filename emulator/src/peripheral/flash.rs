@@ -1,12 +1,15 @@
 //! The flash memory: unlocking, programming double words, erasing pages, each with its time, during which the processor, which
 //! fetches from the same bank, stands still. The power may be cut at any write.
 
+use std::collections::BTreeSet;
+
 use super::plain::Plain;
 use super::{CYCLES_PER_US, NEVER, Peripheral};
 
 const KEYR: u32 = 0x08;
 const SR: u32 = 0x10;
 const CR: u32 = 0x14;
+const ECCR: u32 = 0x18;
 const OPTR: u32 = 0x20;
 
 const PG: u32 = 1;
@@ -17,6 +20,9 @@ const EOP: u32 = 1;
 const PROGERR: u32 = 1 << 3;
 const PGSERR: u32 = 1 << 7;
 const BSY: u32 = 1 << 16;
+/// In ECCR: two wrong bits in a double word, and what a one clears (with ECCC).
+const ECCD: u32 = 1 << 31;
+const ECC_FLAGS: u32 = 3 << 30;
 
 /// Where the memory begins.
 pub const BASE: u32 = 0x0800_0000;
@@ -49,6 +55,9 @@ pub struct Flash {
     pub changes: Vec<Change>,
     /// Words that were stored, with what was there before: that must be there again unless it is programmed.
     pub stores: Vec<(u32, u32)>,
+    /// Double words whose check bits are wrong, by their addresses: their writing was cut.
+    pub torn: BTreeSet<u32>,
+    error: u32,
     /// Changes so far, this run.
     pub count: u64,
     /// Cut the power at the change with this number, counted from 0.
@@ -68,9 +77,19 @@ impl Flash {
             busy_until: 0,
             changes: Vec::new(),
             stores: Vec::new(),
+            torn: BTreeSet::new(),
+            error: 0,
             count: 0,
             cut_at: None,
         }
+    }
+
+    /// As after a reset: what is about the memory stays.
+    pub fn reset(&mut self, option_bytes: u32) {
+        let torn = std::mem::take(&mut self.torn);
+        let (count, cut_at) = (self.count, self.cut_at);
+        *self = Self::new(option_bytes);
+        (self.torn, self.count, self.cut_at) = (torn, count, cut_at);
     }
 
     /// Until when the processor stands still.
@@ -98,6 +117,21 @@ impl Flash {
         }
     }
 
+    /// The program, or its processor, reads there: whether the error correction can do nothing about what it finds.
+    pub fn reads_torn(&mut self, address: u32) -> bool {
+        let is_torn = self.torn.contains(&(address & !7));
+        if is_torn && self.error & ECCD == 0 {
+            self.error = ECCD | (address - BASE) >> 3;
+        }
+        is_torn
+    }
+
+    /// Whether an error that cannot be corrected is up.
+    #[must_use]
+    pub const fn has_error(&self) -> bool {
+        self.error & ECCD != 0
+    }
+
     /// What was to be programmed was not blank.
     pub fn refuse(&mut self) {
         self.status |= PROGERR;
@@ -116,6 +150,7 @@ impl Peripheral for Flash {
         match offset {
             SR => self.status,
             CR => self.control,
+            ECCR => self.error,
             _ => self.registers.get(offset),
         }
     }
@@ -128,6 +163,7 @@ impl Peripheral for Flash {
                 self.keys = 0;
             }
             (SR, value) => self.status &= !(value & 0xffff),
+            (ECCR, value) => self.error &= !(value & ECC_FLAGS),
             (CR, _) if self.control & LOCK != 0 => {}
             (CR, value) => {
                 self.control = value & !STRT;

@@ -37,6 +37,10 @@ pub enum SlaveFault {
     FlipBit(u8),
     /// The same angle for ever, in good frames.
     Stuck,
+    /// The magnet is gone: good frames with the angle it was at, and the encoder says how weak its field is where it is asked.
+    NoMagnet,
+    /// The magnet touches the chip.
+    MagnetTooNear,
     /// Each angle this many 65,536ths of a turn further.
     Jump(u16),
     /// The chip says that it has an error.

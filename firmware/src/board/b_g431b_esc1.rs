@@ -163,6 +163,12 @@ pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
     EncoderReading::Silent
 }
 
+/// The board's button, at PC10, is not used: which level means pressed stands in its schematic, which was not read.
+#[inline(always)]
+pub fn is_stop_pressed() -> bool {
+    false
+}
+
 /// This board has no analogue output: its pin measures a phase's voltage.
 #[inline(always)]
 pub fn enable_amplifier(_on: bool) {}

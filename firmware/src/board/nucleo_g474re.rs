@@ -8,6 +8,7 @@ use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::gpio::vals::Idr;
 use embassy_stm32::pac::{GPIOC, TIM2};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
@@ -44,6 +45,9 @@ const BRIDGE: Bridge = Bridge {
 /// TIM1_BKIN's number among the functions of PA6.
 const BREAK_FUNCTION: u8 = 6;
 
+/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
+const STOP_BUTTON: usize = 13;
+
 /// Enables an external servo amplifier while it is high: PC8, on the morpho connector.
 const AMPLIFIER: usize = 8;
 
@@ -68,6 +72,8 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     );
     let amplifier = Output::new(p.PC8, Level::Low, Speed::Low);
     analogue::start(p.DAC1);
+    let mut stop_button = Flex::new(p.PC13);
+    stop_button.set_as_input(Pull::Down);
     // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
     let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
@@ -85,7 +91,7 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     let select = Output::new(p.PD2, Level::High, Speed::High);
     magnetic::start(p.SPI3);
     // The pins stay as they are until the next reset.
-    core::mem::forget((break_pin, amplifier, tracks, lines, select));
+    core::mem::forget((break_pin, amplifier, stop_button, tracks, lines, select));
     sense::start(
         Adc::new(p.ADC1, Default::default()),
         [
@@ -130,6 +136,12 @@ pub fn encoder_count() -> EncoderReading {
 }
 
 pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
+
+/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
+#[inline(always)]
+pub fn is_stop_pressed() -> bool {
+    GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
+}
 
 /// Switches an external servo amplifier.
 #[inline(always)]

@@ -94,6 +94,9 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::InvalidSubcommand => {
             let given = text(ContextKind::InvalidSubcommand).unwrap_or_default();
             let fix = match touchstone_sim::scene::nearest(&given, commands) {
+                _ if touchstone_sim::scene::names().contains(&given.as_str()) => {
+                    format!("it is a scene: touchstone run {given}")
+                }
                 Some(near) => format!("did you mean {near}?"),
                 None => meant(ContextKind::SuggestedSubcommand),
             };
@@ -102,7 +105,8 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::MissingRequiredArgument => (
             "command line".to_owned(),
             format!("{} is missing", many(ContextKind::InvalidArg)),
-            "give it, see the command's --help".to_owned(),
+            "give it, or leave out the option that goes with it only; see the command's --help"
+                .to_owned(),
         ),
         ErrorKind::MissingSubcommand => (
             "command line".to_owned(),

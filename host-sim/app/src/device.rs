@@ -1,9 +1,11 @@
-//! `touchstone device`: commands, state, fault, and the second before the fault.
+//! `touchstone device`: a board's commands, state, fault, and the second before the fault; haptic devices in [`super::haptic`].
 
+use super::haptic;
 use super::out::{self, say, tell};
 use super::port::PortOption;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
 use touchstone_protocol::{
@@ -26,7 +28,15 @@ pub struct Options {
 
 #[derive(Debug, Clone, Subcommand)]
 enum Action {
-    /// Who the device is, where it stands, and what it counted.
+    #[command(flatten)]
+    Haptic(haptic::Action),
+    #[command(flatten)]
+    Board(BoardAction),
+}
+
+#[derive(Debug, Clone, Subcommand)]
+enum BoardAction {
+    /// Who the board is, where it stands, and what it counted.
     Status,
     /// Finds direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
     Calibrate {
@@ -55,27 +65,37 @@ enum Action {
 }
 
 /// Runs it.
-pub fn main(options: &Options) -> Result<()> {
+pub fn main(options: &Options) -> Result<ExitCode> {
+    match &options.action {
+        Action::Haptic(action) => {
+            options.port.refuse()?;
+            haptic::main(action)
+        }
+        Action::Board(action) => of_board(options, action).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
     let mut client = options.port.connect()?;
     let mut command = |command| client.tell(&Request::Command(command));
-    match &options.action {
-        Action::Status => return status(&mut client),
-        Action::Calibrate { no_wait } => {
+    match action {
+        BoardAction::Status => return status(&mut client),
+        BoardAction::Calibrate { no_wait } => {
             command(DeviceCommand::Calibrate)?;
             if !no_wait {
                 return calibrated(&mut client);
             }
         }
-        Action::Arm => command(DeviceCommand::Arm)?,
-        Action::Disarm => command(DeviceCommand::Disarm)?,
-        Action::Stop => command(DeviceCommand::Stop)?,
-        Action::Zero => command(DeviceCommand::Zero)?,
-        Action::Reboot => {
+        BoardAction::Arm => command(DeviceCommand::Arm)?,
+        BoardAction::Disarm => command(DeviceCommand::Disarm)?,
+        BoardAction::Stop => command(DeviceCommand::Stop)?,
+        BoardAction::Zero => command(DeviceCommand::Zero)?,
+        BoardAction::Reboot => {
             command(DeviceCommand::Reboot)?;
             return state("restarting");
         }
-        Action::Fault => return fault(&mut client),
-        Action::Ring { out } => return ring(&mut client, out),
+        BoardAction::Fault => return fault(&mut client),
+        BoardAction::Ring { out } => return ring(&mut client, out),
     }
     state(status_of(&mut client)?.phase.name())
 }
@@ -140,7 +160,8 @@ fn calibrated(client: &mut Client) -> Result<()> {
     }
 }
 
-fn status_of(client: &mut Client) -> Result<Status> {
+/// Where the device stands.
+pub fn status_of(client: &mut Client) -> Result<Status> {
     match client.ask(&Request::Status)? {
         Reply::Status(status) => Ok(status),
         other => Err(client.odd(&other)),

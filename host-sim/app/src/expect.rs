@@ -1,12 +1,12 @@
 //! What can be asked of a run, so that a script can go by it: verdict, depth, stiffness, energy; as exit code, lines and JUnit.
 
-use super::number;
+use super::check::{Check, name};
 use super::out::json;
+use super::{baseline, number};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use touchstone_control::Choice as _;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::verdict::WORDS;
@@ -31,6 +31,12 @@ pub struct Expectations {
     /// The user's port never gives more than this beyond what it took, J.
     #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = number::not_negative("in J"))]
     max_energy_out: Option<f64>,
+    /// No worse than the same runs in this results file: the same verdict, and no measure worse by more than the margin.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// By how much of its value a measure may be worse than in the baseline.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, requires = "baseline", allow_negative_numbers = true, value_parser = number::not_negative("a share, 0.01 for 1 %"))]
+    margin: f64,
     /// Writes what was asked and what came as JUnit, a test for each demand.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -43,6 +49,7 @@ impl Expectations {
             || self.max_penetration.is_some()
             || self.min_stiffness.is_some()
             || self.max_energy_out.is_some()
+            || self.baseline.is_some()
             || self.junit.is_some()
     }
 }
@@ -50,16 +57,6 @@ impl Expectations {
 /// The verdicts with their meanings, for the help and for completions.
 fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
-}
-
-/// One demand on one run.
-#[derive(Debug, Clone, PartialEq)]
-struct Check {
-    run: String,
-    option: &'static str,
-    wanted: String,
-    came: String,
-    met: bool,
 }
 
 /// All demands on all runs.
@@ -76,12 +73,13 @@ impl Expectations {
             || !self.expect.is_empty()
             || self.max_penetration.is_some()
             || self.min_stiffness.is_some()
-            || self.max_energy_out.is_some();
+            || self.max_energy_out.is_some()
+            || self.baseline.is_some();
         if self.junit.is_some() && !asked {
             return Err(Error::Option {
                 option: "--junit".to_owned(),
                 problem: "nothing is asked of the run, so there is no test to write".to_owned(),
-                fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out or --strict-passive".to_owned(),
+                fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out, --baseline or --strict-passive".to_owned(),
             });
         }
         Ok(())
@@ -93,6 +91,23 @@ impl Expectations {
             checks: runs.flat_map(|run| self.on(run, strict)).collect(),
             junit: self.junit.clone(),
         }
+    }
+
+    /// Holds runs against those of the baseline, if one is given.
+    ///
+    /// # Errors
+    /// A baseline that cannot be read.
+    pub fn compare<'a>(
+        &self,
+        checked: &mut Checked,
+        runs: impl Iterator<Item = &'a Summary>,
+    ) -> Result<()> {
+        if let Some(file) = &self.baseline {
+            let before = baseline::read(file)?;
+            let found = runs.flat_map(|run| baseline::on(run, &before, self.margin));
+            checked.checks.extend(found);
+        }
+        Ok(())
     }
 
     fn on(&self, run: &Summary, strict: bool) -> Vec<Check> {
@@ -158,21 +173,6 @@ impl Expectations {
     }
 }
 
-/// What tells a run from others of the same command.
-fn name(run: &Summary) -> String {
-    let counts = run.encoder_counts_per_rev.map_or_else(
-        || "exact position".to_owned(),
-        |counts| format!("{counts} counts"),
-    );
-    format!(
-        "{}: {}, {} N·m/rad, grip {}, {counts}",
-        run.scene,
-        run.law.word(),
-        run.k_desired,
-        run.grip
-    )
-}
-
 impl Checked {
     /// For `--json`, beside the runs; nothing where nothing was asked.
     pub fn to_json(&self) -> Option<serde_json::Value> {
@@ -224,6 +224,9 @@ impl Checked {
         let text = report
             .to_string()
             .map_err(|error| wrong(error.to_string()))?;
+        if let Some(folder) = file.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| wrong(error.to_string()))?;
+        }
         std::fs::write(file, text).map_err(|error| wrong(error.to_string()))
     }
 }

@@ -1,6 +1,8 @@
 //! Ctrl-C, and being told to end: nothing half-made stays, and the exit code says so.
 
 use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_lab::report::staging;
 use touchstone_sim::error::{Error, Result};
 
@@ -9,14 +11,19 @@ pub const INTERRUPTED: i32 = 130;
 
 /// From here on an interrupt takes away what is being prepared, and ends the program.
 pub fn clean_up() -> Result<()> {
-    ctrlc::set_handler(|| {
+    clean_up_keeping("interrupted: nothing half-written is left")
+}
+
+/// The same for a command that keeps what it has done, and says so where nothing had to be taken away.
+pub fn clean_up_keeping(words: &'static str) -> Result<()> {
+    handle(move || {
         staging::abandon(|removed| {
             // Below the progress bar.
             if std::io::stderr().is_terminal() {
                 eprintln!();
             }
             match removed {
-                [] => eprintln!("interrupted: nothing half-written is left"),
+                [] => eprintln!("{words}"),
                 folders => {
                     for folder in folders {
                         eprintln!("interrupted: {} was removed again", folder.display());
@@ -26,7 +33,18 @@ pub fn clean_up() -> Result<()> {
             std::process::exit(INTERRUPTED);
         });
     })
-    .map_err(|error| {
+}
+
+/// From here on an interrupt is only noted, for a loop that ends by itself and leaves its device as it should be.
+pub fn noted() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    handle(move || asked.store(true, Ordering::Relaxed))?;
+    Ok(stop)
+}
+
+fn handle(handler: impl FnMut() + Send + 'static) -> Result<()> {
+    ctrlc::set_handler(handler).map_err(|error| {
         Error::device(
             "Ctrl-C",
             error.to_string(),

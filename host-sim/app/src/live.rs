@@ -1,10 +1,13 @@
-//! `touchstone live`: a scene under the mouse, in one file for any browser.
+//! `touchstone live`: a scene under the mouse, in one file for any browser; or a board, through a page that is served.
 
 use super::SceneOptions;
+use super::board_page;
 use super::out::{note, result, tell};
 use super::report_options::program;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use touchstone_device::Address;
 use touchstone_live::page::{self, Content};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{MotionSpec, Scene};
@@ -23,31 +26,26 @@ pub struct Options {
     /// Writes the page and does not open it.
     #[arg(long)]
     no_open: bool,
+    /// Shows a board instead: serial port (/dev/ttyACM0, COM3) or tcp:HOST:PORT. Serves a page to this machine alone, until Ctrl-C.
+    #[arg(long, value_name = "PORT", conflicts_with_all = ["scene", "out", "SceneOptions"])]
+    port: Option<Address>,
 }
 
 /// Writes the page, and opens it.
 pub fn main(options: &Options) -> Result<()> {
+    if let Some(address) = &options.port {
+        return board_page::main(address, !options.no_open);
+    }
     let (scene, _) = options.changes.load(&options.scene)?;
     let scene = without_files(scene)?;
     let command = super::command_line();
     let source = source(&options.scene, &command);
-    let program = program();
-    let commit = program.commit.map(|commit| format!(", commit {commit}"));
-    let changed = if program.modified {
-        " with changes"
-    } else {
-        ""
-    };
     let page = page::render(&Content {
         scene: &scene.to_toml(),
         name: &scene.name,
         description: &scene.description,
         source: &source,
-        program: &format!(
-            "Touchstone {}{}{changed}",
-            program.version,
-            commit.unwrap_or_default()
-        ),
+        program: &program_name(),
     });
     write(&options.out, &page)?;
     let path = std::path::absolute(&options.out).unwrap_or_else(|_| options.out.clone());
@@ -58,10 +56,26 @@ pub fn main(options: &Options) -> Result<()> {
             Ok(())
         },
     )?;
-    if !options.no_open && !open(&path) {
+    if !options.no_open && !open(path.as_os_str()) {
         note!("note: no browser was found; open {} in one", path.display());
     }
     Ok(())
+}
+
+/// Name, version and commit of this program.
+pub fn program_name() -> String {
+    let program = program();
+    let commit = program.commit.map(|commit| format!(", commit {commit}"));
+    let changed = if program.modified {
+        " with changes"
+    } else {
+        ""
+    };
+    format!(
+        "Touchstone {}{}{changed}",
+        program.version,
+        commit.unwrap_or_default()
+    )
 }
 
 /// The scene's words on the command line, without the options that are this page's own.
@@ -115,8 +129,8 @@ fn write(path: &Path, page: &str) -> Result<()> {
     std::fs::rename(&beside, path).map_err(io)
 }
 
-/// Hands the page to the desktop's browser; whether something took it.
-fn open(path: &Path) -> bool {
+/// Hands a file or an address to the desktop's browser; whether something took it.
+pub fn open(page: &OsStr) -> bool {
     let openers: &[&[&str]] = if cfg!(target_os = "macos") {
         &[&["open"]]
     } else if cfg!(windows) {
@@ -127,7 +141,7 @@ fn open(path: &Path) -> bool {
     openers.iter().any(|words| {
         Command::new(words[0])
             .args(&words[1..])
-            .arg(path)
+            .arg(page)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())

@@ -1,13 +1,18 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | scorecard | tune | accuracy | hard | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
+mod baseline;
+mod board_page;
 mod certify;
+mod check;
 mod complain;
 mod config;
 mod device;
 mod doctor;
 mod expect;
+mod fault_words;
 mod flash;
+mod haptic;
 mod hard;
 mod identify;
 mod interrupt;
@@ -16,6 +21,7 @@ mod live;
 mod monitor;
 mod number;
 mod out;
+mod plan;
 mod port;
 mod progress;
 mod report_options;
@@ -23,6 +29,7 @@ mod run;
 mod scene_options;
 mod scorecard;
 mod shell;
+mod sweep;
 mod thesis;
 mod thesis_space;
 mod tune;
@@ -66,16 +73,20 @@ enum Command {
     Thesis(thesis::Options),
     /// One run of a scene.
     Run(run::Options),
-    /// A scene under the mouse: writes one page for any browser, and opens it.
+    /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
     Live(live::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
+    /// Says what a scene's run is made of: states, eigenvalues, substeps, what each effect costs, and which omitted one would matter.
+    Plan(plan::Options),
     /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
     Accuracy(accuracy::Options),
     /// Runs the hard cases, each against what must come out, and tells the worst margin.
     Hard(hard::Options),
+    /// Any two settings of a scene against any measure of its run: a map with the lines of theory, in parts and with pauses if need be.
+    Sweep(sweep::Options),
     /// Compares laws by what a hand feels of a wall: one row a law, on the device as it is and as it may also be.
     Scorecard(scorecard::Options),
     /// Finds settings of a law for a device: the best worst figure of its scorecard.
@@ -92,7 +103,7 @@ enum Command {
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
     Config(config::Options),
-    /// Commands a device, and reads its state, its fault and the second before it.
+    /// Commands a board, and reads its state, its fault and the second before it; plays a wall on a haptic device without a law of its own.
     Device(device::Options),
     /// Looks for everything that a board needs, and says what is missing and how to get it.
     Doctor(doctor::Options),
@@ -168,7 +179,9 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Live(options) => live::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
+        Command::Plan(options) => plan::main(options),
         Command::Accuracy(options) => accuracy::main(options),
+        Command::Sweep(options) => sweep::main(options),
         Command::Scorecard(options) => scorecard::main(options),
         Command::Tune(options) => tune::main(options),
         Command::Scenes { json_schema: true } => {
@@ -178,7 +191,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Flash(options) => flash::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),
-        Command::Device(options) => device::main(options),
+        Command::Device(options) => return device::main(options),
         Command::Completions(options) => shell::completions(options),
         Command::Man(options) => shell::man(options),
     };

@@ -7,7 +7,6 @@ use super::port::PortOption;
 use std::fs::File;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
@@ -18,7 +17,10 @@ use touchstone_sim::error::{Error, Result};
 const LIVE: Duration = Duration::from_millis(100);
 const LOGGED: Duration = Duration::from_secs(1);
 /// A device that was told to send and is silent for so long is gone.
-const SILENCE_LIMIT: Duration = Duration::from_secs(2);
+pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
+
+/// The device hears of the desktop at least this often: its shortest watchdog on it that makes sense is twice as long.
+pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// Options of `monitor`.
 #[derive(Debug, Clone, clap::Args)]
@@ -38,16 +40,8 @@ pub struct Options {
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
-    ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)).map_err(|error| {
-        Error::device(
-            "Ctrl-C",
-            error.to_string(),
-            "end the other handler of the signal",
-        )
-    })?;
+    let stop = super::interrupt::noted()?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
     let mut table = match &options.csv {
@@ -105,24 +99,26 @@ fn dropped(client: &mut Client) -> Result<u32> {
 
 /// What came and what did not.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-struct Counted {
-    records: u64,
-    lost: u64,
+pub struct Counted {
+    pub records: u64,
+    pub lost: u64,
     last: Option<u32>,
 }
 
 impl Counted {
-    /// Takes a record; what is missing before it counts as lost.
-    fn take(&mut self, tick: u32, decimation: u16) {
-        if let Some(last) = self.last {
+    /// Takes a record; what is missing before it counts as lost, and is given back.
+    pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
+        let steps = self.last.map_or(0, |last| {
             let steps = tick.wrapping_sub(last) / u32::from(decimation);
             // Backwards: the device was restarted.
-            if steps < u32::MAX / 2 / u32::from(decimation) {
-                self.lost += u64::from(steps.saturating_sub(1));
-            }
-        }
+            let forward = steps < u32::MAX / 2 / u32::from(decimation);
+            if forward { steps } else { 0 }
+        });
+        let missing = steps.saturating_sub(1);
+        self.lost += u64::from(missing);
         self.records += 1;
         self.last = Some(tick);
+        missing
     }
 }
 
@@ -137,6 +133,7 @@ fn watch(
     let begun = Instant::now();
     let (mut counted, mut shown, mut heard) = (Counted::default(), None::<Instant>, begun);
     let mut state = None;
+    let mut spoken = begun;
     tell!("{HEADING}");
     let silent = out::json() || out::quiet();
     // With a file the run goes on when the reader of the screen has had enough.
@@ -146,6 +143,10 @@ fn watch(
             .seconds
             .is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
     {
+        if spoken.elapsed() >= SIGN_OF_LIFE {
+            spoken = Instant::now();
+            client.ask(&Request::Status)?;
+        }
         let Some(record) = client.next_telemetry()? else {
             if heard.elapsed() > SILENCE_LIMIT {
                 return Err(Error::device(

@@ -1,7 +1,7 @@
 //! The option `--port`, the same for every command that speaks to a device.
 
 use touchstone_device::{Address, Client};
-use touchstone_sim::error::Result;
+use touchstone_sim::error::{Error, Result};
 
 /// Where the device is.
 #[derive(Debug, Clone, clap::Args)]
@@ -12,6 +12,18 @@ pub struct PortOption {
 }
 
 impl PortOption {
+    /// Refuses the option where there is no port to speak to.
+    pub fn refuse(&self) -> Result<()> {
+        match self.port {
+            None => Ok(()),
+            Some(_) => Err(Error::Option {
+                option: "--port".into(),
+                problem: "haptic devices have none".into(),
+                fix: "leave it out, or see --device".into(),
+            }),
+        }
+    }
+
     /// Connects.
     pub fn connect(&self) -> Result<Client> {
         Client::connect(&self.address()?)

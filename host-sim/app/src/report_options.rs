@@ -1,6 +1,7 @@
 //! Options of every command that writes a report.
 
-use touchstone_lab::report::{FileOptions, Program};
+use super::number;
+use touchstone_lab::report::{FileOptions, ProgramVersion};
 
 /// What a report's folder gets.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
@@ -9,7 +10,7 @@ pub struct ReportOptions {
     #[arg(long)]
     no_csv: bool,
     /// Writes each Nth tick into traces; the figures show all.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u32, u32::MAX, "of ticks"))]
     every: u32,
     /// Replaces what another command left in the folder.
     #[arg(long)]
@@ -28,11 +29,11 @@ impl ReportOptions {
 }
 
 /// This program, with the commit that it was built from.
-pub fn program() -> Program {
-    Program {
+pub fn program() -> ProgramVersion {
+    ProgramVersion {
         version: env!("CARGO_PKG_VERSION"),
         commit: Some(env!("TOUCHSTONE_COMMIT")).filter(|commit| !commit.is_empty()),
         modified: env!("TOUCHSTONE_MODIFIED") == "true",
-        ..Program::default()
+        ..ProgramVersion::default()
     }
 }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use touchstone_lab::report::{self, Colour, ReportInput, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
-use touchstone_sim::scene::{self, Motion};
+use touchstone_sim::scene::{self, RestPath};
 
 /// Options of `run`.
 #[derive(Debug, Clone, clap::Args)]
@@ -52,7 +52,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if let Some(folder) = &options.out {
         interrupt::sweep(folder);
     }
-    let motion = Motion::from_scene(&scene)?;
+    let motion = RestPath::from_scene(&scene)?;
     if let Some(note) = motion.note() {
         note!("note: {note}");
     }
@@ -84,9 +84,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         Some(folder) => Some(report::write(&input, folder)?),
         None => None,
     };
-    let checked = options
-        .expectations
-        .check(strict, runs.iter().map(|run| &run.summary));
+    let summaries = || runs.iter().map(|run| &run.summary);
+    let mut checked = options.expectations.check(strict, summaries());
+    options.expectations.compare(&mut checked, summaries())?;
     if json() {
         let results = expect::results(&report::json::render(&input), &checked);
         print(format_args!("{results:#}\n"))?;

@@ -135,7 +135,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .iter()
         .map(|run| &run.summary)
         .filter(|run| run.law == LawKind::EnhancedSfa);
-    let checked = options.expectations.check(options.strict_passive, enhanced);
+    let mut checked = options.expectations.check(options.strict_passive, enhanced);
+    let all = runs.iter().map(|run| &run.summary);
+    options.expectations.compare(&mut checked, all)?;
     if json() {
         let mut results = expect::results(&report::json::render(&input), &checked);
         results["claims"] = claims.iter().map(claim).collect();

@@ -1,23 +1,18 @@
 //! The program from outside: a report's folder tells what it was made from, and every run in it can be made again.
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-folder-{test}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
+    common::folder(&format!("cli-folder-{test}"))
 }
 
 fn run_in(folder: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_touchstone"))
-        .args(arguments.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    common::run_in(folder, arguments.split_whitespace())
 }
 
 #[track_caller]

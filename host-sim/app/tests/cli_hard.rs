@@ -1,21 +1,16 @@
 //! `hard` and `accuracy` from outside: what they print, write and refuse, and their exit codes.
 
+mod common;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-hard-{test}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
+    common::folder(&format!("cli-hard-{test}"))
 }
 
 fn run_in(folder: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_touchstone"))
-        .args(arguments.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    common::run_in(folder, arguments.split_whitespace())
 }
 
 fn text(bytes: &[u8]) -> &str {

@@ -1,21 +1,13 @@
 //! The program from outside: warnings for what leaves a passivity bound, and what the commands leave behind.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod common;
+
+use common::run_in;
+
+use std::path::PathBuf;
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-results-{test}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn run_in(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_touchstone"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    common::folder(&format!("cli-results-{test}"))
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -62,7 +54,7 @@ fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_st
     for (inside, outside, parts) in BOUNDS {
         let quiet = run_in(
             &here,
-            &[
+            [
                 "run", "tap", "--preset", "thesis", "--json", "--set", inside,
             ],
         );
@@ -71,7 +63,7 @@ fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_st
 
         let warned = run_in(
             &here,
-            &[
+            [
                 "run", "tap", "--preset", "thesis", "--json", "--set", outside,
             ],
         );
@@ -174,7 +166,7 @@ fn assert_documented(results: &serde_json::Value, runs: usize) {
 
 #[test]
 fn json_on_standard_output_parses_and_has_the_documented_fields() {
-    let output = run_in(&folder("json"), &["run", "thesis-knob", "--json"]);
+    let output = run_in(&folder("json"), ["run", "thesis-knob", "--json"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(text(&output.stderr), "");
     let results: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -186,7 +178,7 @@ fn json_on_standard_output_parses_and_has_the_documented_fields() {
 #[test]
 fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean() {
     let here = folder("thesis");
-    let output = run_in(&here, &["thesis", "--out", "report"]);
+    let output = run_in(&here, ["thesis", "--out", "report"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let out = text(&output.stdout);
     // A progress bar would leave carriage returns, escapes or bar characters.

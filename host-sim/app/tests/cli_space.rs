@@ -1,28 +1,20 @@
 //! The comparison in three degrees of freedom from outside.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod common;
+
+use common::run_in;
+
+use std::path::PathBuf;
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-space-{test}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn run_in(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_touchstone"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    common::folder(&format!("cli-space-{test}"))
 }
 
 /// All claims hold, and the page has the figures of every run.
 #[test]
 fn the_comparison_reproduces_what_the_thesis_claims() {
     let folder = folder("claims");
-    let out = run_in(&folder, &["thesis", "--dof", "3", "--json"]);
+    let out = run_in(&folder, ["thesis", "--dof", "3", "--json"]);
     assert!(
         out.status.success(),
         "{}",
@@ -48,9 +40,9 @@ fn the_comparison_reproduces_what_the_thesis_claims() {
     assert_eq!(page.matches("<figure class=\"plot\">").count(), 4 * 30);
     assert!(!page.contains("NaN") && !page.contains("http"));
     // The same command again replaces it; another one does not.
-    let again = run_in(&folder, &["thesis", "--dof", "3", "--json"]);
+    let again = run_in(&folder, ["thesis", "--dof", "3", "--json"]);
     assert!(again.status.success());
-    let other = run_in(&folder, &["thesis", "--dof", "3", "--quiet"]);
+    let other = run_in(&folder, ["thesis", "--dof", "3", "--quiet"]);
     assert_eq!(
         other.status.code(),
         Some(2),

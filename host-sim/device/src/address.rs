@@ -123,7 +123,7 @@ impl Address {
             ),
             ([], _) => wrong(
                 format!("no ST-LINK among {}", names(ports.iter())),
-                "choose one with --port",
+                "connect the board, or choose one with --port; see `touchstone doctor`",
             ),
             (several, _) => wrong(
                 format!(

@@ -1,13 +1,31 @@
-//! The link to a device: how it is reached, and how it is spoken to.
+//! Devices, and how they are spoken to.
+//!
+//! A board runs its law itself, and is asked and told over a link:
 //!
 //! ```text
 //! address -> transport (serial port or TCP) -> frames (protocol) -> client: requests and answers, telemetry
 //! ```
+//!
+//! A haptic device that has no law of its own is driven from here, tick by tick:
+//!
+//! ```text
+//! HapticDevice (simulated, omega.3, Inverse3; faults around any) <-> servo: pace, limits, release <-> ForceLaw (wall, guard)
+//! ```
 
 mod address;
 mod client;
+mod haply;
+pub mod haptic;
+mod omega3;
+pub mod servo;
+mod survey;
 mod transport;
+mod wall;
 
 pub use address::{Address, Port, is_st_link, ports};
 pub use client::Client;
+pub use haply::{Generation, Inverse3, SERVICE};
+pub use omega3::Omega3;
+pub use survey::{Pose, Survey};
 pub use transport::{Received, Transport, open};
+pub use wall::{DeviceWall, WallSettings};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
 use touchstone_lab::certify::campaign::{Row, Tally, row};
-use touchstone_lab::resumable::Rows;
+use touchstone_lab::journal::Journal;
 
 /// Rows between two writes.
 const CHUNK: u64 = 48;
@@ -18,22 +18,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = words.next().ok_or(usage)?;
     let runs: u64 = words.next().map_or(Ok(2000), |word| word.parse())?;
     let seed: u64 = words.next().map_or(Ok(1), |word| word.parse())?;
-    let mut rows: Rows<Row> = Rows::open(Path::new(&file))?;
-    let mut done = rows.done().len() as u64;
-    println!("seed {seed}: {done} of {runs} runs are done");
-    while done < runs {
-        let end = runs.min(done + CHUNK);
-        rows.append(
-            (done..end)
-                .into_par_iter()
-                .map(|index| row(seed, index))
-                .collect::<Result<_, _>>()?,
-        )?;
-        done = end;
-        eprint!("\r{done}/{runs}");
+    let (mut journal, mut rows) = Journal::open::<Row>(Path::new(&file))?;
+    println!("seed {seed}: {} of {runs} runs are done", rows.len());
+    while (rows.len() as u64) < runs {
+        let done = rows.len() as u64;
+        let chunk: Vec<_> = (done..runs.min(done + CHUNK))
+            .into_par_iter()
+            .map(|index| row(seed, index))
+            .collect::<Result<_, _>>()?;
+        journal.append(None, &chunk)?;
+        rows.extend(chunk);
+        eprint!("\r{}/{runs}", rows.len());
     }
     let mut tally = Tally::default();
-    rows.done().iter().for_each(|row| tally.add(row));
+    rows.iter().for_each(|row| tally.add(row));
     println!("\n{tally}");
     Ok(())
 }

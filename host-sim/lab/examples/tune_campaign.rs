@@ -7,7 +7,7 @@
 
 use std::error::Error;
 use std::path::Path;
-use touchstone_lab::resumable::Rows;
+use touchstone_lab::journal::Journal;
 use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_lab::tune::campaign::{Budget, Class, Row, best, row};
 
@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         first: word(4, "2e7").parse()?,
         second: word(5, "4e7").parse()?,
     };
-    let mut rows: Rows<Row> = Rows::open(Path::new(file))?;
-    println!("seed {seed}: {} rows are done", rows.done().len());
+    let (mut journal, mut rows) = Journal::open::<Row>(Path::new(file))?;
+    println!("seed {seed}: {} rows are done", rows.len());
     // Stiffness by stiffness within a number, so that a campaign that was cut has as many of each.
     for number in 0..devices {
         for class in Class::ALL {
@@ -35,17 +35,15 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let is_this = |row: &Row| {
                     (row.class, row.number, row.law.as_str()) == (class, number, rival.name)
                 };
-                if !rows.done().iter().any(is_this) {
-                    rows.append(vec![row(seed, class, number, rival, budget)?])?;
+                if !rows.iter().any(is_this) {
+                    let row = row(seed, class, number, rival, budget)?;
+                    journal.append(None, std::slice::from_ref(&row))?;
+                    rows.push(row);
                 }
             }
         }
     }
-    let done: Vec<&Row> = rows
-        .done()
-        .iter()
-        .filter(|row| row.number < devices)
-        .collect();
+    let done: Vec<&Row> = rows.iter().filter(|row| row.number < devices).collect();
     for class in Class::ALL {
         println!("\n{class:?}, of {devices} devices:");
         let of_class = |row: &&&Row| row.class == class;

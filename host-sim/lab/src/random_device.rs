@@ -86,7 +86,7 @@ impl RandomDevice {
         scene.device.damping_n_m_s_per_rad = self.damping;
         scene.device.friction = self.friction.map(|kinetic_n_m| Friction {
             kinetic_n_m,
-            static_n_m: None,
+            ..Friction::default()
         });
         scene.encoder = Some(Encoder {
             counts_per_rev: self.counts,

@@ -151,6 +151,7 @@ function setOther(law) {
 }
 
 function preset(step) {
+  closeFile();
   const chapter = PRESETS[step - 1];
   chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: Boolean(chapter), speed: 1, strength: chapter?.strength ?? 0.3 };
   begin();
@@ -186,13 +187,33 @@ function automatic(on) {
   share();
 }
 function record(on) {
+  closeFile();
   recording = on;
   press("record", on);
   $("record").textContent = on ? "Stop" : "Record";
   if (on) { for (const one of runs) one.ring.end = 0; letGo(); $("csv").disabled = $("scene").disabled = true; $("record-told").textContent = "Recording every tick from the start of the run."; }
   tell("record", { on });
 }
+/** Back in time: pauses first. */
+function turnBack(ticks) {
+  closeFile();
+  if (running) run(false);
+  tell("back", { ticks });
+}
+function turnedBack({ a, b, most, why }) {
+  $("record-told").textContent = why;
+  if (!a) return;
+  [a, b].forEach((rows, i) => {
+    if (!rows || !runs[i]) return;
+    Object.assign(runs[i], most[i]);
+    runs[i].ring.end = 0;
+    runs[i].ring.push(rows);
+    runs[i].last = rows.length ? Object.fromEntries(COLUMNS.map((name) => [name, runs[i].ring.at(name, 0)])) : null;
+  });
+  aim = null;
+}
 function restart() {
+  closeFile();
   for (const one of runs) one.ring.end = 0;
   letGo();
   tell("reset");
@@ -200,6 +221,7 @@ function restart() {
 
 // The pointer and the keys.
 function setAim(angle) {
+  closeFile();
   if (chosen.automatic) automatic(false);
   const surface = runs[0]?.facts.surface_rad ?? 0.5;
   aim = Math.max(surface - 3, Math.min(surface + 3, angle));
@@ -250,6 +272,8 @@ function opened({ a, b, keep }) {
     const ring = before && before.ring.length === length ? before.ring : new Ring(COLUMNS, length);
     return { ...side, title, ring, second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
   });
+  // A changed setting or a law beside it is another run than the file's.
+  if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();
   show();
 }
 
@@ -267,6 +291,7 @@ function took({ a, b, count, recorded: ticks }) {
       one.got = Math.max(one.got, one.peak - rows[at]);
     }
   });
+  if (a) follow(a);
   counted = count;
   if (ticks !== null && recording) $("record-told").textContent = `Recording: ${(ticks / runs[0].facts.rate_hz).toFixed(1)} s, ${ticks} ticks.`;
   if (a && chosen.speed === 1) play(a);
@@ -276,6 +301,7 @@ worker.onmessage = ({ data }) => {
   if (data.type === "ready") { if (!fromAddress()) preset(0); else begin(); }
   if (data.type === "opened") opened(data);
   if (data.type === "rows") took(data);
+  if (data.type === "back") turnedBack(data);
   if (data.type === "recorded") {
     recording = false;
     press("record", false);

@@ -32,31 +32,6 @@ const phase = new Plane(figureFor("Position and velocity", [], true), "penetrati
   (c, i, r) => [1e3 * inside(c, i, r), E(c, i, "velocity_rad_per_s")]);
 const stage = new Stage($("stage"));
 
-function figureFor(title, keys, tall) {
-  const figure = document.createElement("figure"), caption = document.createElement("figcaption"), canvas = document.createElement("canvas");
-  const name = document.createElement("strong");
-  name.textContent = title;
-  caption.append(name);
-  for (const [text, colour, dash] of keys) {
-    const key = document.createElement("span");
-    key.className = "key";
-    const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg"), mark = document.createElementNS("http://www.w3.org/2000/svg", "line");
-    svg.setAttribute("viewBox", "0 0 26 8");
-    svg.setAttribute("aria-hidden", "true");
-    for (const [attribute, value] of [["x1", 0], ["x2", 26], ["y1", 4], ["y2", 4], ["stroke-width", 2.5], ["stroke-dasharray", dash.join(" ")]]) mark.setAttribute(attribute, value);
-    mark.style.stroke = `var(--${colour})`;
-    svg.append(mark);
-    key.append(svg, text);
-    caption.append(key);
-  }
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", `${title}, scrolling`);
-  if (tall) figure.className = "tall";
-  figure.append(caption, canvas);
-  $("plots").append(figure);
-  return canvas;
-}
-
 const READOUT = [
   ["Penetration", (r) => `${(1e3 * (r.last.angle_rad - r.facts.surface_rad)).toFixed(2)} mrad`],
   ["Force", (r) => `${(1e3 * r.last.motor_force_n_m).toFixed(1)} mN·m`],
@@ -133,7 +108,7 @@ function turn(now) {
   turned = now;
   if (way && runs.length) setAim(standing() + way * passed * (held.has("Shift") ? 0.12 : 0.7));
 }
-const KEYS = { " ": () => run(!running), ".": () => $("step").click(), r: restart, p: () => automatic(!chosen.automatic), s: sound, c: () => record(!recording), h: letGo, Home: letGo };
+const KEYS = { " ": () => run(!running), ".": () => $("step").click(), ",": () => turnBack(1), b: () => turnBack(backTicks()), r: restart, p: () => automatic(!chosen.automatic), s: sound, c: () => record(!recording), h: letGo, Home: letGo };
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   held[event.shiftKey ? "add" : "delete"]("Shift");
@@ -174,6 +149,9 @@ function place(event) { const box = $("stage").getBoundingClientRect(); return {
 const on = (id, name, act) => $(id).addEventListener(name, act);
 on("run", "click", () => run(!running));
 on("step", "click", () => { if (!running) tell("step"); });
+const backTicks = () => Math.round(0.1 * runs[0].facts.rate_hz);
+on("back", "click", () => turnBack(1));
+on("back-more", "click", () => turnBack(backTicks()));
 on("reset", "click", restart);
 on("automatic", "click", () => automatic(!chosen.automatic));
 on("sound", "click", sound);

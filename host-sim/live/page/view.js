@@ -133,16 +133,18 @@ class Plot {
         if (run.second && line.first) continue;
         // Lowest and highest value in each column of pixels: nothing is lost, whatever the rate.
         const n = Math.max(1, Math.floor(box.w)), least = new Float64Array(n).fill(Infinity), most = new Float64Array(n).fill(-Infinity);
+        const broken = new Uint8Array(n);
         run.ring.since(seconds, (i) => {
           const value = line.of(columns, i, run);
           const at = Math.floor((1 + (columns.clock[i] - now) / seconds) * (n - 1));
+          if (at >= 0 && at < n && columns.missing && (columns.missing[i] > 0 || !Number.isFinite(value))) broken[at] = 1;
           if (!(at >= 0 && at < n) || !Number.isFinite(value)) return;
           if (value < least[at]) least[at] = value;
           if (value > most[at]) most[at] = value;
           if (value < low) low = value;
           if (value > high) high = value;
         });
-        lines.push({ line, run, least, most, n });
+        lines.push({ line, run, least, most, n, broken });
       }
     }
     if (level !== undefined) high = Math.max(high, level * 1.1);
@@ -153,14 +155,17 @@ class Plot {
     g.rect(box.x, box.y - 1, box.w, box.h + 2);
     g.clip();
     const yAt = (v) => box.y + box.h * (1 - (v - y.low) / (y.high - y.low));
+    for (const run of runs) this.holes(g, box, run, seconds);
     if (level !== undefined) stroke(g, ink.muted, 1.5, [6, 4], () => { g.moveTo(box.x, yAt(level)); g.lineTo(box.x + box.w, yAt(level)); });
-    for (const { line, run, least, most, n } of lines) {
+    for (const { line, run, least, most, n, broken } of lines) {
       stroke(g, run.second ? ink.b : ink[line.colour], line.wide ?? 1.6, run.second ? [5, 3] : line.dash ?? [], () => {
         let pen = false, gap = 0;
         for (let i = 0; i < n; i += 1) {
           if (least[i] === Infinity) { gap += 1; if (gap > Math.max(3, n / 100)) pen = false; continue; }
           gap = 0;
           const px = box.x + i;
+          // No line across what is missing.
+          if (broken[i]) pen = false;
           if (pen) g.lineTo(px, yAt(least[i])); else g.moveTo(px, yAt(least[i]));
           if (most[i] !== least[i]) g.lineTo(px, yAt(most[i]));
           pen = true;
@@ -168,6 +173,18 @@ class Plot {
       });
     }
     g.restore();
+  }
+  /** A band where records of a board are missing: from the last one before to the first one after. */
+  holes(g, box, run, seconds) {
+    const { clock, missing } = run.ring.columns;
+    if (!missing || !run.ring.size) return;
+    const now = run.ring.at("clock", 0), X = (t) => box.x + box.w * (1 + (t - now) / seconds);
+    let before = null;
+    g.fillStyle = ink.hatch;
+    run.ring.since(seconds, (i) => {
+      if (missing[i] > 0 && before !== null) g.fillRect(X(before), box.y, Math.max(1, X(clock[i]) - X(before)), box.h);
+      before = clock[i];
+    });
   }
 }
 
@@ -210,4 +227,30 @@ class Plane {
     }
     g.restore();
   }
+}
+
+/** A figure with its name and a key for each line; gives its canvas. */
+function figureFor(title, keys, tall) {
+  const figure = document.createElement("figure"), caption = document.createElement("figcaption"), canvas = document.createElement("canvas");
+  const name = document.createElement("strong");
+  name.textContent = title;
+  caption.append(name);
+  for (const [text, colour, dash] of keys) {
+    const key = document.createElement("span");
+    key.className = "key";
+    const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg"), mark = document.createElementNS("http://www.w3.org/2000/svg", "line");
+    svg.setAttribute("viewBox", "0 0 26 8");
+    svg.setAttribute("aria-hidden", "true");
+    for (const [attribute, value] of [["x1", 0], ["x2", 26], ["y1", 4], ["y2", 4], ["stroke-width", 2.5], ["stroke-dasharray", dash.join(" ")]]) mark.setAttribute(attribute, value);
+    mark.style.stroke = `var(--${colour})`;
+    svg.append(mark);
+    key.append(svg, text);
+    caption.append(key);
+  }
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", `${title}, scrolling`);
+  if (tall) figure.className = "tall";
+  figure.append(caption, canvas);
+  $("plots").append(figure);
+  return canvas;
 }

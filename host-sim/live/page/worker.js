@@ -9,6 +9,8 @@ const LATE_MS = 10, MOST_BEHIND_MS = 250, POST_MS = 15;
 const HAND_HZ = 8;
 // Ten minutes at 1 kHz with 13 columns are 62 MB.
 const MOST_RECORDED = 600000;
+// A run can be turned back as long as all its rest points are known; this much of it is drawn again.
+const MOST_PAST = 600000, DRAWN_S = 5;
 
 let wasm, ROW, FACTS, TRACE;
 const sides = [null, null];
@@ -17,6 +19,10 @@ let running = false, speed = 1, origin = 0, due = 0;
 let hand = { x: 0, v: 0 }, ticks = 0, autoTick = 0, dirty = 0;
 let count = { done: 0, late: 0, skipped: 0 };
 let record = null, posted = 0, every = 1;
+/** Rest points since the start of the run; null where a setting was changed since, or there are too many. */
+let past = null;
+/** Rest points of a file, one a tick from the start of the run on. */
+let played = null, playedTick = 0;
 
 const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));
 const given = () => text(wasm.live_text(), wasm.live_text_bytes());
@@ -77,6 +83,7 @@ function open({ a, b, keep }) {
     return;
   }
   if (!keep) rest();
+  past = keep ? null : [];
   clock();
   every = Math.max(1, Math.ceil(sides[0].facts.rate_hz / 4000));
   postMessage({ type: "opened", a: told(0), b: told(1), keep });
@@ -92,7 +99,43 @@ function rest() {
 function reset() {
   for (const side of sides) if (side) wasm.live_reset(side.handle);
   rest();
+  past = [];
   clock();
+}
+
+/** So many ticks back: the run is made again from its start up to there, which gives the same to the bit. */
+function back(count) {
+  if (past === null) {
+    postMessage({ type: "back", a: null, b: null, why: "A setting was changed during the run, or it is longer than ten minutes: start again to be able to go back." });
+    return;
+  }
+  stopRecord("the run was turned back");
+  const to = Math.max(0, past.length - count), { rate_hz, angle_rad } = sides[0].facts, period = 1 / rate_hz;
+  const begun = ticks - past.length, shown = to - Math.ceil(DRAWN_S * rate_hz), most = [];
+  ticks = begun + to;
+  autoTick = Math.max(0, autoTick - (past.length - to));
+  past.length = to;
+  const energy = ROW.indexOf("energy_hand_j");
+  const all = sides.map((side) => {
+    if (!side) return null;
+    wasm.live_reset(side.handle);
+    const rows = [];
+    let peak = 0, got = 0;
+    past.forEach((at, i) => {
+      const row = numbers(wasm.live_tick(side.handle, at), ROW.length);
+      peak = Math.max(peak, row[energy]);
+      got = Math.max(got, peak - row[energy]);
+      if (i >= shown && ((begun + i + 1) % every === 0 || i === to - 1)) rows.push((begun + i) * period, ...row);
+    });
+    side.rows = [];
+    most.push({ peak, got });
+    return Float64Array.from(rows);
+  });
+  hand = { x: past.at(-1) ?? angle_rad, v: 0 };
+  aim = null;
+  dirty = 0;
+  clock();
+  postMessage({ type: "back", a: all[0], b: all[1], most, why: `Tick ${to} of the run.` });
 }
 
 /** Time starts anew at the next tick: what passed while nothing ran is not made up for. */
@@ -115,8 +158,10 @@ function target() {
 
 function tick() {
   const period = 1 / sides[0].facts.rate_hz;
-  const goal = target();
-  if (automatic) {
+  const goal = played ? played[Math.min(playedTick++, played.length - 1)] : target();
+  if (played) {
+    hand = { x: goal, v: 0 };
+  } else if (automatic) {
     // The scene's own motion is smooth, and is played as it stands.
     autoTick += 1;
     hand = { x: goal, v: 0 };
@@ -127,6 +172,7 @@ function tick() {
   }
   const time = ticks * period;
   ticks += 1;
+  if (past && past.push(hand.x) > MOST_PAST) past = null;
   for (let i = 0; i < 2; i += 1) {
     const side = sides[i];
     if (!side) continue;
@@ -198,6 +244,7 @@ const acts = {
   },
   open,
   aim: (message) => { aim = message.rad; },
+  play: (message) => { played = message.rests; playedTick = 0; },
   strength: (message) => { strength = message.n_m_per_rad; },
   automatic: (message) => { automatic = message.on; autoTick = 0; hand.v = 0; },
   run: (message) => {
@@ -206,6 +253,7 @@ const acts = {
     clock();
   },
   step: () => { if (!running && sides[0]) { tick(); post(performance.now()); } },
+  back: (message) => { if (!running && sides[0]) back(message.ticks); },
   reset: () => { stopRecord("the run started again"); reset(); postMessage({ type: "reset" }); },
   record: (message) => { if (message.on) startRecord(); else stopRecord(""); },
   zero: () => { count = { done: 0, late: 0, skipped: 0 }; },

@@ -5,7 +5,7 @@ use touchstone_control::Choice as _;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
-use touchstone_sim::scene::{Motion, MotionSpec, Preset, Scene};
+use touchstone_sim::scene::{MotionSpec, Preset, RestPath, Scene};
 
 /// Numbers of a tick, in their order: the columns of a trace, as files of this program have them, then what only the page shows.
 pub const ROW: [&str; 17] = [
@@ -50,7 +50,7 @@ pub const FACTS: [&str; 8] = [
 struct Place {
     live: Live,
     /// What the scene's own hand sets out to do.
-    motion: Option<(Motion, f64)>,
+    motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
     facts: [f64; FACTS.len()],
@@ -96,7 +96,7 @@ impl Place {
         let motion = match &scene.operator.motion {
             // A page has no files.
             MotionSpec::None | MotionSpec::Recorded(_) => None,
-            _ => Some((Motion::from_scene(&scene)?, scene.timing.duration_s)),
+            _ => Some((RestPath::from_scene(&scene)?, scene.timing.duration_s)),
         };
         let k_desired = scene.wall.k_desired_n_m_per_rad;
         let rate_hz = f64::from(scene.timing.rate_hz);

@@ -12,14 +12,17 @@ pub const MODULE: &[u8] = include_bytes!("../module/touchstone_live.wasm");
 pub const MARK: &str = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\"";
 
 const PAGE: &str = include_str!("../page/page.html");
-const STYLE: &str = include_str!("../page/page.css");
+pub(crate) const STYLE: &str = include_str!("../page/page.css");
 const WORKER: &str = include_str!("../page/worker.js");
-const SCRIPT: [&str; 6] = [
+pub(crate) const VIEW: &str = include_str!("../page/view.js");
+pub(crate) const STAGE: &str = include_str!("../page/stage.js");
+const SCRIPT: [&str; 7] = [
     "\"use strict\";\n",
     include_str!("../page/presets.js"),
-    include_str!("../page/view.js"),
-    include_str!("../page/stage.js"),
+    VIEW,
+    STAGE,
     include_str!("../page/page.js"),
+    include_str!("../page/open.js"),
     include_str!("../page/start.js"),
 ];
 
@@ -60,14 +63,18 @@ pub fn render(content: &Content) -> String {
         ("POLICY", &policy),
         ("STYLE", STYLE),
         ("PROGRAM", &escape(content.program)),
-        // The one sequence that would end a block of data.
-        ("CONTENT", &data.to_string().replace('<', "\\u003c")),
+        ("CONTENT", &block(&data)),
         ("MODULE", &BASE64.encode(MODULE)),
         ("WORKER", WORKER),
         ("SCRIPT", &script),
     ];
+    fill(PAGE, &parts)
+}
+
+/// A template with its parts in the places of their names.
+pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     let mut page = String::with_capacity(1 << 20);
-    let mut rest = PAGE;
+    let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {
         let (name, after) = after.split_once("}}").unwrap_or((after, ""));
         page.push_str(before);
@@ -78,11 +85,16 @@ pub fn render(content: &Content) -> String {
     page + rest
 }
 
+/// Data as a block of the page, without the one sequence that would end it.
+pub(crate) fn block(data: &serde_json::Value) -> String {
+    data.to_string().replace('<', "\\u003c")
+}
+
 /// A block's hash, as a policy names it.
-fn hash(text: &str) -> String {
+pub(crate) fn hash(text: &str) -> String {
     format!("sha256-{}", BASE64.encode(Sha256::digest(text)))
 }
 
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }

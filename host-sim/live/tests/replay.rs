@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use touchstone_live::desk::{Desk, ROW, TRACE_COLUMNS, scene};
 use touchstone_sim::run;
-use touchstone_sim::run::record::Trace;
 use touchstone_sim::scene::Scene;
 
 /// A pointer: pushes in, trembles, lets go, each at its own jerky pace; rad.
@@ -21,25 +20,6 @@ impl Drop for File {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.0);
     }
-}
-
-fn columns(trace: &Trace) -> [&[f64]; TRACE_COLUMNS] {
-    [
-        &trace.time_s,
-        &trace.angle_rad,
-        &trace.velocity_rad_per_s,
-        &trace.angle_measured_rad,
-        &trace.hand_rad,
-        &trace.rest_rad,
-        &trace.force_n_m,
-        &trace.surface_rad,
-        &trace.surface_shifted_rad,
-        &trace.mass_rad,
-        &trace.energy_observed_j,
-        &trace.energy_true_j,
-        &trace.energy_device_loss_j,
-        &trace.guard_account_j,
-    ]
 }
 
 /// Plays the pointer live, replays its file, and compares every column; gives how many ticks had a force.
@@ -65,7 +45,7 @@ fn replayed(name: &str, text: &str) -> usize {
     let again = desk.replay(handle, &csv.0.to_string_lossy());
     let again = Scene::parse(&again, &PathBuf::from("again.toml")).unwrap();
     let trace = run::run(&again, true).unwrap().trace.unwrap();
-    for (name, (column, values)) in ROW.iter().zip(columns(&trace).iter().enumerate()) {
+    for (name, (column, values)) in ROW.iter().zip(trace.columns().iter().enumerate()) {
         assert_eq!(values.len(), rows.len());
         for (tick, (live, again)) in rows.iter().map(|row| row[column]).zip(*values).enumerate() {
             assert!(

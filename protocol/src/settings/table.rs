@@ -81,6 +81,12 @@ macro_rules! device_settings {
                         "the torque for a q-axis current of 1 A (the amplitude of a phase current)";
                     current_limit_a: number("0.05", "25") = "2", "A",
                         "the largest current that is ever asked for, at most the trip current";
+                    // 1.5 R i^2 is 4.4 W in the 6 ohm above: a motor of 40 mm without a heat sink. No data sheet was at hand that says it.
+                    continuous_current_a: number("0.05", "25") = "0.7", "A",
+                        "the largest current that the motor bears for ever (what it may be given beyond it falls as it warms up)";
+                    // Windings follow in some 10 to 60 s, the motor around them in minutes: the shorter is on the safe side.
+                    heating_time_s: number("0.5", "1000") = "20", "s",
+                        "the time constant with which the windings warm up";
                     // No overshoot even with a delay of 1.5 periods of 50 µs; it is one (`current::ACTS_AFTER_PERIODS`).
                     current_bandwidth_hz: number("50", "1500") = "600", "Hz",
                         "the bandwidth of the current loop";
@@ -90,15 +96,18 @@ macro_rules! device_settings {
                     trip_current_a: number("0.05", "25") = "4", "A",
                         "the phase current that switches off (at most 15 on nucleo-g474re)";
                     bus_min_v: number("8", "48") = "18", "V",
-                        "the bus voltage below which it switches off";
+                        "the bus voltage below which it switches off (at least 10, where the gate drivers work)";
                     bus_max_v: number("8", "48") = "30", "V",
-                        "the bus voltage above which it switches off (at most 30 on b-g431b-esc1)";
+                        "the bus voltage above which it switches off (at most 26 on b-g431b-esc1)";
                     derate_from_celsius: number("20", "109") = "70", "°C",
                         "the temperature from which the current is reduced";
                     fault_from_celsius: number("30", "110") = "90", "°C",
                         "the temperature that switches off (the reduced current reaches zero here)";
-                    max_speed_rad_per_s: number("1", "1000") = "60", "rad/s",
-                        "the speed above which it switches off";
+                    // Fingers that flick the rim of a knob of 40 mm at 2 m/s.
+                    max_speed_rad_per_s: number("1", "1000") = "100", "rad/s",
+                        "the speed above which it switches off (against a force, the guard's overspeed does)";
+                    host_silence_s: number("0", "60") = "0", "s",
+                        "the time without a word of the desktop after which it switches off (0: it needs no desktop)";
                     fade_in_s: number("0", "10") = "0.2", "s",
                         "the time over which the torque fades in after arming";
                 }

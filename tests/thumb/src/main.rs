@@ -12,7 +12,9 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use ruler::{Ruler, Tally};
 use touchstone_control::law::{EnhancedSfa, EnhancedState, Law, Sample};
-use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Position};
+use touchstone_control::space::Vector;
+use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number as _, Position};
+use touchstone_vectors::space::{SPACE_CASES, Wall, play_space};
 use touchstone_vectors::{Bits, Case, Machine, Segment, cases, play};
 
 // What firmware would call. Not inlined, so that a tick is counted with its call and return, and so that `cargo xtask thumb`
@@ -52,6 +54,12 @@ type Enhanced =
     fn(&EnhancedSfa<Fixed32>, &mut EnhancedState<Fixed32>, Sample<Fixed32>) -> Force<Fixed32>;
 #[used]
 static FOR_ITS_SIZE: Enhanced = enhanced_fixed32;
+
+/// A whole tick of three axes: surface point, shell, friction, guard.
+#[inline(never)]
+fn tick_space(wall: &mut Wall, at: Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>> {
+    wall.tick(at).unwrap_or_default()
+}
 
 /// The functions above in one format.
 struct Microcontroller<N: Bits> {
@@ -110,6 +118,32 @@ fn in_format<N: Bits>(
     hprintln!("penetration {} {}", N::NAME, machine.penetrations);
 }
 
+/// The cases of three axes.
+fn in_space(
+    ruler: Ruler,
+    tick: fn(&mut Wall, Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>>,
+) {
+    for case in SPACE_CASES {
+        let mut ticks = Tally::default();
+        let played = play_space(case, |wall, at| {
+            let call = || black_box(tick)(black_box(wall), black_box(at));
+            let (force, instructions) = ruler.count(call);
+            ticks.add(instructions);
+            force
+        });
+        match played {
+            Some(digest) => hprintln!(
+                "golden {} {} whole {:016x} {}",
+                case,
+                Fixed32::NAME,
+                digest,
+                ticks
+            ),
+            None => hprintln!("refused {}", case),
+        }
+    }
+}
+
 /// Ends QEMU.
 fn stop(status: debug::ExitStatus) -> ! {
     debug::exit(status);
@@ -126,6 +160,7 @@ fn main() -> ! {
     };
     in_format::<Fixed32>(ruler, tick_fixed32, penetration_fixed32);
     in_format::<Fixed16>(ruler, tick_fixed16, penetration_fixed16);
+    in_space(ruler, tick_space);
     hprintln!("end");
     stop(debug::EXIT_SUCCESS)
 }

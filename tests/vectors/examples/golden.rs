@@ -2,6 +2,7 @@
 //! microcontroller's program prints them.
 
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number, Position};
+use touchstone_vectors::space::{SPACE_CASES, play_space};
 use touchstone_vectors::{Bits, Case, Machine, Segment, cases, play};
 
 struct Desktop;
@@ -34,4 +35,10 @@ fn in_format<N: Bits>() {
 fn main() {
     in_format::<Fixed32>();
     in_format::<Fixed16>();
+    for case in SPACE_CASES {
+        match play_space(case, |wall, at| wall.tick(at).unwrap_or_default()) {
+            Some(digest) => println!("golden {case} {} whole {digest:016x}", Fixed32::NAME),
+            None => println!("refused {case}"),
+        }
+    }
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::answer::Answer;
-use crate::cortex::{Depths, Program, is_panic, is_soft_float, word};
+use crate::cortex::{Depths, ProgramCode, is_panic, is_soft_float, word};
 
 /// The rooms of a board's chip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -96,7 +96,7 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
             .ok_or_else(|| format!("`{named}` is not BOARD=ELF"))?;
         let room = ROOMS.iter().find(|(name, _)| *name == board);
         let (_, room) = room.ok_or_else(|| format!("no chip is known for the board `{board}`"))?;
-        let program = Program::open(Path::new(path))?;
+        let program = ProgramCode::open(Path::new(path))?;
         println!("{board}:");
         let report = examine(&program, *room);
         lines.push(format!("{board}: {}", report.line()));
@@ -114,7 +114,7 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
     })
 }
 
-fn examine(program: &Program, room: Room) -> Report {
+fn examine(program: &ProgramCode, room: Room) -> Report {
     let mut report = Report {
         room,
         ..Report::default()
@@ -148,7 +148,7 @@ fn examine(program: &Program, room: Room) -> Report {
     report
 }
 
-fn sizes(program: &Program, report: &mut Report) {
+fn sizes(program: &ProgramCode, report: &mut Report) {
     for part in &program.parts {
         let is_variable = part.address >= MEMORY_START;
         match (is_variable, part.content.is_empty()) {
@@ -189,7 +189,7 @@ fn sizes(program: &Program, report: &mut Report) {
 }
 
 /// What an interrupt reaches.
-fn interrupt(program: &Program, handler: &str, wrong: &mut Vec<String>) {
+fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
     let Some(reach) = program
         .address(handler)
         .and_then(|address| program.reach_from(address))
@@ -234,7 +234,7 @@ const START: &str = "touchstone_firmware3run5start";
 
 /// The stack: what the thread needs, and on top of it one handler of each priority, each with an exception's frame. At the start
 /// only the drivers' interrupts come.
-fn stack(program: &Program, report: &mut Report) {
+fn stack(program: &ProgramCode, report: &mut Report) {
     let mut depths = Depths::new(program);
     let Some(reset) = program.address("Reset") else {
         report.wrong.push("the program has no `Reset`".into());
@@ -283,7 +283,7 @@ fn stack(program: &Program, report: &mut Report) {
 }
 
 /// The handlers of the drivers, all of priority 6: those of the vector table that are neither the processor's nor the firmware's.
-fn drivers(program: &Program) -> impl Iterator<Item = u32> {
+fn drivers(program: &ProgramCode) -> impl Iterator<Item = u32> {
     const PROCESSOR: [&str; 4] = ["DefaultHandler", "HardFault", "NonMaskableInt", "Reset"];
     let is_ours = |name: &str| PRIORITIES.iter().any(|row| row.contains(&name));
     handlers(program).into_iter().filter(move |address| {
@@ -294,7 +294,7 @@ fn drivers(program: &Program) -> impl Iterator<Item = u32> {
 }
 
 /// The handlers that the vector table names.
-fn handlers(program: &Program) -> Vec<u32> {
+fn handlers(program: &ProgramCode) -> Vec<u32> {
     let table = program
         .parts
         .iter()

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use answer::Answer;
-use cortex::Program;
+use cortex::ProgramCode;
 
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
@@ -32,7 +32,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
     match words {
         ["firmware", programs @ ..] if !programs.is_empty() => firmware::inspect(programs),
         ["thumb", elf, desktop, microcontroller] => thumb::inspect(
-            &Program::open(path(elf))?,
+            &ProgramCode::open(path(elf))?,
             &text(desktop)?,
             &text(microcontroller)?,
         ),

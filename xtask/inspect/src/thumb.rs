@@ -2,12 +2,16 @@
 //! them ran.
 
 use crate::answer::Answer;
-use crate::budgets::ENHANCED;
-use crate::cortex::{Program, is_panic, is_soft_float};
+use crate::budgets::{ENHANCED, SPACE};
+use crate::cortex::{ProgramCode, is_panic, is_soft_float};
 use crate::vectors::Report;
 
 /// Compares what both machines printed and follows a tick through the program.
-pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Result<Answer, String> {
+pub fn inspect(
+    program: &ProgramCode,
+    desktop: &str,
+    microcontroller: &str,
+) -> Result<Answer, String> {
     let mut report = Report::default();
     desktop.lines().for_each(|line| report.desktop(line));
     microcontroller
@@ -16,13 +20,19 @@ pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Resul
     println!("\n{}", report.table());
     let mut wrong = report.differences();
     wrong.extend(examine(program));
-    let cost = match budget(report.worst_of("enhanced"), ENHANCED) {
-        Ok(cost) => cost,
-        Err(over) => {
-            wrong.push(over.clone());
-            over
-        }
-    };
+    let mut costs = Vec::new();
+    for (what, rows, most) in [
+        ("enhanced tick", "enhanced", ENHANCED),
+        ("tick of three axes", "space", SPACE),
+    ] {
+        costs.push(
+            budget(what, report.worst_of(rows), most).unwrap_or_else(|over| {
+                wrong.push(over.clone());
+                over
+            }),
+        );
+    }
+    let cost = costs.join("; ");
     println!("{cost}");
     for what in &wrong {
         println!("WRONG: {what}");
@@ -37,20 +47,20 @@ pub fn inspect(program: &Program, desktop: &str, microcontroller: &str) -> Resul
 ///
 /// # Errors
 /// It took more than its budget, or was not counted.
-fn budget(worst: u64, most: u64) -> Result<String, String> {
+fn budget(what: &str, worst: u64, most: u64) -> Result<String, String> {
     match worst {
-        0 => Err("no enhanced tick was counted".into()),
+        0 => Err(format!("no {what} was counted")),
         worst if worst > most => Err(format!(
-            "enhanced tick at most {worst} instructions, OVER the budget of {most}"
+            "{what} at most {worst} instructions, OVER the budget of {most}"
         )),
         worst => Ok(format!(
-            "enhanced tick at most {worst} instructions, within the budget of {most}"
+            "{what} at most {worst} instructions, within the budget of {most}"
         )),
     }
 }
 
 /// Prints what a tick reaches; what of it should not be there.
-fn examine(program: &Program) -> Vec<String> {
+fn examine(program: &ProgramCode) -> Vec<String> {
     let mut wrong = Vec::new();
     println!(
         "{:<42}{:>8}{:>14}",
@@ -60,6 +70,7 @@ fn examine(program: &Program) -> Vec<String> {
         ("enhanced_fixed32", "enhanced law, 32 bits"),
         ("tick_fixed32", "all laws, 32 bits"),
         ("tick_fixed16", "all laws, 16 bits"),
+        ("tick_space", "three axes, 32 bits"),
         (
             "penetration_fixed32",
             "encoder count to penetration, 32 bits",
@@ -107,8 +118,10 @@ mod tests {
     /// At the budget, above it, and where nothing was counted.
     #[test]
     fn a_budget_can_be_broken() {
-        assert!(budget(700, 700).is_ok());
-        assert!(budget(701, 700).is_err_and(|over| over.contains("OVER the budget of 700")));
-        assert!(budget(0, 700).is_err());
+        assert!(budget("tick", 700, 700).is_ok());
+        assert!(
+            budget("tick", 701, 700).is_err_and(|over| over.contains("OVER the budget of 700"))
+        );
+        assert!(budget("tick", 0, 700).is_err());
     }
 }

@@ -3,9 +3,10 @@
 //! The checker ends with 0 also when there was nothing to prove, when an assumption was impossible and when a cover was never
 //! reached. So the gate in `inspect/` reads its report: every harness of the committed list ran, no other did, each succeeded,
 //! each cover was reached, and each assertion of a property can be. Without the checker the sampled form and the integer
-//! obligations run, and the answer is "not run".
+//! obligations run, and the answer is "not run". The theorems over traces ([`coq`]) need no checker, but Coq.
 
 pub mod checker;
+mod coq;
 mod usage;
 
 use std::ffi::OsStr;
@@ -18,7 +19,8 @@ use crate::{inspect, mutants, shell};
 use checker::{Left, MEMORY_KIB, Which};
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] | --mutants [--tests]";
+const USAGE: &str =
+    "cargo xtask prove [--harness NAME] [--bless] [--theorems] | --mutants [--tests | --theorems]";
 /// Harnesses that run at the same time.
 const JOBS: u32 = 2;
 
@@ -36,6 +38,11 @@ pub fn run(args: &[String]) -> Outcome {
         return mutants::by_tests();
     }
     match words.as_slice() {
+        ["--theorems"] => return coq::run(),
+        ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
+        _ => {}
+    }
+    match words.as_slice() {
         [] | ["--bless"] | ["--harness", _] | ["--mutants"] => {}
         _ => return Outcome::Usage(USAGE.into()),
     }
@@ -45,7 +52,23 @@ pub fn run(args: &[String]) -> Outcome {
     match words.as_slice() {
         ["--mutants"] => mutants::by_proofs(),
         ["--harness", part] => some(part),
-        _ => whole(words.contains(&"--bless")),
+        _ => {
+            let theorems = coq::run();
+            println!("theorems over traces: {theorems}");
+            with_theorems(theorems, whole(words.contains(&"--bless")))
+        }
+    }
+}
+
+/// Harnesses with theorems: what failed, else what did not run, else both.
+fn with_theorems(theorems: Outcome, harnesses: Outcome) -> Outcome {
+    let both = format!("{}; {}", theorems.reason(), harnesses.reason());
+    if theorems.is_failure() || harnesses.is_failure() {
+        Outcome::Failed(both)
+    } else if matches!((&theorems, &harnesses), (Outcome::Ok(_), Outcome::Ok(_))) {
+        Outcome::Ok(both)
+    } else {
+        Outcome::NotRun(both)
     }
 }
 
@@ -121,6 +144,12 @@ fn machine(load: Option<f64>) -> String {
 
 /// What can be done without the checker, which does not replace it.
 fn without_checker() -> Outcome {
+    let theorems = coq::run();
+    println!("theorems over traces: {theorems}");
+    with_theorems(theorems, without_harnesses())
+}
+
+fn without_harnesses() -> Outcome {
     let mut tests = shell::cargo_locked("test");
     let sampled = shell::run(tests.args(["--quiet", "-p", "touchstone-proofs"]));
     if sampled.is_failure() {

@@ -126,10 +126,10 @@ pub const ON_ESC1: &[Injection] = &[
         Off(TICK, &[EncoderJump]),
     ),
     row(
-        "shaft turned at +90 rad/s",
+        "shaft turned at +150 rad/s",
         Free,
         566,
-        Fault::Turned(90.0),
+        Fault::Turned(150.0),
         Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
@@ -209,7 +209,8 @@ pub const ON_ESC1: &[Injection] = &[
         607,
         Fault::Supply(2.5),
         Off(TICK, &[BrownOut]),
-    ),
+    )
+    .again(),
     row(
         "supply gone for a moment",
         Pressed,

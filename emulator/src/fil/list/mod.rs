@@ -2,8 +2,11 @@
 
 mod as5047p;
 mod asked;
+mod beside;
 mod esc1;
 mod others;
+mod power;
+mod processor;
 mod second;
 
 use touchstone_protocol::FaultCode as Code;
@@ -12,7 +15,10 @@ use super::fault::Fault;
 
 pub use as5047p::WITH_AS5047P;
 pub use asked::ASKED_FOR;
+pub use beside::BESIDE;
 pub use esc1::ON_ESC1;
+pub use power::POWER;
+pub use processor::PROCESSOR;
 pub use others::{WITH_MT6701, WITH_TRACKS};
 pub use second::SECOND;
 
@@ -67,6 +73,8 @@ pub struct Injection {
     pub expect: Expect,
     /// Something that goes wrong as well, while the fault is latched: it must change nothing.
     pub then: Option<Fault>,
+    /// Once its cause is gone and it was left by `Stop`, the device calibrates and arms as if nothing had been.
+    pub again: bool,
 }
 
 impl Injection {
@@ -80,6 +88,11 @@ impl Injection {
     #[must_use]
     pub fn title(&self) -> String {
         format!("{}, {}", self.name, self.state())
+    }
+
+    const fn again(mut self) -> Self {
+        self.again = true;
+        self
     }
 
     const fn then(mut self, fault: Fault) -> Self {
@@ -102,6 +115,7 @@ const fn row(
         fault,
         expect,
         then: None,
+        again: false,
     }
 }
 
@@ -109,7 +123,9 @@ const fn row(
 const TICK: u64 = 1_050;
 /// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
-/// A shaft at 90 rad/s makes 235 counts in a control period, and 161 are too many: a first reading may see 0.69 of a period and
+/// Two control ticks: the AS5047P is asked for its field in one and answers in the next.
+const OFF_AT_BAD_FIELD: u64 = 2 * TICK;
+/// A shaft at 150 rad/s makes 391 counts in a control period, and 265 are too many: a first reading may see 0.68 of a period and
 /// not be enough, the one after it is. And the PWM period in which its tick switches off, us.
 const FAST_SHAFT: u64 = 1_740;
 /// A lockup pulls the break in hardware, well before the window watchdog, which would end it as well. A stack that is at its end is

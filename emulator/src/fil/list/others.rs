@@ -45,6 +45,20 @@ pub const WITH_MT6701: &[Injection] = &[
         Off(OFF_AT_FIRST_BAD, &[EncoderStatus]),
     ),
     row(
+        "magnet gone",
+        Free,
+        222,
+        Fault::Encoder(SlaveFault::NoMagnet),
+        Off(OFF_AT_FIRST_BAD, &[EncoderStatus]),
+    ),
+    row(
+        "magnet too near",
+        Pressed,
+        707,
+        Fault::Encoder(SlaveFault::MagnetTooNear),
+        Off(OFF_AT_FIRST_BAD, &[EncoderStatus]),
+    ),
+    row(
         "encoder's bus hangs",
         Free,
         520,

@@ -21,6 +21,8 @@ const IDLE_LEVELS: u32 = 0x3f << 8;
 const LOCKED_2: u32 = OSSI | OSSR;
 const POLARITY: u32 = 0xaaa;
 const BIF: u32 = 1 << 7;
+/// The system's break has pulled. It "must be reset to re-start PWM operation" (RM0440, TIM1_SR).
+const SBIF: u32 = 1 << 13;
 const UIF: u32 = 1;
 
 /// What happens in a period, at a time.
@@ -51,6 +53,8 @@ pub struct BridgeTimer {
     done: u64,
     break_pin: bool,
     comparators: u32,
+    /// A source inside of the chip holds the system's break: supply, lockup, an error in flash.
+    system: bool,
     /// The drivers behind the outputs.
     pub gates: GateDriver,
     is_on: bool,
@@ -73,6 +77,7 @@ impl Default for BridgeTimer {
             // Pulled up: the break input is active low on the boards that use it.
             break_pin: true,
             comparators: 0,
+            system: false,
             gates: GateDriver::L6387,
             is_on: false,
             changes: Vec::new(),
@@ -133,12 +138,11 @@ impl BridgeTimer {
         self.look_at_break(now);
     }
 
-    /// A source inside of the chip pulls the break.
-    pub fn pull_break(&mut self, now: u64) {
-        if self.registers.get(BDTR) & BKE != 0 {
-            self.status |= BIF;
-            self.set_main_output(false, now);
-        }
+    /// Whether a source inside of the chip holds the system's break, those that SYSCFG_CFGR2 lets through: it needs no BKE and
+    /// knows no polarity (RM0440, "Using the break function").
+    pub fn set_system_break(&mut self, active: bool, now: u64) {
+        self.system = active;
+        self.look_at_break(now);
     }
 
     fn break_is_active(&self) -> bool {
@@ -152,10 +156,16 @@ impl BridgeTimer {
     }
 
     fn look_at_break(&mut self, now: u64) {
-        if self.break_is_active() {
-            self.status |= BIF;
+        let pulls = [(self.break_is_active(), BIF), (self.system, SBIF)];
+        for (_, flag) in pulls.into_iter().filter(|(pulls, _)| *pulls) {
+            self.status |= flag;
             self.set_main_output(false, now);
         }
+    }
+
+    /// Whether the timer takes MOE.
+    fn may_start(&self) -> bool {
+        !self.break_is_active() && !self.system && self.status & SBIF == 0
     }
 
     fn set_main_output(&mut self, on: bool, now: u64) {
@@ -322,7 +332,7 @@ impl Peripheral for BridgeTimer {
             BDTR => {
                 let value = self.unlocked(BDTR, value);
                 self.registers.write(BDTR, value & !MOE, now);
-                self.set_main_output(value & MOE != 0 && !self.break_is_active(), now);
+                self.set_main_output(value & MOE != 0 && self.may_start(), now);
             }
             _ => {
                 let value = self.unlocked(offset, value);
@@ -355,14 +365,18 @@ impl Peripheral for BridgeTimer {
     fn lines(&self) -> u128 {
         let up = self.status & self.registers.get(DIER);
         // Break, update, compare.
-        u128::from(up & (BIF | 0x100) != 0) << 24
+        u128::from(self.breaks_interrupt()) << 24
             | u128::from(up & UIF != 0) << 25
             | u128::from(up & 0x1e != 0) << 27
     }
 }
 
-/// Whether the selected trigger is the update.
 impl BridgeTimer {
+    /// One enable bit for the flags of all breaks: BIF, B2IF, SBIF.
+    fn breaks_interrupt(&self) -> bool {
+        self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
+    }
+
     /// Whether an update raises TRGO2.
     #[must_use]
     pub fn triggers_on_update(&self) -> bool {

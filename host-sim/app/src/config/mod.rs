@@ -1,7 +1,7 @@
 //! `touchstone config`: the settings of a device, one by one or all at once.
 
 mod toml_file;
-mod value;
+pub mod value;
 
 use super::out::{self, print, say, tell};
 use super::port::PortOption;
@@ -82,9 +82,9 @@ pub fn main(options: &Options) -> Result<()> {
         }
         Action::Set { path, value } => {
             // What no device would accept needs none to be refused.
-            let field = known(path)?;
-            let bytes = value::parse(field, value).map_err(|wrong| option(path, wrong))?;
-            set(&mut connect()?, field, &bytes)
+            let setting = parsed(path, value)?;
+            let (before, after) = set(&mut connect()?, &setting)?;
+            changed(&before, &after)
         }
         Action::Export { file } => export(&mut connect()?, file.as_deref()),
         Action::Import { file, dry_run } => {
@@ -182,7 +182,19 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
     )
 }
 
-fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
+/// A setting and the value that it shall have, as postcard has it.
+pub type Setting = (&'static Field, Vec<u8>);
+
+/// The setting and the value that two texts name.
+pub fn parsed(path: &str, text: &str) -> Result<Setting> {
+    let field = known(path)?;
+    let bytes = value::parse(field, text).map_err(|wrong| option(path, wrong))?;
+    Ok((field, bytes))
+}
+
+/// Changes a setting; gives all of them before and after.
+pub fn set(client: &mut Client, setting: &Setting) -> Result<(DeviceSettings, DeviceSettings)> {
+    let (field, bytes) = (setting.0, setting.1.as_slice());
     let before = client.settings()?;
     let mut after = before.clone();
     after
@@ -199,7 +211,7 @@ fn set(client: &mut Client, field: &Field, bytes: &[u8]) -> Result<()> {
         path: field.path,
         value: bytes,
     })?;
-    changed(&before, &after)
+    Ok((before, after))
 }
 
 fn export(client: &mut Client, file: Option<&Path>) -> Result<()> {

@@ -1,14 +1,17 @@
-//! `touchstone doctor`: everything that a board needs, whether it is there, and how to get what is not.
+//! `touchstone doctor`: everything that a board or an omega.3 needs, whether it is there, and how to get what is not.
 
 mod usb;
 
 use super::device::described;
 use super::flash::{BoardName, INSTALL};
+use super::haptic;
 use super::out::{self, print};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-use touchstone_device::{Address, Client, ports};
+use std::sync::Arc;
+use touchstone_device::haptic::HapticDevice;
+use touchstone_device::{Address, Client, Omega3, ports};
 use touchstone_protocol::PROTOCOL_VERSION;
 use touchstone_protocol::stored::LAYOUT_VERSION;
 use touchstone_sim::error::Error;
@@ -106,6 +109,7 @@ pub fn main(options: &Options) -> ExitCode {
     }
     let address = port(options.port.as_ref(), &mut tell);
     tell("device", device(address.as_ref()));
+    omega3(&mut tell);
     let _ = match lacks {
         _ if out::json() => print(format_args!(
             "{:#}\n",
@@ -197,6 +201,22 @@ fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<A
             None
         }
     }
+}
+
+/// The omega.3's library, and with it the device. Who has no library is not missing one.
+fn omega3(tell: &mut impl FnMut(&str, Found)) {
+    let library = match haptic::library(None) {
+        Ok(library) => library,
+        Err(error) => return tell("omega.3", Skipped(format!("for an omega.3 only: {error}"))),
+    };
+    tell("omega.3", There(haptic::described(&library)));
+    tell(
+        "omega.3",
+        match Omega3::open(Arc::new(library)) {
+            Ok(omega) => There(omega.sheet().name.clone()),
+            Err(fault) => missing(fault.to_string(), fault.fix()),
+        },
+    );
 }
 
 fn device(address: Option<&Address>) -> Found {

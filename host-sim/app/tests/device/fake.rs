@@ -1,12 +1,12 @@
-//! A device on a TCP socket: session, fault machine and frames are the firmware's own; only the board around them is made up.
+//! A device on a TCP socket or a pseudo terminal: session, fault machine and frames are the firmware's own; only the board around them is made up.
 
 use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::{Backend, FlashError, Session};
+use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::telemetry::RING_CHUNK;
 use touchstone_protocol::{
@@ -50,6 +50,10 @@ pub struct World {
     pub saved: Option<Vec<u8>>,
     pub used: DeviceSettings,
     pub rebooted: bool,
+    /// The cable is out.
+    pub pulled: bool,
+    /// Bytes that mean nothing, to be sent next.
+    pub noise: usize,
     trouble: Trouble,
     board: Board,
     tick: u32,
@@ -75,6 +79,41 @@ impl Fake {
 
     /// A device with troubles.
     pub fn with(trouble: Trouble) -> Self {
+        let both = Self::switched_on(trouble);
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = format!("tcp:{}", listener.local_addr().unwrap());
+        let shared = Arc::clone(&both);
+        // Ends with the test's process.
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                // A connection that breaks is the other side's right.
+                let _ = stream.set_read_timeout(Some(LOOK));
+                let _ = serve(stream, &shared);
+            }
+        });
+        Self { address, both }
+    }
+
+    /// A device without troubles at a pseudo terminal.
+    #[cfg(unix)]
+    pub fn on_a_terminal() -> Self {
+        use serialport::{SerialPort, TTYPort};
+        let (mut master, mut slave) = TTYPort::pair().unwrap();
+        let address = slave.name().unwrap();
+        // The program opens it too.
+        slave.set_exclusive(false).unwrap();
+        master.set_timeout(LOOK).unwrap();
+        let both = Self::switched_on(Trouble::default());
+        let shared = Arc::clone(&both);
+        std::thread::spawn(move || {
+            // Held open until the cable is pulled: a terminal that nobody has open is at its end.
+            let _slave = slave;
+            let _ = serve(master, &shared);
+        });
+        Self { address, both }
+    }
+
+    fn switched_on(trouble: Trouble) -> Arc<Mutex<(Session, World)>> {
         let board = Board::NucleoG474re;
         let settings = DeviceSettings::defaults(board);
         let world = World {
@@ -82,6 +121,8 @@ impl Fake {
             saved: None,
             used: settings.clone(),
             rebooted: false,
+            pulled: false,
+            noise: 0,
             trouble,
             board,
             tick: 0,
@@ -91,18 +132,7 @@ impl Fake {
             answers: 0,
             records: 0,
         };
-        let both = Arc::new(Mutex::new((Session::new(settings, true), world)));
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = format!("tcp:{}", listener.local_addr().unwrap());
-        let shared = Arc::clone(&both);
-        // Ends with the test's process.
-        std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
-                // A connection that breaks is the other side's right.
-                let _ = serve(stream, &shared);
-            }
-        });
-        Self { address, both }
+        Arc::new(Mutex::new((Session::new(settings, true), world)))
     }
 
     /// The program, spoken to this device.
@@ -126,8 +156,7 @@ impl Fake {
 }
 
 /// Serves one connection until it ends.
-fn serve(mut stream: TcpStream, shared: &Mutex<(Session, World)>) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(LOOK))?;
+fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std::io::Result<()> {
     let mut decoder = Decoder::new();
     let mut bytes = [0; 1024];
     loop {
@@ -141,6 +170,10 @@ fn serve(mut stream: TcpStream, shared: &Mutex<(Session, World)>) -> std::io::Re
         };
         let mut out = Vec::new();
         let (session, world) = &mut *shared.lock().unwrap();
+        if world.pulled {
+            return Ok(());
+        }
+        out.extend((0..std::mem::take(&mut world.noise)).map(|i| (i * 7919 >> 3) as u8));
         for &byte in &bytes[..count] {
             let errors = decoder.errors();
             if let Some(Ok(payload)) = decoder.push(byte) {
@@ -150,7 +183,7 @@ fn serve(mut stream: TcpStream, shared: &Mutex<(Session, World)>) -> std::io::Re
                 world.answers += 1;
                 let answer = session.answer_payload(payload, errors, world);
                 if !world.trouble.silent
-                    && let Some(answer) = answer
+                    && let Answered::Now(answer) = answer
                 {
                     out.extend(world.frame(&answer));
                 }
@@ -294,23 +327,23 @@ impl Backend for World {
         self.saved = Some(image.to_vec());
         Ok(())
     }
-    fn command(&mut self, command: DeviceCommand) -> bool {
+    fn command(&mut self, command: DeviceCommand) -> Option<bool> {
         let event = match command {
             DeviceCommand::Calibrate => {
                 let taken = self.machine.handle(Event::Command(Command::Calibrate));
                 self.calibrated_at = taken.then_some(self.tick + CALIBRATION);
-                return taken;
+                return Some(taken);
             }
             DeviceCommand::Arm => Command::Arm,
             DeviceCommand::Disarm => Command::Disarm,
             DeviceCommand::Stop => Command::Stop,
-            DeviceCommand::Zero => return self.phase() != Phase::Armed,
+            DeviceCommand::Zero => return Some(self.phase() != Phase::Armed),
             DeviceCommand::Reboot => {
                 self.rebooted = true;
-                return true;
+                return Some(true);
             }
         };
-        self.machine.handle(Event::Command(event))
+        Some(self.machine.handle(Event::Command(event)))
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;

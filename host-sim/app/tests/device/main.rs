@@ -1,5 +1,6 @@
-//! The program against a device that is not there: a TCP socket behind which the device's own code of the protocol answers.
+//! The program against a device that is not there: a TCP socket or a pseudo terminal behind which the device's own code of the protocol answers.
 
+mod board_page;
 mod config;
 mod doctor;
 mod failures;

@@ -157,10 +157,28 @@ fn junit_has_a_test_for_each_demand() {
     run_in(&here, &["run", "tap", "--junit", "no.xml"]).refused(&["--junit", "--expect"]);
     run_in(
         &here,
-        &["run", "tap", "--expect", "active", "--junit", "none/no.xml"],
+        &[
+            "run",
+            "tap",
+            "--expect",
+            "active",
+            "--junit",
+            "wall.xml/no.xml",
+        ],
     )
-    .refused(&["none/no.xml", "--junit"]);
+    .refused(&["wall.xml/no.xml", "--junit"]);
     assert_eq!(crate::names(&here), ["wall.xml"]);
+    // Its folder is made.
+    let passive = [
+        "run",
+        "tap",
+        "--expect",
+        "passive",
+        "--junit",
+        "new/tap.xml",
+    ];
+    run_in(&here, &passive).ended(0);
+    assert!(here.join("new/tap.xml").is_file());
 }
 
 #[test]
@@ -214,5 +232,68 @@ fn what_is_no_demand_is_refused() {
         let mut arguments = vec!["run", "tap"];
         arguments.extend(options);
         run(&arguments).refused(parts);
+    }
+}
+
+/// The same run passes; a softer wall, another verdict and another scene do not; what is better does.
+#[test]
+fn a_baseline_says_what_became_worse() {
+    let here = folder("baseline");
+    let keep = |name: &str, more: &[&str]| {
+        let mut arguments = vec!["run", "thesis-knob", "--json"];
+        arguments.extend(more);
+        std::fs::write(here.join(name), run(&arguments).ended(0).out).unwrap();
+    };
+    keep("same.json", &[]);
+    let hold = |file: &str, more: &[&str]| {
+        let mut arguments = vec!["run", "thesis-knob", "--baseline", file];
+        arguments.extend(more);
+        run_in(&here, &arguments)
+    };
+    assert_eq!(hold("same.json", &[]).ended(0).err, "");
+    assert_eq!(hold("same.json", &["--margin", "0"]).ended(0).err, "");
+
+    let thesis = hold("same.json", &["--preset", "thesis"]).ended(3).err;
+    for measure in ["peak_penetration_ratio", "settle_from_ramp_end_s"] {
+        assert!(thesis.contains(measure), "{thesis}");
+    }
+    // The other way round the shipped wall is better in both, and only the verdict is another.
+    keep("thesis.json", &["--preset", "thesis"]);
+    let better = hold("thesis.json", &[]);
+    assert!(
+        !better.err.contains("peak_penetration_ratio"),
+        "{}",
+        better.err
+    );
+
+    let other = hold("same.json", &["--k-desired", "4"]).ended(3).err;
+    assert!(other.contains("a run to compare with"), "{other}");
+    let missing = hold("missing.json", &[]).ended(2).err;
+    assert!(missing.contains("missing.json"), "{missing}");
+    std::fs::write(here.join("empty.json"), "{}").unwrap();
+    assert!(
+        hold("empty.json", &[])
+            .ended(2)
+            .err
+            .contains("has no \"runs\"")
+    );
+}
+
+/// What docs/ci.md gives to copy and paste asks for what the shipped wall does, with every grip.
+#[test]
+fn the_demands_of_the_documented_script_are_met() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ci.md");
+    let text = std::fs::read_to_string(page).unwrap();
+    let line = text
+        .lines()
+        .find(|line| line.trim_start().starts_with("--expect "))
+        .expect("a line of demands");
+    let demands: Vec<&str> = line.trim_end_matches('\\').split_whitespace().collect();
+    assert!(demands.len() >= 6, "{demands:?}");
+    for grip in ["light", "medium", "firm"] {
+        let grip = format!("operator.grip={grip}");
+        let mut arguments = vec!["run", "thesis-knob", "--set", &grip];
+        arguments.extend(&demands);
+        run(&arguments).ended(0);
     }
 }

@@ -6,6 +6,7 @@ mod demands;
 mod interrupt;
 mod motion;
 mod strict;
+mod sweep;
 mod tuning;
 
 use std::path::{Path, PathBuf};

@@ -213,7 +213,7 @@ pub fn points(substeps: &[u32]) -> Result<Vec<ClosedPoint>> {
 
 /// The scene with its device moved by next to nothing.
 fn nudged(scene: &Scene) -> Result<Scene> {
-    let motion = touchstone_sim::scene::Motion::from_scene(scene)?;
+    let motion = touchstone_sim::scene::RestPath::from_scene(scene)?;
     let start = scene.start_rad(&motion) + NUDGE_RAD;
     scene.with(|scene| scene.device.initial_angle_rad = Some(start))
 }

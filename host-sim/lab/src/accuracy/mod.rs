@@ -18,7 +18,7 @@ pub mod table;
 use serde::Serialize;
 use touchstone_sim::error::{Error, Result};
 
-use crate::report::Program;
+use crate::report::ProgramVersion;
 use choice::Chosen;
 use closed::ClosedPoint;
 use law::LawPoint;
@@ -95,7 +95,7 @@ pub struct Accuracy {
     /// Version of this layout.
     pub schema_version: u32,
     /// The program.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// Where it ran.
     pub machine: Machine,
     /// The command line that makes it again.
@@ -128,7 +128,7 @@ pub struct Accuracy {
 /// A shipped scene that cannot be run.
 pub fn measure(
     options: Options,
-    program: Program,
+    program: ProgramVersion,
     machine: Machine,
     command: &str,
     mut on_round: impl FnMut(),

@@ -172,7 +172,7 @@ fn contact(ticks: u32) -> Result<Problem> {
         ])?;
     let device = run::plan::device(&scene);
     let hand = run::plan::hand(&scene);
-    let motion = touchstone_sim::scene::Motion::from_scene(&scene)?;
+    let motion = touchstone_sim::scene::RestPath::from_scene(&scene)?;
     let start = scene.start_rad(&motion);
     let mut held = run::watch(&scene, Torques(Vec::new()))?.0;
     // From shortly before the first force: what is before it is a knob that hangs on a hand.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::report::plain_schema::{array, document, object};
+use crate::report::plain_schema::{array, document, object, program};
 
 const TIME: &[(&str, &str, &str)] = &[
     ("least_ns", "number", "least of the repeats; ns"),
@@ -205,19 +205,6 @@ pub fn schema() -> Value {
         ],
         &[],
     );
-    let program = object(
-        &[
-            ("name", "string", "the program"),
-            ("version", "string", "its version"),
-            ("commit", "string?", "commit that it was built from"),
-            (
-                "modified",
-                "boolean",
-                "whether its sources differed from the commit",
-            ),
-        ],
-        &[],
-    );
     let machine = object(
         &[
             ("cpu", "string", "processor"),
@@ -246,7 +233,7 @@ pub fn schema() -> Value {
             ),
         ],
         &[
-            ("program", program),
+            ("program", program()),
             ("machine", machine),
             ("files", files),
             ("plant", array(diagram)),

@@ -1,12 +1,12 @@
 use super::*;
-use crate::report::plain_schema::misfit;
+use crate::report::plain_schema::{is_documented, misfit};
 
 fn quick() -> Accuracy {
     let mut rounds = 0;
     let options = Options { quick: true };
     let found = measure(
         options,
-        Program::default(),
+        ProgramVersion::default(),
         Machine::here("rustc"),
         "touchstone accuracy --quick",
         || rounds += 1,
@@ -18,18 +18,7 @@ fn quick() -> Accuracy {
 
 #[test]
 fn the_documented_schema_is_this_one() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../docs/schema/accuracy.schema.json"
-    );
-    let text = format!("{:#}\n", schema::schema());
-    if std::env::var_os("TOUCHSTONE_WRITE_SCHEMA").is_some() {
-        std::fs::write(path, &text).unwrap();
-    }
-    assert!(
-        std::fs::read_to_string(path).unwrap() == text,
-        "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone-lab schema"
-    );
+    is_documented("accuracy.schema.json", &schema::schema());
 }
 
 /// Errors are no times: what they say holds on every machine, to the bit or nearly.

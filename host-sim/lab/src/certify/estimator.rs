@@ -1,7 +1,7 @@
 //! The control crate's state estimator as a linear system: its own coefficients in `f64`, without the limits beyond which it
 //! starts anew.
 
-use touchstone_control::estimator::Motion;
+use touchstone_control::estimator::EstimatedMotion;
 use touchstone_control::law::Sample;
 use touchstone_control::{Controller, Position, States};
 use touchstone_sim::error::Result;
@@ -33,7 +33,7 @@ impl Estimator {
     pub fn update(&self, state: &mut [f64], measured: f64) -> Sample<f64> {
         let (estimate, commands) = state.split_at_mut(3);
         let commands = [commands[0], commands[1], commands[2]];
-        let before = Motion {
+        let before = EstimatedMotion {
             position: estimate[0],
             moved: estimate[1],
             pushed: estimate[2],
@@ -41,7 +41,7 @@ impl Estimator {
         let (position, moved) = self.0.tick.apply(&before, &commands);
         let surprise = measured - position;
         let [of_position, of_moved, of_pushed] = self.0.correction;
-        let after = Motion {
+        let after = EstimatedMotion {
             position: position + of_position * surprise,
             moved: moved + of_moved * surprise,
             pushed: before.pushed + of_pushed * surprise,

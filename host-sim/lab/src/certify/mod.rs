@@ -5,13 +5,15 @@
 //! [`hands`] says for whom. Equations (1) to (16) are numbered through these files.
 //!
 //! **Stable** is said of a hand where every lasting phase decays faster than [`judge::SLOWEST_PER_S`] (with dry friction of a hundredth of
-//! the press, which ends a decay, faster than [`judge::SLOWEST_WITH_FRICTION_PER_S`]) and is stable while a reading is taken up to
-//! [`judge::ROUNDING_GAIN`] times, where rounding moves the rest by less than [`judge::ROUNDING_RMS_COUNTS`], every gain between the phases is stable, the
-//! loan covers the press, and the first contact is slow enough for the sampler. The gains between the phases are tried one by one
+//! the press, which ends a decay, faster than [`judge::SLOWEST_WITH_FRICTION_PER_S`]; or in time for the hold; or, where it would grow, against
+//! the damping that dry friction is to a swing of the press) and is stable while a reading is taken up to [`judge::ROUNDING_GAIN`] times,
+//! where rounding moves the rest by less than [`judge::ROUNDING_RMS_COUNTS`], every gain between the phases is stable, bounces die away and the
+//! press borrows less than the loan. The gains between the phases are tried one by one
 //! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
 //! hold. **Unstable** where a phase in which the law stays grows by more than [`judge::FASTEST_GROWTH_PER_S`], and dry friction could not hold most
-//! of the depth of the press. **Undecided** is everything else; the certificate gives the cause. The matrices are exact; the limits around them
-//! are judgement, set on random runs of [`campaign`].
+//! of the depth of the press, or where bounces grow. **Undecided** is everything else; the certificate gives the cause. The matrices are
+//! exact. Bounces and loan are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
+//! [`campaign`].
 
 pub mod campaign;
 pub mod contact;

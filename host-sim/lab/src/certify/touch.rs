@@ -9,7 +9,7 @@ use super::contact::Contact;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::mechanics::Standing;
 use touchstone_sim::run::{self, Recorder, Tick, plan};
-use touchstone_sim::scene::{self, Grip, Motion, MotionSpec, Number, Scene};
+use touchstone_sim::scene::{self, Grip, MotionSpec, Number, RestPath, Scene};
 use touchstone_world::plant::Hand;
 
 /// Phases of the tick at which the surface is crossed.
@@ -109,7 +109,7 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
                 let to = ticks.min(from + 64);
                 mechanics.advance(
                     control.as_mut(),
-                    &Motion::still(start + ahead + beyond),
+                    &RestPath::still(start + ahead + beyond),
                     from..to,
                     period_s,
                     Some(&mut bounce),
@@ -151,11 +151,14 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
 /// More than any press borrows.
 const ENDLESS_J: f64 = 1e3;
 
+/// A hand that holds no place pushes through a spring so soft, N·m/rad, that it is a force.
+const LEAST_STIFFNESS: f64 = 2e-3;
+
 fn of_plant(hand: &Hand) -> scene::Hand {
     scene::Hand {
         inertia_kg_m2: hand.inertia,
         damping_n_m_s_per_rad: hand.damping,
-        stiffness_n_m_per_rad: hand.stiffness,
+        stiffness_n_m_per_rad: hand.stiffness.max(LEAST_STIFFNESS),
         pad_damping_n_m_s_per_rad: hand.pad_damping,
         pad_stiffness_n_m_per_rad: hand.pad_stiffness,
     }

@@ -6,16 +6,18 @@
 mod closed;
 mod integrators;
 mod law;
+mod parts;
 mod plant;
 mod random;
 pub mod schema;
+mod symmetry;
 pub mod table;
 
 use rayon::prelude::*;
 use serde::Serialize;
 use touchstone_sim::error::Result;
 
-use crate::report::Program;
+use crate::report::ProgramVersion;
 
 /// How much is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -138,7 +140,7 @@ pub struct Hard {
     /// Version of this layout.
     pub schema_version: u32,
     /// The program.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// Whether the long form ran.
     pub long: bool,
     /// Whether every case passed.
@@ -150,7 +152,15 @@ pub struct Hard {
 /// All cases, in the order in which they are told.
 #[must_use]
 pub fn cases() -> Vec<Case> {
-    [plant::CASES, integrators::CASES, law::CASES, closed::CASES].concat()
+    [
+        plant::CASES,
+        symmetry::CASES,
+        integrators::CASES,
+        law::CASES,
+        parts::CASES,
+        closed::CASES,
+    ]
+    .concat()
 }
 
 /// Runs cases side by side. `on_case` is called as each ends.
@@ -160,7 +170,7 @@ pub fn cases() -> Vec<Case> {
 pub fn run(
     cases: &[Case],
     effort: Effort,
-    program: Program,
+    program: ProgramVersion,
     on_case: impl Fn(&Outcome) + Sync,
 ) -> Result<Hard> {
     let cases = cases

@@ -2,24 +2,11 @@
 
 use serde_json::Value;
 
-use crate::report::plain_schema::{array, document, object};
+use crate::report::plain_schema::{array, document, object, program};
 
 /// The schema.
 #[must_use]
 pub fn schema() -> Value {
-    let program = object(
-        &[
-            ("name", "string", "the program"),
-            ("version", "string", "its version"),
-            ("commit", "string?", "commit that it was built from"),
-            (
-                "modified",
-                "boolean",
-                "whether its sources differed from the commit",
-            ),
-        ],
-        &[],
-    );
     let finding = object(
         &[
             (
@@ -65,7 +52,7 @@ pub fn schema() -> Value {
                 ("long", "boolean", "whether the long form ran"),
                 ("passed", "boolean", "whether every case passed"),
             ],
-            &[("program", program), ("cases", array(case))],
+            &[("program", program()), ("cases", array(case))],
         ),
     )
 }

@@ -54,6 +54,38 @@ impl Axis {
         }
     }
 
+    /// An axis of decimal logarithms over `range`, which is one of logarithms too; marked by powers of ten, and between them where
+    /// there are few.
+    pub fn powers_of_ten(title: &str, unit: &str, range: Range) -> Self {
+        let mut axis = Axis::new(title, unit, range);
+        let width = axis.range.max - axis.range.min;
+        let every = if width > 9.0 { 2 } else { 1 };
+        let steps: &[f64] = if width > 3.0 {
+            &[1.0]
+        } else if width > 1.0 {
+            &[1.0, 3.0]
+        } else {
+            &[1.0, 2.0, 3.0, 5.0]
+        };
+        let powers = axis.range.min.floor() as i32..=axis.range.max.ceil() as i32;
+        let marks = powers
+            .filter(|power| power % every == 0)
+            .flat_map(|power| {
+                steps.iter().map(move |step| {
+                    // By its digits: a product would carry rounding into the label.
+                    let label = match format!("{step}e{power}") {
+                        far if !(-3..=4).contains(&power) => far,
+                        near => near.parse().map_or(near, |value: f64| value.to_string()),
+                    };
+                    (f64::from(power) + step.log10(), label)
+                })
+            })
+            .filter(|(place, _)| (axis.range.min..=axis.range.max).contains(place))
+            .collect();
+        axis.marks = Some(marks);
+        axis
+    }
+
     /// Where `value` lies, 0 at the lower end, 1 at the upper.
     pub fn place(&self, value: f64) -> f64 {
         (value - self.range.min) / (self.range.max - self.range.min)
@@ -82,6 +114,8 @@ pub enum Shape {
     Horizontal(f64),
     /// From bottom to top at this place.
     Vertical(f64),
+    /// Filled rectangles: left, right, bottom, top.
+    Tiles(Vec<[f64; 4]>),
     /// Single places, each with a sign.
     Signs(Vec<(f64, f64, Sign)>),
 }

@@ -16,7 +16,7 @@ pub fn publish(
     folder: &Path,
     command: &str,
     force: bool,
-    files: &[(String, String)],
+    files: &[(String, impl AsRef<[u8]>)],
 ) -> Result<Vec<PathBuf>> {
     let names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
     let stale = previous::stale(folder, command, force, &names)?;
@@ -24,7 +24,7 @@ pub fn publish(
     let paths: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
     files
         .iter()
-        .try_for_each(|(name, text)| fs::write(staging.path.join(name), text))
+        .try_for_each(|(name, content)| fs::write(staging.path.join(name), content))
         .and_then(|()| staging.publish(&paths, &stale))
         .map_err(|error| io_error(folder, &error))?;
     Ok(paths)

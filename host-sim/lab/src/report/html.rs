@@ -6,11 +6,10 @@ use rayon::prelude::*;
 
 use super::matrix::{Matrix, matrices};
 use super::origin::Origin;
-use super::pages::Page;
 use super::quantity::plain;
 use super::svg::{escape, typeset};
 use super::view::View;
-use super::{Block, Program, ReportInput, Section, anchor, compare, runs, summary};
+use super::{Block, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
 /// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
 /// that lie beside the page; with the default, nothing leads to any.
@@ -70,30 +69,6 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
     page
 }
 
-/// A page of sections alone.
-pub fn of_sections(input: &Page) -> String {
-    let mut page = String::new();
-    let title = escape(input.title);
-    let _ = write!(
-        page,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
-         <header>\n<h1>{title}</h1>\n<p>{}</p>\n</header>\n<main>\n",
-        include_str!("page.css"),
-        escape(input.intro)
-    );
-    input
-        .sections
-        .iter()
-        .for_each(|section| write_section(&mut page, section, section.folded));
-    page.push_str("</main>\n<footer>\n");
-    again(&mut page, input.command);
-    signature(&mut page, &input.program);
-    page.push_str("</body>\n</html>\n");
-    page
-}
-
 fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let _ = writeln!(page, "<header>\n<h1>{}</h1>", escape(input.title));
     let _ = writeln!(
@@ -146,7 +121,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
 }
 
 /// A caller's section.
-fn write_section(page: &mut String, section: &Section, folded: bool) {
+pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) {
     let (id, title) = (anchor(&section.title), escape(&section.title));
     let end = if folded {
         let _ = writeln!(
@@ -165,6 +140,32 @@ fn write_section(page: &mut String, section: &Section, folded: bool) {
     page.push_str(end);
 }
 
+/// A table that scrolls sideways where the page is narrow.
+pub(super) fn table<Text: AsRef<str>, Row: AsRef<[Text]>>(
+    page: &mut String,
+    caption: &str,
+    header: &[impl AsRef<str>],
+    rows: impl IntoIterator<Item = Row>,
+) {
+    let _ = write!(
+        page,
+        "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>",
+        escape(caption)
+    );
+    for text in header {
+        let _ = write!(page, "<th scope=\"col\">{}</th>", escape(text.as_ref()));
+    }
+    page.push_str("</tr></thead><tbody>");
+    for row in rows {
+        page.push_str("<tr>");
+        for text in row.as_ref() {
+            let _ = write!(page, "<td>{}</td>", escape(text.as_ref()));
+        }
+        page.push_str("</tr>");
+    }
+    page.push_str("</tbody></table></div>\n");
+}
+
 fn write_block(page: &mut String, block: &Block) {
     match block {
         Block::Text(text) => {
@@ -175,23 +176,7 @@ fn write_block(page: &mut String, block: &Block) {
             header,
             rows,
         } => {
-            let _ = write!(
-                page,
-                "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>",
-                escape(caption)
-            );
-            for text in header {
-                let _ = write!(page, "<th scope=\"col\">{}</th>", escape(text));
-            }
-            page.push_str("</tr></thead><tbody>");
-            for row in rows {
-                page.push_str("<tr>");
-                for text in row {
-                    let _ = write!(page, "<td>{}</td>", escape(text));
-                }
-                page.push_str("</tr>");
-            }
-            page.push_str("</tbody></table></div>\n");
+            table(page, caption, header, rows);
         }
         Block::Figure(svg) => {
             let _ = writeln!(page, "<figure>{svg}</figure>");
@@ -222,7 +207,7 @@ fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
     signature(page, &input.program);
 }
 
-fn again(page: &mut String, command: &str) {
+pub(super) fn again(page: &mut String, command: &str) {
     if !command.is_empty() {
         let _ = writeln!(
             page,
@@ -232,7 +217,7 @@ fn again(page: &mut String, command: &str) {
     }
 }
 
-fn signature(page: &mut String, program: &Program) {
+pub(super) fn signature(page: &mut String, program: &ProgramVersion) {
     let commit = match (program.commit, program.modified) {
         (Some(commit), false) => format!(", commit {commit}"),
         (Some(commit), true) => format!(", commit {commit} with changes"),

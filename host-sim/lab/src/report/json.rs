@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::ReportInput;
 use super::columns::COLUMNS;
 use super::measures::{MEASURES, SETTINGS};
-use super::origin::{Input, Origin, Program, RunFiles, SCHEMA_VERSION};
+use super::origin::{Input, Origin, ProgramVersion, RunFiles, SCHEMA_VERSION};
 use touchstone_sim::run::record::Summary;
 
 /// Unit of every numeric field of a run. `1` marks a plain count.
@@ -22,7 +22,7 @@ pub fn units() -> BTreeMap<&'static str, &'static str> {
 #[derive(Serialize)]
 struct Results<'a> {
     schema_version: u32,
-    program: Program,
+    program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
     /// Only where files were written.
@@ -113,13 +113,22 @@ pub fn trace_origin(
     more
 }
 
-/// The sidecar of a CSV file, in the W3C's vocabulary for tabular data: columns with meaning and unit, and where it is from.
+/// The sidecar of a trace's CSV file.
 pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
-    let columns: Vec<Value> = COLUMNS
+    let columns: Vec<[&str; 4]> = COLUMNS
         .iter()
-        .map(|c| {
-            json!({"name": c.name, "titles": c.name, "datatype": "number",
-                   "dc:description": c.meaning, "schema:unitText": c.unit})
+        .map(|c| [c.name, "number", c.meaning, c.unit])
+        .collect();
+    tabular(csv, &columns, origin)
+}
+
+/// The sidecar of a CSV file, in the W3C's vocabulary for tabular data: columns with name, type, meaning and unit, and where it is from.
+pub fn tabular(csv: &str, columns: &[[&str; 4]], origin: &[(&'static str, String)]) -> String {
+    let columns: Vec<Value> = columns
+        .iter()
+        .map(|[name, kind, meaning, unit]| {
+            json!({"name": name, "titles": name, "datatype": kind,
+                   "dc:description": meaning, "schema:unitText": unit})
         })
         .collect();
     let notes: serde_json::Map<String, Value> = origin
@@ -127,7 +136,7 @@ pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
         .map(|(key, value)| {
             // What is JSON already, and only that, is not quoted once more.
             let value = match *key {
-                "schema_version" | "program" | "inputs" | "trace_every" => {
+                "schema_version" | "program" | "inputs" | "trace_every" | "sweep" => {
                     serde_json::from_str(value).unwrap_or_default()
                 }
                 _ => Value::from(value.as_str()),

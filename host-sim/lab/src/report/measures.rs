@@ -73,10 +73,10 @@ measures! {
     guard_tripped_s, "force off for overspeed after", "s",
         "when the energy guard switched the force off for overspeed; null if it did not",
         |s| s.guard_tripped_s, |_, x| with_unit(x, "s", 3);
-    limit_cycle_peak_to_peak, "limit cycle, peak to peak", "rad",
+    limit_cycle_peak_to_peak, "motion at rest, peak to peak", "rad",
         "largest motion of the device in the last quarter of a hold",
         |s| s.limit_cycle_peak_to_peak, in_counts;
-    settle_time, "settled after", "s",
+    settle_time, "settled after the first touch", "s",
         "from the first touch until force over penetration stays within 5 % of the desired stiffness",
         |s| s.settle_time, |_, x| with_unit(x, "s", 3);
     penetration_max, "deepest penetration", "rad",

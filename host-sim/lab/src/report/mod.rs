@@ -25,13 +25,13 @@ pub mod parquet;
 mod picture;
 pub mod plain_schema;
 mod previous;
-mod quantity;
+pub mod quantity;
 mod runs;
 pub mod schema;
 pub mod space;
 pub mod staging;
 mod summary;
-mod svg;
+pub mod svg;
 pub mod table;
 mod view;
 pub mod write;
@@ -41,8 +41,8 @@ pub mod write;
 #[path = "../../examples/report_demo/synthetic.rs"]
 mod synthetic;
 
-pub use origin::Program;
-pub use picture::standalone;
+pub use origin::ProgramVersion;
+pub use picture::{drawn, standalone};
 pub use previous::check as check_folder;
 pub use table::Colour;
 pub use write::{Written, write};
@@ -65,7 +65,7 @@ pub struct ReportInput<'a> {
     /// The command line that makes this report again.
     pub command: &'a str,
     /// The program that ran.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// The scene of each run, in their order; empty where there is none to write out.
     pub scenes: &'a [Scene],
     /// Files that the scenes were read from; recordings are found in the scenes.

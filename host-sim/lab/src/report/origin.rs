@@ -16,7 +16,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// The program that ran.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Program {
+pub struct ProgramVersion {
     /// Its name.
     pub name: &'static str,
     /// Its version.
@@ -27,9 +27,9 @@ pub struct Program {
     pub modified: bool,
 }
 
-impl Default for Program {
+impl Default for ProgramVersion {
     fn default() -> Self {
-        Program {
+        ProgramVersion {
             name: "touchstone",
             version: env!("CARGO_PKG_VERSION"),
             commit: None,

@@ -1,12 +1,14 @@
 //! A folder with a page of sections, `results.json` and further files: for commands that compare more than runs.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
 use super::staging::{Staging, io_error};
-use super::{Program, Section, Written, html, previous};
+use super::svg::escape;
+use super::{ProgramVersion, Section, Written, html, previous};
 use touchstone_sim::error::Result;
 
 /// What goes into the folder.
@@ -19,7 +21,7 @@ pub struct Page<'a> {
     /// The command line that makes it again.
     pub command: &'a str,
     /// The program that ran.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// The page, from top to bottom.
     pub sections: &'a [Section],
     /// What `results.json` has of it, under the name given.
@@ -28,6 +30,30 @@ pub struct Page<'a> {
     pub files: &'a [(String, String)],
     /// Replaces what another command left in the folder.
     pub force: bool,
+}
+
+/// A page of sections alone.
+fn html(input: &Page) -> String {
+    let mut page = String::new();
+    let title = escape(input.title);
+    let _ = write!(
+        page,
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n<p>{}</p>\n</header>\n<main>\n",
+        include_str!("page.css"),
+        escape(input.intro)
+    );
+    input
+        .sections
+        .iter()
+        .for_each(|section| html::write_section(&mut page, section, section.folded));
+    page.push_str("</main>\n<footer>\n");
+    html::again(&mut page, input.command);
+    html::signature(&mut page, &input.program);
+    page.push_str("</body>\n</html>\n");
+    page
 }
 
 /// Writes it: complete or not at all, like a report of runs.
@@ -47,7 +73,7 @@ pub fn write(page: &Page, folder: &Path) -> Result<Written> {
         "files": names,
         key: results,
     });
-    let html = html::of_sections(page);
+    let html = html(page);
     let mut texts: Vec<(&str, String)> = page
         .files
         .iter()

@@ -1,15 +1,15 @@
-//! A trace as Parquet, for pandas, polars, DuckDB and the like: doubles, with units and the run's summary in the metadata.
+//! A trace as Parquet, for pandas, polars, DuckDB and the like: doubles, with units and the run's summary in the metadata; and any table.
 
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
-use ::parquet::data_type::DoubleType;
+use ::parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical};
+use ::parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::metadata::KeyValue;
-use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use ::parquet::file::writer::SerializedFileWriter;
-use ::parquet::schema::types::Type;
+use ::parquet::schema::types::{ColumnPath, PrimitiveTypeBuilder, Type};
 
 use super::columns::{self, COLUMNS};
 use touchstone_control::Choice;
@@ -53,13 +53,7 @@ fn write_file(
 ) -> Result<(), ParquetError> {
     let fields = COLUMNS
         .iter()
-        .map(|column| {
-            let field = Type::primitive_type_builder(column.name, Physical::DOUBLE);
-            field
-                .with_repetition(Repetition::REQUIRED)
-                .build()
-                .map(Arc::new)
-        })
+        .map(|column| numbers(column.name))
         .collect::<Result<Vec<_>, _>>()?;
     let schema = Type::group_type_builder("trace")
         .with_fields(fields)
@@ -109,6 +103,10 @@ fn properties(run: &Run, more: &[(&str, String)]) -> WriterProperties {
         ("units", map(|column| column.unit)),
         ("columns", map(|column| column.meaning)),
     ];
+    builder(entries.into_iter().chain(more.iter().cloned())).build()
+}
+
+fn builder<'a>(metadata: impl Iterator<Item = (&'a str, String)>) -> WriterPropertiesBuilder {
     WriterProperties::builder()
         .set_created_by(concat!("touchstone ", env!("CARGO_PKG_VERSION")).to_owned())
         .set_compression(Compression::SNAPPY)
@@ -117,13 +115,86 @@ fn properties(run: &Run, more: &[(&str, String)]) -> WriterProperties {
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
         .set_key_value_metadata(Some(
-            entries
-                .into_iter()
-                .chain(more.iter().cloned())
+            metadata
                 .map(|(key, value)| KeyValue::new(key.to_owned(), value))
                 .collect(),
         ))
+}
+
+/// The values of a column of a table that is no trace.
+#[derive(Debug, Clone)]
+pub enum Values<'a> {
+    /// Numbers; what does not exist is NaN.
+    Numbers(Vec<f64>),
+    /// Words.
+    Words(Vec<&'a str>),
+}
+
+/// A table of named columns of one length as a file, with its metadata.
+///
+/// # Errors
+/// Columns that cannot be encoded; none of ours.
+pub fn table(columns: &[(&str, Values<'_>)], metadata: &[(&str, String)]) -> io::Result<Vec<u8>> {
+    let write = || -> Result<Vec<u8>, ParquetError> {
+        let fields = columns
+            .iter()
+            .map(|(name, values)| match values {
+                Values::Numbers(_) => numbers(name),
+                Values::Words(_) => required(
+                    Type::primitive_type_builder(name, Physical::BYTE_ARRAY)
+                        .with_logical_type(Some(LogicalType::String)),
+                ),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut properties = builder(metadata.iter().cloned());
+        for (name, values) in columns {
+            if let Values::Words(_) = values {
+                let path = ColumnPath::from(*name);
+                properties = properties
+                    .set_column_encoding(path.clone(), Encoding::PLAIN)
+                    .set_column_dictionary_enabled(path, true);
+            }
+        }
+        let schema = Type::group_type_builder("table")
+            .with_fields(fields)
+            .build()?;
+        let mut out = Vec::new();
+        let mut file =
+            SerializedFileWriter::new(&mut out, Arc::new(schema), Arc::new(properties.build()))?;
+        let mut group = file.next_row_group()?;
+        for (_, values) in columns {
+            let mut writer = group.next_column()?.expect("as many columns as the schema");
+            match values {
+                Values::Numbers(values) => {
+                    writer
+                        .typed::<DoubleType>()
+                        .write_batch(values, None, None)?;
+                }
+                Values::Words(words) => {
+                    let words: Vec<ByteArray> = words.iter().map(|word| (*word).into()).collect();
+                    writer
+                        .typed::<ByteArrayType>()
+                        .write_batch(&words, None, None)?;
+                }
+            }
+            writer.close()?;
+        }
+        group.close()?;
+        file.close()?;
+        Ok(out)
+    };
+    write().map_err(io::Error::other)
+}
+
+fn required(builder: PrimitiveTypeBuilder<'_>) -> Result<Arc<Type>, ParquetError> {
+    builder
+        .with_repetition(Repetition::REQUIRED)
         .build()
+        .map(Arc::new)
+}
+
+fn numbers(name: &str) -> Result<Arc<Type>, ParquetError> {
+    required(Type::primitive_type_builder(name, Physical::DOUBLE))
 }
 
 #[cfg(test)]

@@ -232,13 +232,20 @@ pub fn alone(input: &ReportInput) -> Option<String> {
 
 /// Figures side by side as a file of its own, in the reader's light or dark theme.
 pub fn standalone(title: &str, figures: &[Figure]) -> String {
+    drawn(title, figures, SIZE)
+}
+
+/// As [`standalone`], each figure of this size.
+pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();
     let plots = css.split("/* plots */").nth(1).unwrap_or_default();
-    let (gap, head, foot) = (24, 34, 40);
+    let (gap, head) = (24, 34);
+    let rows = figures.iter().map(|figure| legend(figure, size).1).max();
+    let foot = 24 + 16 * rows.unwrap_or(1);
     let count = figures.len() as u32;
-    let width = count * SIZE.width + (count + 1) * gap;
-    let height = head + SIZE.height + foot + gap;
+    let width = count * size.width + (count + 1) * gap;
+    let height = head + size.height + foot + gap;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n\
          <title>{}</title>\n<style>\n{variables}{plots}text {{ font-family: system-ui, sans-serif; fill: var(--text); font-size: 10.5px; }}\n\
@@ -247,11 +254,11 @@ pub fn standalone(title: &str, figures: &[Figure]) -> String {
         escape(title)
     );
     for (index, figure) in figures.iter().enumerate() {
-        let left = gap + index as u32 * (SIZE.width + gap);
-        let drawing = svg::draw(figure, SIZE, &format!("s{index}"));
+        let left = gap + index as u32 * (size.width + gap);
+        let drawing = svg::draw(figure, size, &format!("s{index}"));
         let place = format!(
             "<svg x=\"{left}\" y=\"{head}\" width=\"{}\" height=\"{}\" ",
-            SIZE.width, SIZE.height
+            size.width, size.height
         );
         let _ = write!(
             out,
@@ -259,25 +266,47 @@ pub fn standalone(title: &str, figures: &[Figure]) -> String {
             escape(&figure.title),
             drawing.replacen("<svg ", &place, 1)
         );
-        let mut x = left + 40;
-        let y = head + SIZE.height + 14;
-        for Line { role, name, .. } in figure.lines.iter().filter(|line| !line.name.is_empty()) {
+        let (entries, rows) = legend(figure, size);
+        let y = head + size.height + 14;
+        for (line, x, row) in entries {
+            let (x, y) = (left + x, y + 16 * row);
+            let sample = match line.shape {
+                Shape::Tiles(_) => format!("M{x} {}h20v9h-20z", y - 8),
+                Shape::Signs(_) => {
+                    format!("M{} {}m-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", x + 10, y - 4)
+                }
+                _ => format!("M{x} {}h20", y - 4),
+            };
             let _ = write!(
                 out,
-                "<path class=\"{role}\" d=\"M{x} {}h20\"/><text x=\"{}\" y=\"{y}\">{}</text>",
-                y - 4,
+                "<path class=\"{}\" d=\"{sample}\"/><text x=\"{}\" y=\"{y}\">{}</text>",
+                line.role,
                 x + 25,
-                escape(name)
+                escape(&line.name)
             );
-            x += 40 + 6 * name.chars().count() as u32;
         }
         let _ = writeln!(
             out,
             "</g><text x=\"{left}\" y=\"{}\">{}</text>",
-            y + 22,
+            y + 6 + 16 * rows,
             escape(&figure.description)
         );
     }
     out.push_str("</svg>\n");
     out
+}
+
+/// The lines of a figure that have a name, each with its place from the figure's left and its row; and the rows.
+fn legend(figure: &Figure, size: Size) -> (Vec<(&Line, u32, u32)>, u32) {
+    let (mut x, mut row) = (40, 0);
+    let mut entries = Vec::new();
+    for line in figure.lines.iter().filter(|line| !line.name.is_empty()) {
+        let wide = 40 + 6 * line.name.chars().count() as u32;
+        if x > 40 && x + wide > size.width {
+            (x, row) = (40, row + 1);
+        }
+        entries.push((line, x, row));
+        x += wide;
+    }
+    (entries, row + 1)
 }

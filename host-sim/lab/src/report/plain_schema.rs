@@ -32,6 +32,23 @@ pub fn object(fields: &[Field], further: &[(&str, Value)]) -> Value {
     })
 }
 
+/// The object of [`ProgramVersion`](super::ProgramVersion).
+pub fn program() -> Value {
+    object(
+        &[
+            ("name", "string", "the program"),
+            ("version", "string", "its version"),
+            ("commit", "string?", "commit that it was built from"),
+            (
+                "modified",
+                "boolean",
+                "whether its sources differed from the commit",
+            ),
+        ],
+        &[],
+    )
+}
+
 /// An array of such objects.
 pub fn array(items: Value) -> Value {
     json!({"type": "array", "items": items})
@@ -82,4 +99,20 @@ pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
             Some(schema) => misfit(schema, value, &format!("{path}.{name}")),
             None => Some(format!("{path}.{name} is not in the schema")),
         })
+}
+
+/// Checks that a file of `docs/schema` has this schema's text, or writes it where `TOUCHSTONE_WRITE_SCHEMA` is set; for tests.
+#[cfg(test)]
+pub fn is_documented(file: &str, schema: &Value) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../docs/schema")
+        .join(file);
+    let text = format!("{schema:#}\n");
+    if std::env::var_os("TOUCHSTONE_WRITE_SCHEMA").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    assert!(
+        std::fs::read_to_string(&path).unwrap() == text,
+        "write {file} anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone-lab schema"
+    );
 }

@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use touchstone_sim::error::Result;
 
+use super::html::table;
 use super::staging::{Staging, io_error};
 use super::svg::{self, Size, escape};
 use super::write::Written;
-use super::{FileOptions, Program, previous};
+use super::{FileOptions, ProgramVersion, previous};
 use crate::thesis::claims::Claim;
 use crate::thesis::space::{Phase, Record, figures};
 
@@ -28,7 +29,7 @@ pub struct Input<'a> {
     /// The command line that makes it again.
     pub command: &'a str,
     /// The program that ran.
-    pub program: Program,
+    pub program: ProgramVersion,
     /// What is written over what.
     pub files: FileOptions,
     /// The runs.
@@ -131,31 +132,6 @@ pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     })
 }
 
-fn table<const N: usize>(
-    page: &mut String,
-    caption: &str,
-    header: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
-) {
-    let _ = write!(
-        page,
-        "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>",
-        escape(caption)
-    );
-    for text in header {
-        let _ = write!(page, "<th scope=\"col\">{}</th>", escape(text));
-    }
-    page.push_str("</tr></thead><tbody>");
-    for row in rows {
-        page.push_str("<tr>");
-        for text in row {
-            let _ = write!(page, "<td>{}</td>", escape(&text));
-        }
-        page.push_str("</tr>");
-    }
-    page.push_str("</tbody></table></div>\n");
-}
-
 /// The page, one file without network.
 #[must_use]
 pub fn page(input: &Input) -> String {
@@ -173,7 +149,7 @@ pub fn page(input: &Input) -> String {
     table(
         &mut page,
         "Claims in three degrees of freedom",
-        ["Claim", "Where", "Statement", "Outcome", "Measured"],
+        &["Claim", "Where", "Statement", "Outcome", "Measured"],
         input.claims.iter().map(|claim| {
             [
                 claim.name.to_owned(),
@@ -188,7 +164,7 @@ pub fn page(input: &Input) -> String {
     table(
         &mut page,
         "At rest and sliding",
-        [
+        &[
             "Object",
             "Approach",
             "k_de (N/mm)",

@@ -66,6 +66,7 @@ fn is_empty(shape: &Shape) -> bool {
         Shape::Series(points) => points.is_empty(),
         Shape::Path(stretches) => stretches.is_empty(),
         Shape::Signs(signs) => signs.is_empty(),
+        Shape::Tiles(tiles) => tiles.is_empty(),
         Shape::Horizontal(_) | Shape::Vertical(_) => false,
     }
 }
@@ -172,6 +173,10 @@ impl Plot<'_> {
                 let fine = |s: &Vec<(f64, f64)>| s.iter().map(|&(x, y)| self.fine(x, y)).collect();
                 decimate::path(stretches.iter().map(fine).collect())
             }
+            Shape::Tiles(tiles) => {
+                self.tiles(line.role, tiles);
+                return;
+            }
             Shape::Signs(signs) => {
                 for &(x, y, sign) in signs {
                     let (x, y) = self.fine(x, y);
@@ -187,6 +192,17 @@ impl Plot<'_> {
             }
         };
         self.write_path(line.role, &line.name, &stretches);
+    }
+
+    /// Corners are whole steps, so that neighbours meet.
+    fn tiles(&mut self, class: &str, tiles: &[[f64; 4]]) {
+        let _ = write!(self.marks, r#"<path class="{class}" d=""#);
+        for &[left, right, low, high] in tiles {
+            let ((x, y), (to_x, to_y)) = (self.fine(left, high), self.fine(right, low));
+            let (x, y, to_x, to_y) = (x.round(), y.round(), to_x.round(), to_y.round());
+            let _ = write!(self.marks, "M{x} {y}h{}v{}H{x}z", to_x - x, to_y - y);
+        }
+        self.marks.push_str("\"/>");
     }
 
     fn write_path(&mut self, class: &str, name: &str, stretches: &[Vec<decimate::Point>]) {

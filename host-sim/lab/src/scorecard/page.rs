@@ -67,6 +67,15 @@ fn not_asked(card: &Scorecard) -> Option<String> {
     })
 }
 
+/// A law's row: its name, its measures, and whether it passes.
+fn cells(row: &Row, fails: &str) -> Vec<String> {
+    let measures = Measure::ALL.into_iter().enumerate();
+    std::iter::once(name(row))
+        .chain(measures.map(|(index, measure)| cell(row, index, measure)))
+        .chain([if row.passes { "passes" } else { fails }.to_owned()])
+        .collect()
+}
+
 /// The scorecard as text: one row a law, then in words where each fails.
 #[must_use]
 pub fn text(card: &Scorecard) -> String {
@@ -80,15 +89,7 @@ pub fn text(card: &Scorecard) -> String {
     limits.push(String::new());
     rows.push(limits);
     for row in &card.rows {
-        let mut cells = vec![name(row)];
-        cells.extend(
-            Measure::ALL
-                .into_iter()
-                .enumerate()
-                .map(|(index, measure)| cell(row, index, measure)),
-        );
-        cells.push(if row.passes { "passes" } else { "FAILS" }.to_owned());
-        rows.push(cells);
+        rows.push(cells(row, "FAILS"));
     }
     let mut text = format!(
         "{}: k_de {} N·m/rad, T sqrt(k_de/J) {:.3}; worst of three grips\n\n",
@@ -179,21 +180,7 @@ pub fn sections(card: &Scorecard) -> Vec<Section> {
             card.k_desired, card.stiffness_per_tick
         ),
         header,
-        rows: card
-            .rows
-            .iter()
-            .map(|row| {
-                let mut cells = vec![name(row)];
-                cells.extend(
-                    Measure::ALL
-                        .into_iter()
-                        .enumerate()
-                        .map(|(index, measure)| cell(row, index, measure)),
-                );
-                cells.push(if row.passes { "passes" } else { "fails" }.to_owned());
-                cells
-            })
-            .collect(),
+        rows: card.rows.iter().map(|row| cells(row, "fails")).collect(),
     };
     let mut body = vec![table];
     body.extend(Measure::ALL.map(|m| Block::Text(format!("{}: {}.", m.heading().0, m.about()))));

@@ -156,7 +156,8 @@ impl Recorder for Watch {
             return;
         }
         self.wall_j += tick.absorbed_j;
-        self.loss_j += tick.device_loss_j;
+        // What springs, gravity and magnets of the device take is not lost, but is not with the hand either.
+        self.loss_j += tick.device_loss_j + tick.stored_j;
         let v = tick.velocity_after_rad_per_s;
         // The device starts at rest.
         let hand_j = self.wall_j + self.loss_j + 0.5 * self.terms.inertia_kg_m2 * v * v;

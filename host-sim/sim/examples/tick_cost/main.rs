@@ -1,4 +1,6 @@
-//! Runs so many ticks of a named configuration and nothing else: `tick_cost NAME TICKS`, `tick_cost --list`.
+//! Runs so many ticks of a named configuration and nothing else: `tick_cost NAME TICKS`, `tick_cost --list`. `tick_cost --ladder FEW
+//! MORE` runs the cost ladder in one process: of each configuration few ticks, then more, with a call of [`mark`] before each and after
+//! both, at which callgrind can be told to write down what it has counted; `--ladder` alone names the configurations.
 //!
 //! For counting instructions: two runs of different length under callgrind differ by what the ticks between them cost, exactly.
 //! The names ending in `-by-hand` are the minimal loops of [`by_hand`], written without plan and chain; the others are what
@@ -7,7 +9,7 @@
 mod by_hand;
 mod scenes;
 
-use scenes::{CONFIGURATIONS, Pressed, scene};
+use scenes::{CONFIGURATIONS, Pressed, ladder, scene};
 use std::hint::black_box;
 use std::process::ExitCode;
 use touchstone_sim::run::chain::Staged;
@@ -24,6 +26,35 @@ fn planned(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
+/// Where counts are written down: a function that is there under its name.
+#[inline(never)]
+fn mark(count: usize) {
+    black_box(count);
+}
+
+/// Few ticks and then more of every configuration of the ladder, after a look that each can be run: a call of [`mark`] before both and
+/// after, so that nothing but ticks lies between the first and the last of the three.
+fn climb(few: u64, more: u64) -> Option<()> {
+    let names = ladder();
+    for name in &names {
+        planned(name, few)?;
+    }
+    for (at, name) in names.iter().enumerate() {
+        let scene = scene(name)?;
+        let mut plan = Plan::of(&scene).ok()?;
+        let mut control = Staged::around(plan.control, Pressed::default());
+        let period_s = scene.timing.period_s();
+        for ticks in [0..few, few..few + more] {
+            mark(at);
+            plan.mechanics
+                .advance(control.as_mut(), &plan.motion, ticks, period_s, None);
+        }
+        mark(at);
+        black_box(plan.mechanics.angle_rad());
+    }
+    Some(())
+}
+
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
@@ -33,6 +64,18 @@ fn main() -> ExitCode {
             }
             return ExitCode::SUCCESS;
         }
+        ["--ladder"] => {
+            for name in ladder() {
+                println!("{name}");
+            }
+            return ExitCode::SUCCESS;
+        }
+        ["--ladder", few, more] => few
+            .parse()
+            .ok()
+            .zip(more.parse().ok())
+            .and_then(|(few, more)| climb(few, more))
+            .map(|()| 0.0),
         [name, ticks] => ticks.parse().ok().and_then(|ticks| match name {
             "bare-by-hand" => by_hand::bare(ticks),
             "held-by-hand" => by_hand::held_with_encoder(ticks),

@@ -1,7 +1,9 @@
 //! The configurations: one scene without effects, and each effect added to it.
 
 use std::path::Path;
+use touchstone_control::{Choice as _, LawKind};
 use touchstone_sim::run::chain::Stage;
+use touchstone_sim::run::effects::{self, EFFECTS};
 use touchstone_sim::scene::{Preset, Scene};
 
 /// Names, and what each sets beside [`BARE`].
@@ -62,13 +64,51 @@ k_desired_n_m_per_rad = 0.2
 kind = \"spring\"
 ";
 
-/// The scene of a configuration.
+/// The scene of a configuration: of a name in [`CONFIGURATIONS`], of `with:` and effects joined by `+`, each at its typical
+/// magnitude, of `silent:` and an effect at amplitude zero, of `law:` and a law's word, or of `set:` and a setting.
 pub fn scene(name: &str) -> Option<Scene> {
-    let (_, sets) = CONFIGURATIONS.iter().find(|(known, _)| *known == name)?;
-    Scene::parse(BARE, Path::new("tick-cost.toml"))
+    let bare = Scene::parse(BARE, Path::new("tick-cost.toml"))
         .and_then(|scene| scene.with_preset(Preset::Thesis))
-        .and_then(|scene| scene.with_overrides(sets))
-        .ok()
+        .ok()?;
+    if let Some(names) = name.strip_prefix("with:") {
+        return names.split('+').try_fold(bare, |scene, name| {
+            scene.with(effects::by_name(name)?.add).ok()
+        });
+    }
+    if let Some(name) = name.strip_prefix("silent:") {
+        return bare.with(effects::by_name(name)?.silence?).ok();
+    }
+    if let Some(kind) = name.strip_prefix("law:") {
+        let kind = format!("law.kind={kind}");
+        return bare
+            .with_overrides(&[&kind, "wall.k_desired_n_m_per_rad=5"])
+            .ok();
+    }
+    if let Some(set) = name.strip_prefix("set:") {
+        return bare.with_overrides(&[set]).ok();
+    }
+    let (_, sets) = CONFIGURATIONS.iter().find(|(known, _)| *known == name)?;
+    bare.with_overrides(sets).ok()
+}
+
+/// The cost ladder: nothing, each law and what is put before and behind one, each effect at amplitude zero where it has one, each alone, and all pairs that one scene can have.
+pub fn ladder() -> Vec<String> {
+    let mut names = vec!["bare".to_owned()];
+    names.extend(LawKind::WORDS.iter().map(|word| format!("law:{word}")));
+    names.extend(["set:law.states=estimated", "set:law.guard.on=true"].map(str::to_owned));
+    let silent = EFFECTS.iter().filter(|effect| effect.silence.is_some());
+    names.extend(silent.map(|effect| format!("silent:{}", effect.name)));
+    names.extend(EFFECTS.iter().map(|effect| format!("with:{}", effect.name)));
+    for (at, first) in EFFECTS.iter().enumerate() {
+        let others = &EFFECTS[at + 1..];
+        names.extend(
+            others
+                .iter()
+                .filter(|second| !effects::exclude_each_other(first, second))
+                .map(|second| format!("with:{}+{}", first.name, second.name)),
+        );
+    }
+    names
 }
 
 /// A steady press with a jolt every 32 ticks, in place of a hand: the knob stays in the wall, and in motion.

@@ -104,6 +104,8 @@ struct Felt {
     hardness: RateHardness,
     /// Kinetic energy of the device at the start, J.
     kinetic_start_j: Option<f64>,
+    /// In springs, gravity and magnets of the device since the start, J.
+    stored_j: f64,
     wall_window: WorstWindow,
     hand_window: WorstWindow,
 }
@@ -121,6 +123,7 @@ impl Felt {
             release: press.map(|press| Release::new(press.release)),
             hardness: RateHardness::new(terms.period_s),
             kinetic_start_j: None,
+            stored_j: 0.0,
             wall_window: WorstWindow::default(),
             hand_window: WorstWindow::default(),
         }
@@ -149,9 +152,11 @@ impl Felt {
             .kinetic_start_j
             .get_or_insert(kinetic_j(tick.velocity_rad_per_s));
         self.wall_window.record(wall_j);
-        // What the hand put in is in the wall, in the device's losses, or in its motion.
+        self.stored_j += tick.stored_j;
+        // What the hand put in is in the wall, in the device's losses, in its motion, or in what else it keeps energy in.
+        let moving_j = kinetic_j(tick.velocity_after_rad_per_s) + self.stored_j;
         self.hand_window
-            .record(wall_j + loss_j + kinetic_j(tick.velocity_after_rad_per_s) - start_j);
+            .record(wall_j + loss_j + moving_j - start_j);
     }
 }
 

@@ -5,7 +5,7 @@ use super::mechanics::{Mechanics, Standing};
 use super::plan;
 use super::tick::{Recorder, Tick};
 use crate::error::Result;
-use crate::scene::{Motion, MotionSpec, Recorded, Scene};
+use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
 
 /// The loop of a scene, tick by tick. It is the loop of [`super::simulate`], so that the rest points which it was fed, replayed as
@@ -17,6 +17,7 @@ pub struct Live {
     start: Standing,
     next: u64,
     energies: Energies,
+    stored_j: f64,
 }
 
 /// Energies so far, J. All but the motion's are sums over ticks.
@@ -26,7 +27,7 @@ pub struct Energies {
     pub wall_j: f64,
     /// Dissipated in the device.
     pub device_loss_j: f64,
-    /// Gained by the device's motion.
+    /// Gained by the device's motion, and by springs, gravity and magnets in it.
     pub motion_j: f64,
 }
 
@@ -65,7 +66,7 @@ impl Live {
         // The hand waits where it would without a motion, so a recording is not looked for.
         let mut still = scene.clone();
         still.operator.motion = MotionSpec::None;
-        let motion = Motion::from_scene(&still)?;
+        let motion = RestPath::from_scene(&still)?;
         Self::from(still, plan::start(scene, &motion))
     }
 
@@ -77,6 +78,7 @@ impl Live {
             start,
             next: 0,
             energies: Energies::default(),
+            stored_j: 0.0,
         })
     }
 
@@ -114,7 +116,7 @@ impl Live {
         let mut last = Last(None);
         self.mechanics.advance(
             self.control.as_mut(),
-            &Motion::still(rest_rad),
+            &RestPath::still(rest_rad),
             self.next..self.next + 1,
             self.scene.timing.period_s(),
             Some(&mut last),
@@ -126,8 +128,10 @@ impl Live {
         let kinetic_j = |velocity: f64| half_j * velocity * velocity;
         self.energies.wall_j += tick.absorbed_j;
         self.energies.device_loss_j += tick.device_loss_j;
-        self.energies.motion_j =
-            kinetic_j(tick.velocity_after_rad_per_s) - kinetic_j(self.start.velocity_rad_per_s);
+        self.stored_j += tick.stored_j;
+        self.energies.motion_j = kinetic_j(tick.velocity_after_rad_per_s)
+            - kinetic_j(self.start.velocity_rad_per_s)
+            + self.stored_j;
         Moment { tick, energies }
     }
 

@@ -3,7 +3,7 @@
 use super::chain::{Control, Crossing};
 use super::tick::Recorder;
 use super::{cycle, cycle_recorded};
-use crate::scene::Motion;
+use crate::scene::RestPath;
 use std::ops::Range;
 use touchstone_world::plant::Kinematics as _;
 
@@ -13,7 +13,7 @@ pub trait Mechanics {
     fn advance(
         &mut self,
         control: &mut dyn Control,
-        motion: &Motion,
+        motion: &RestPath,
         ticks: Range<u64>,
         period_s: f64,
         recorder: Option<&mut dyn Recorder>,
@@ -64,7 +64,7 @@ impl<C: Crossing> Mechanics for Moving<C> {
     fn advance(
         &mut self,
         control: &mut dyn Control,
-        motion: &Motion,
+        motion: &RestPath,
         ticks: Range<u64>,
         period_s: f64,
         recorder: Option<&mut dyn Recorder>,

@@ -4,6 +4,7 @@
 //! of the control crate), [`chain::Stage`] (limit, steps), [`chain::Crossing`] (delay, plant), then what is recorded.
 
 pub mod chain;
+pub mod effects;
 pub mod judge;
 pub mod live;
 pub mod measure;
@@ -15,6 +16,7 @@ pub mod settings;
 pub mod terms;
 pub mod tick;
 mod traced;
+pub mod train;
 pub mod verdict;
 pub mod wall;
 
@@ -87,6 +89,7 @@ pub fn cycle_recorded<C: Crossing>(
             motor_force_n_m: -flow.torque_n_m,
             absorbed_j: -flow.motor_j,
             device_loss_j: flow.device_loss_j,
+            stored_j: flow.stored_j,
             inside: answer.inside,
         });
     }

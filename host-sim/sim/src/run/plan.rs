@@ -3,19 +3,22 @@
 //! An effect that the scene does not name is not a branch that is never taken: it is not there.
 
 use super::chain::{
-    Control, Counts, Crossing, Delayed, ExactAngle, Limited, Prompt, Sampled, Staged, Stepped,
+    Channel, Control, Counts, Crossing, CurrentError, Delayed, Eccentric, ExactAngle, Handled,
+    Irregular, Lateness, Limited, Lossy, Noisy, PARTS, Prompt, Reflex, Sampled, Staged, Stepped,
+    Stream, Tremor,
 };
 use super::mechanics::{Mechanics, Moving, Standing};
 use super::settings;
+use super::train::Train;
 use super::wall::Controlled;
 use crate::error::{Error, Result};
-use crate::scene::{self, Integrator, Motion, Number, Scene};
+use crate::scene::{self, Integrator, Number, RestPath, Scene};
 use touchstone_control::{ChangeOfForce, CountScale, Fixed16, Fixed32, Reported, Si};
 use touchstone_world::integrator::{
     ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4, SemiImplicitEuler, Substepped,
 };
 use touchstone_world::plant::{
-    self, BareCoulomb, BareLinear, HeldCoulomb, HeldLinear, Kinematics as _, State, Stepper,
+    self, BareCoulomb, BareLinear, Biased, HeldCoulomb, HeldLinear, Kinematics as _, State, Stepper,
 };
 
 /// A scene, ready to run.
@@ -25,7 +28,7 @@ pub struct Plan {
     /// Device and hand, at their start.
     pub mechanics: Box<dyn Mechanics>,
     /// The hand's rest point over time.
-    pub motion: Motion,
+    pub motion: RestPath,
 }
 
 impl Plan {
@@ -35,7 +38,7 @@ impl Plan {
     /// Settings that the law or its number format cannot take; a recording that cannot be read; a plant that cannot be built.
     pub fn of(scene: &Scene) -> Result<Self> {
         let control = control(scene)?;
-        let motion = Motion::from_scene(scene)?;
+        let motion = RestPath::from_scene(scene)?;
         Ok(Self {
             control,
             mechanics: mechanics(scene, start(scene, &motion))?,
@@ -62,7 +65,41 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     if let Some(step_n_m) = scene.device.amplifier_step_n_m {
         control = Staged::around(control, Stepped { step_n_m });
     }
+    if let Some(sensor) = &scene.device.current_sensor
+        && (sensor.noise_rms_n_m > 0.0 || sensor.step_n_m > 0.0)
+    {
+        let error = CurrentError {
+            rms_n_m: sensor.noise_rms_n_m,
+            step_n_m: sensor.step_n_m,
+            stream: stream(scene, Channel::Current),
+        };
+        control = Staged::around(control, error);
+    }
+    if let Some(noise) = scene.sensor.noise.as_ref().filter(|it| it.rms_rad > 0.0) {
+        let noisy = Noisy {
+            rms_rad: noise.rms_rad,
+            stream: stream(scene, Channel::Sensor),
+        };
+        control = Staged::around(control, noisy);
+    }
+    let periodic = scene.sensor.periodic.as_ref();
+    if let Some(error) = periodic.filter(|it| it.amplitude_rad > 0.0) {
+        let eccentric = Eccentric {
+            amplitude_rad: error.amplitude_rad,
+            per_rev: f64::from(error.periods_per_rev),
+            phase_rad: error.phase_rad,
+        };
+        control = Staged::around(control, eccentric);
+    }
+    if let Some(share) = scene.timing.lost_share.filter(|share| *share > 0.0) {
+        control = Lossy::around(control, share, stream(scene, Channel::Lost));
+    }
     Ok(control)
+}
+
+/// The random numbers of a scene for a purpose.
+fn stream(scene: &Scene, channel: Channel) -> Stream {
+    Stream::new(scene.seed.unwrap_or(1), channel)
 }
 
 /// The law with what tells it the angle.
@@ -141,7 +178,7 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
 
 /// Where device and hand of a scene start.
 #[must_use]
-pub fn start(scene: &Scene, motion: &Motion) -> Standing {
+pub fn start(scene: &Scene, motion: &RestPath) -> Standing {
     Standing::together(
         scene.start_rad(motion),
         scene.device.initial_velocity_rad_per_s,
@@ -153,6 +190,9 @@ pub fn start(scene: &Scene, motion: &Motion) -> Standing {
 /// # Errors
 /// A plant that cannot be built, at its place in the scene.
 pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
+    if let Some(train) = Train::of(scene) {
+        return train.mechanics(scene, from);
+    }
     let device = device(scene);
     let (angle_rad, velocity) = (from.angle_rad, from.velocity_rad_per_s);
     let bare = State::from_array([angle_rad, velocity]);
@@ -179,12 +219,31 @@ pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
             }
         };
     }
+    if let (Some(bias), Some(friction)) = (asymmetry(scene), device.friction) {
+        let kinetic = friction.kinetic;
+        return match hand(scene) {
+            None => {
+                let plant = |h| Biased::new(BareCoulomb::new(&device, h)?, kinetic, bias);
+                crossed_apart(scene, plant, bare)
+            }
+            Some(hand) => {
+                let plant = |h| Biased::new(HeldCoulomb::new(&device, &hand, h)?, kinetic, bias);
+                crossed_apart(scene, plant, held)
+            }
+        };
+    }
     match (hand(scene), device.friction.is_some()) {
         (None, false) => crossed(scene, |h| BareLinear::new(&device, h), bare),
         (None, true) => crossed(scene, |h| BareCoulomb::new(&device, h), bare),
         (Some(hand), false) => crossed(scene, |h| HeldLinear::new(&device, &hand, h), held),
         (Some(hand), true) => crossed(scene, |h| HeldCoulomb::new(&device, &hand, h), held),
     }
+}
+
+/// Asymmetry of the dry friction, N·m, where it has any.
+fn asymmetry(scene: &Scene) -> Option<f64> {
+    let friction = scene.device.friction.as_ref()?;
+    friction.asymmetry_n_m.filter(|bias| *bias != 0.0)
 }
 
 /// A plant that a method steps over, in the place of the exact one.
@@ -220,7 +279,7 @@ fn by<M: Method<N> + 'static, const N: usize>(
     )
 }
 
-/// A plant with what lies between it and the torque.
+/// A plant with what lies between it and the torque. Without anything the loop is compiled for the plant.
 fn crossed<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -229,24 +288,94 @@ fn crossed<S>(
 where
     S: Stepper<State: 'static> + 'static,
 {
-    let period = scene.timing.period_s();
-    let delay = scene.timing.computational_delay_s;
-    let built = |interval| plant(interval).map_err(|invalid| refused(scene, &invalid));
-    if delay == 0.0 {
-        let crossing = Prompt(built(period)?);
+    let timing = &scene.timing;
+    if timing.computational_delay_s == 0.0 && !is_irregular(scene) && !is_unsteady(scene) {
+        let crossing =
+            Prompt(plant(timing.period_s()).map_err(|invalid| refused(scene, &invalid))?);
         return Ok(Box::new(Moving { crossing, state }));
     }
-    let whole = (delay / period).floor();
-    let fraction = delay - whole * period;
-    let delayed = Delayed::new(built(fraction)?, built(period - fraction)?, whole as usize);
+    crossed_apart(scene, plant, state)
+}
+
+/// The same, reached by an indirect call in any case: one loop for all plants of one kind of state.
+pub(super) fn crossed_apart<S>(
+    scene: &Scene,
+    plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
+    state: S::State,
+) -> Result<Box<dyn Mechanics>>
+where
+    S: Stepper<State: 'static> + 'static,
+{
+    let timing = &scene.timing;
+    let period = timing.period_s();
     let guard = &scene.law.guard;
     let measured = guard.on && guard.change == ChangeOfForce::Measured;
-    let crossing: Box<dyn Crossing<State = S::State>> = Box::new(if measured {
-        delayed.measured(state.position())
+    let built = |interval| plant(interval).map_err(|invalid| refused(scene, &invalid));
+    let delay = timing.computational_delay_s;
+    let mut crossing: Box<dyn Crossing<State = S::State>> = if is_irregular(scene) {
+        let parts = |time_s: f64| (time_s / period * f64::from(PARTS)).round() as u64;
+        let lateness = Lateness {
+            delay: parts(delay),
+            jitter: parts(timing.jitter_s.unwrap_or(0.0)),
+            spread: parts(timing.latency_spread_s.unwrap_or(0.0)),
+        };
+        let streams = [Channel::Jitter, Channel::Latency].map(|channel| stream(scene, channel));
+        let irregular = Irregular::new(built, period, lateness, streams)?;
+        if measured {
+            Box::new(irregular.measured(state.position()))
+        } else {
+            Box::new(irregular)
+        }
+    } else if delay == 0.0 {
+        Box::new(Prompt(built(period)?))
     } else {
-        delayed
-    });
+        let whole = (delay / period).floor();
+        let fraction = delay - whole * period;
+        let delayed = Delayed::new(built(fraction)?, built(period - fraction)?, whole as usize);
+        if measured {
+            Box::new(delayed.measured(state.position()))
+        } else {
+            Box::new(delayed)
+        }
+    };
+    // From the plant outwards.
+    if let (Some(reflex), Some(hand)) = (reflex(scene), hand(scene)) {
+        let ticks = (reflex.delay_s / period).round() as usize;
+        let gain = reflex.muscle_stiffness_n_m_per_rad / hand.stiffness;
+        crossing = Handled::before(crossing, Reflex::new(gain, ticks));
+    }
+    if let Some(tremor) = tremor(scene) {
+        let tremor = Tremor {
+            amplitude_rad: tremor.amplitude_rad,
+            per_tick_rad: std::f64::consts::TAU * tremor.frequency_hz * period,
+            tick: 0,
+        };
+        crossing = Handled::before(crossing, tremor);
+    }
     Ok(Box::new(Moving { crossing, state }))
+}
+
+/// Whether ticks or commands come late by chance.
+fn is_irregular(scene: &Scene) -> bool {
+    let timing = &scene.timing;
+    [timing.jitter_s, timing.latency_spread_s]
+        .into_iter()
+        .flatten()
+        .any(|most| most > 0.0)
+}
+
+fn is_unsteady(scene: &Scene) -> bool {
+    tremor(scene).is_some() || reflex(scene).is_some()
+}
+
+fn tremor(scene: &Scene) -> Option<&scene::HandTremor> {
+    let tremor = scene.operator.tremor.as_ref();
+    tremor.filter(|tremor| tremor.amplitude_rad > 0.0)
+}
+
+fn reflex(scene: &Scene) -> Option<&scene::HandReflex> {
+    let reflex = scene.operator.reflex.as_ref();
+    reflex.filter(|reflex| reflex.muscle_stiffness_n_m_per_rad > 0.0)
 }
 
 /// A plant's refusal, at its place in the scene.
@@ -257,6 +386,13 @@ fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
         "damping" => "device.damping_n_m_s_per_rad",
         "kinetic" => "device.friction.kinetic_n_m",
         "breakaway" => "device.friction.static_n_m",
+        "asymmetry" => "device.friction.asymmetry_n_m",
+        "bandwidth_hz" => "device.current_loop.bandwidth_hz",
+        "back_emf" => "device.current_loop.back_emf_n_m_s_per_rad",
+        "transmission.stiffness" => "device.transmission.spring_n_m_per_rad",
+        "transmission.damping" => "device.transmission.damper_n_m_s_per_rad",
+        "transmission.gap" => "device.transmission.play_rad",
+        "transmission.knob_inertia" => "device.transmission.knob_share",
         "hand.inertia" => "operator.hand.inertia_kg_m2",
         "hand.damping" => "operator.hand.damping_n_m_s_per_rad",
         "hand.stiffness" => "operator.hand.stiffness_n_m_per_rad",

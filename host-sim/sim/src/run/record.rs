@@ -163,6 +163,46 @@ pub struct Trace {
     pub guard_account_j: Vec<f64>,
 }
 
+impl Trace {
+    /// Every column, in the order of the fields.
+    #[must_use]
+    pub fn columns(&self) -> [&[f64]; 14] {
+        // No `..` here: a field that is forgotten does not compile.
+        let Trace {
+            time_s,
+            angle_rad,
+            velocity_rad_per_s,
+            angle_measured_rad,
+            hand_rad,
+            rest_rad,
+            force_n_m,
+            surface_rad,
+            surface_shifted_rad,
+            mass_rad,
+            energy_observed_j,
+            energy_true_j,
+            energy_device_loss_j,
+            guard_account_j,
+        } = self;
+        [
+            time_s,
+            angle_rad,
+            velocity_rad_per_s,
+            angle_measured_rad,
+            hand_rad,
+            rest_rad,
+            force_n_m,
+            surface_rad,
+            surface_shifted_rad,
+            mass_rad,
+            energy_observed_j,
+            energy_true_j,
+            energy_device_loss_j,
+            guard_account_j,
+        ]
+    }
+}
+
 /// One finished run.
 #[derive(Debug, Clone)]
 pub struct Run {

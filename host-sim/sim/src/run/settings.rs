@@ -91,6 +91,7 @@ pub fn warned(scene: &Scene, warning: &Warning) -> Error {
             )
         }
         Warning::ThesisObserver => (warning.to_string(), "give exact".to_owned()),
+        Warning::ObservesEstimates => (warning.to_string(), "give measured".to_owned()),
         Warning::EnergyCredit { .. } => (warning.to_string(), "give 0".to_owned()),
         Warning::GuardSoftensAtForceLimit { needed, .. } => (
             warning.to_string(),

@@ -31,6 +31,8 @@ pub struct Tick {
     pub absorbed_j: f64,
     /// Dissipated in the device in this tick, J.
     pub device_loss_j: f64,
+    /// Gained by the device in this tick otherwise than by the motion of its whole inertia, J: by springs, gravity, magnets.
+    pub stored_j: f64,
     /// The law's inside after the tick.
     pub inside: Inside,
 }

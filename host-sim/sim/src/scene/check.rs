@@ -10,6 +10,8 @@ use super::units::tidy;
 /// The first contradiction in a scene whose fields are all in range by themselves.
 pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
     friction(scene)
+        .or_else(|| shaft(scene))
+        .or_else(|| lateness(scene))
         .or_else(|| grip(scene))
         .or_else(|| motion(scene))
         .or_else(|| duration(scene))
@@ -23,6 +25,60 @@ fn friction(scene: &Scene) -> Option<Problem> {
             "device.friction.static_n_m",
             format!("must be at least kinetic_n_m, is {break_away} below {kinetic}"),
             format!("write static_n_m = {} or leave it out", tidy(kinetic)),
+        )
+    })
+}
+
+fn shaft(scene: &Scene) -> Option<Problem> {
+    let friction = scene.device.friction.as_ref()?;
+    if friction.bristle_stiffness_n_m_per_rad.is_some() && friction.kinetic_n_m == 0.0 {
+        let problem = "bristles without friction in motion never let go";
+        let fix = "give kinetic_n_m above 0, or leave out the bristles";
+        return Some(Problem::new(
+            "device.friction.bristle_stiffness_n_m_per_rad",
+            problem,
+            fix,
+        ));
+    }
+    let asymmetry = friction.asymmetry_n_m.unwrap_or(0.0).abs();
+    let drives = if friction.bristle_stiffness_n_m_per_rad.is_some() {
+        asymmetry >= friction.kinetic_n_m
+    } else {
+        asymmetry > friction.kinetic_n_m
+    };
+    drives.then(|| {
+        Problem::new(
+            "device.friction.asymmetry_n_m",
+            format!(
+                "{asymmetry} leaves nothing of kinetic_n_m = {} in one direction",
+                friction.kinetic_n_m
+            ),
+            "give less than kinetic_n_m",
+        )
+    })
+}
+
+fn lateness(scene: &Scene) -> Option<Problem> {
+    let timing = &scene.timing;
+    let (jitter, period) = (timing.jitter_s.unwrap_or(0.0), timing.period_s());
+    if jitter > period {
+        return Some(Problem::new(
+            "timing.jitter_s",
+            format!("must be at most the period of {period} s, is {jitter}"),
+            "give less, or lost_share for ticks that do not come at all",
+        ));
+    }
+    let operator = &scene.operator;
+    let unsteady = [
+        ("operator.tremor", operator.tremor.is_some()),
+        ("operator.reflex", operator.reflex.is_some()),
+    ];
+    let (table, _) = unsteady.into_iter().find(|(_, named)| *named)?;
+    operator.hand().is_none().then(|| {
+        Problem::new(
+            table,
+            "nobody holds the device",
+            "give operator.grip = \"medium\", or leave the table out",
         )
     })
 }

@@ -1,12 +1,14 @@
 //! What the hand moves and how it is measured, timed and stopped: device, encoder, timing, wall.
 
 use serde::{Deserialize, Serialize};
+
+use super::effects::{Cogging, CurrentLoop, CurrentSensor, Imbalance, Transmission};
 use touchstone_control::{Settings, choice};
 
 /// A knob with one degree of freedom: `inertia · x'' + damping · x' + friction = torques`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Device {
+pub struct DeviceSpec {
     /// Moment of inertia, kg·m², above 0. Default 1e-4.
     pub inertia_kg_m2: f64,
     /// Viscous damping, N·m·s/rad, 0 or more. Default 4e-4.
@@ -25,11 +27,26 @@ pub struct Device {
     /// Dry friction. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
+    /// Cogging. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cogging: Option<Cogging>,
+    /// A weight out of the axis. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imbalance: Option<Imbalance>,
+    /// Errors of the current sensor. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub current_sensor: Option<CurrentSensor>,
+    /// A torque that lags. Absent: the torque is the command.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub current_loop: Option<CurrentLoop>,
+    /// A transmission that gives. Absent: motor and knob are one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmission: Option<Transmission>,
 }
 
-impl Default for Device {
+impl Default for DeviceSpec {
     fn default() -> Self {
-        Device {
+        DeviceSpec {
             // The thesis gives no inertia. Chosen between a bare gimbal motor (2e-6 to 2e-5) and a measured student
             // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
             inertia_kg_m2: 1e-4,
@@ -41,6 +58,11 @@ impl Default for Device {
             torque_limit_n_m: None,
             amplifier_step_n_m: None,
             friction: None,
+            cogging: None,
+            imbalance: None,
+            current_sensor: None,
+            current_loop: None,
+            transmission: None,
         }
     }
 }
@@ -54,6 +76,19 @@ pub struct Friction {
     /// Torque that a resting device bears before it slides, N·m, at least the kinetic one. Absent: equal to it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_n_m: Option<f64>,
+    /// By how much friction is greater against positive motion and smaller against negative, N·m, at most the kinetic one. Absent: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub asymmetry_n_m: Option<f64>,
+    /// Velocity at which friction has come down from its static to its kinetic value (Stribeck), rad/s, above 0. Absent: it is kinetic as
+    /// soon as the device moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stribeck_rad_per_s: Option<f64>,
+    /// Stiffness of the bristles by which surfaces hold each other (LuGre), N·m/rad, above 0. Absent: they hold rigidly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bristle_stiffness_n_m_per_rad: Option<f64>,
+    /// Damping of the bristles, N·m·s/rad, 0 or more. Absent: the root of their stiffness times the inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bristle_damping_n_m_s_per_rad: Option<f64>,
 }
 
 impl Friction {
@@ -69,6 +104,10 @@ impl Default for Friction {
         Friction {
             kinetic_n_m: 1e-3,
             static_n_m: None,
+            asymmetry_n_m: None,
+            stribeck_rad_per_s: None,
+            bristle_stiffness_n_m_per_rad: None,
+            bristle_damping_n_m_s_per_rad: None,
         }
     }
 }
@@ -124,7 +163,7 @@ pub struct Plant {
         deserialize_with = "super::law::of_word"
     )]
     pub integrator: Integrator,
-    /// Substeps a tick, 1 to 100,000; the exact step has none. Default 16.
+    /// Substeps a tick, 1 to 100,000; the exact step has none, but where an effect needs some. Default 16.
     pub substeps: u32,
 }
 
@@ -149,6 +188,15 @@ pub struct Timing {
     /// Time from a sample to its command on the motor, s, 0 to 1; it may be a fraction of a period or several.
     /// Default 0.
     pub computational_delay_s: f64,
+    /// Largest lateness of a tick, s, 0 to a period; each is late by a random part of it. Absent: every tick is in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jitter_s: Option<f64>,
+    /// Largest further time from a sample to its command, s, 0 to 1; each takes a random part of it. Absent: every command takes as long.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub latency_spread_s: Option<f64>,
+    /// Share of the ticks that are lost, 0 to 0.9: the motor keeps its torque. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_share: Option<f64>,
 }
 
 impl Timing {
@@ -172,6 +220,9 @@ impl Default for Timing {
             duration_s: 3.0,
             // The thesis' bounds are those without delay.
             computational_delay_s: 0.0,
+            jitter_s: None,
+            latency_spread_s: None,
+            lost_share: None,
         }
     }
 }

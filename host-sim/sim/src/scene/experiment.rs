@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::device::{Device, Encoder, Plant, Timing, Wall};
+use super::device::{DeviceSpec, Encoder, Plant, Timing, Wall};
+use super::effects::SensorErrors;
 use super::law::Law;
 use super::operator::Operator;
 use super::origin::Origin;
@@ -16,11 +17,16 @@ pub struct Scene {
     pub name: String,
     /// What the scene shows, for people. Default: empty.
     pub description: String,
+    /// Where everything random begins; 0 to 4,294,967,295. Absent: 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u32>,
     /// What the hand moves.
-    pub device: Device,
+    pub device: DeviceSpec,
     /// Position sensor. Absent: the law sees the exact position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoder: Option<Encoder>,
+    /// Errors of the position sensor. Default: none.
+    pub sensor: SensorErrors,
     /// How the plant crosses a tick. Absent: by the exact step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<Plant>,

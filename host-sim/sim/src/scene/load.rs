@@ -69,6 +69,12 @@ impl Scene {
         Draft::from_scene(self).build().map(drop)
     }
 
+    /// What contradicts itself in a scene of which every single field is known to be in its range: the part of [`Scene::check`] that
+    /// depends on several fields at once.
+    pub fn contradiction(&self) -> Option<Error> {
+        super::check::scene(self).map(|found| self.error(&found.path, found.problem, found.fix))
+    }
+
     /// The scene with fields changed in code, checked as one that is read from a file.
     ///
     /// What is wrong with a changed field is reported with its new value; every other field keeps the place where it was written.
@@ -87,7 +93,7 @@ impl Scene {
     ///
     /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall;
     /// the run takes as long as the recording; the device starts at rest where the hand starts. `--set
-    /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`Motion::note`](super::Motion::note) says in
+    /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) says in
     /// words what was chosen.
     ///
     /// # Errors Whatever is wrong with the recording, see [`Recording::read`]; [`Error::Option`] where the scene has

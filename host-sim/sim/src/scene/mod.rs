@@ -2,11 +2,12 @@
 //!
 //! A scene names the effects it wants; what it does not name is `None` in it and is not computed. Every field has a
 //! default. The types hold what a scene means (`experiment` and what it names); [`schema`] holds every field's name, unit and
-//! range; `draft` reads and checks, for `load` and `overrides`. [`Motion`] turns the operator's intention into the hand's rest point.
+//! range; `draft` reads and checks, for `load` and `overrides`. [`RestPath`] turns the operator's intention into the hand's rest point.
 
 mod check;
 mod device;
 mod draft;
+mod effects;
 mod experiment;
 mod law;
 mod load;
@@ -27,11 +28,15 @@ mod units;
 mod unknown;
 mod value;
 
-pub use device::{Device, Encoder, Friction, Integrator, Plant, Timing, Wall};
+pub use device::{DeviceSpec, Encoder, Friction, Integrator, Plant, Timing, Wall};
+pub use effects::{
+    Cogging, CurrentLoop, CurrentSensor, HandReflex, HandTremor, Imbalance, PeriodicError,
+    SensorErrors, SensorNoise, Transmission,
+};
 pub use experiment::Scene;
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number};
-pub use motion::{Curve, Motion, Recording, SMOOTHING_HZ};
+pub use motion::{Curve, Recording, RestPath, SMOOTHING_HZ};
 pub use operator::{
     APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, Grip, Hand, MotionSpec, Operator,
     PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::effects::{HandReflex, HandTremor};
 use touchstone_world::plant;
 
 /// The operator. Absent: nobody holds the device.
@@ -18,6 +19,12 @@ pub struct Operator {
     /// The hand's own values, for the grip `custom` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hand: Option<Hand>,
+    /// A hand that trembles. Absent: it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tremor: Option<HandTremor>,
+    /// Muscles that answer late. Absent: they do not answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflex: Option<HandReflex>,
     /// What the hand sets out to do. Default `none`.
     pub motion: MotionSpec,
 }
@@ -108,7 +115,7 @@ impl Default for Hand {
     }
 }
 
-/// What the hand sets out to do. Turned into a rest point by [`Motion`](super::Motion).
+/// What the hand sets out to do. Turned into a rest point by [`RestPath`](super::RestPath).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum MotionSpec {

@@ -59,6 +59,12 @@ impl Scene {
 /// Tables of which a file of settings may have fields.
 const SETTINGS: [&str; 3] = ["timing", "wall", "law"];
 
+/// Line of a mistake in a file's form, from 1.
+fn line_of(text: &str, error: &toml::de::Error) -> usize {
+    let end = error.span().map_or(0, |span| span.start);
+    1 + text.get(..end).unwrap_or(text).matches('\n').count()
+}
+
 impl Scene {
     /// The scene with the settings of a file, such as `tune` writes: fields of `timing`, `wall` and `law`, all taken at once.
     ///
@@ -75,7 +81,7 @@ impl Scene {
         let table: toml::Table = text
             .parse()
             .map_err(|error: toml::de::Error| Error::Option {
-                option: option("TOML"),
+                option: option(&format!("line {}", line_of(&text, &error))),
                 problem: error.message().to_owned(),
                 fix: "mend the form of the file".into(),
             })?;

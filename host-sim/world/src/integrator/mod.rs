@@ -12,15 +12,13 @@
 //!
 //! Orders are those of smooth motion. At a stop or a start, which falls inside a substep, each is of first order at best.
 
-mod implicit_euler;
-mod implicit_midpoint;
+mod implicit;
 mod model;
 mod runge_kutta;
 mod semi_implicit_euler;
 mod substepped;
 
-pub use implicit_euler::ImplicitEuler;
-pub use implicit_midpoint::ImplicitMidpoint;
+pub use implicit::{Implicit, ImplicitEuler, ImplicitMidpoint};
 pub use model::{ExactLinear, Model};
 pub use runge_kutta::{CREEP_RAD_PER_S, RungeKutta4};
 pub use semi_implicit_euler::SemiImplicitEuler;
@@ -81,5 +79,15 @@ impl Reaction {
         match self {
             Reaction::Rests(torque) | Reaction::Slides(torque) => torque,
         }
+    }
+}
+
+/// What viscous damping and a torque of friction took over a substep, by the velocities of one state.
+#[inline(always)]
+fn losses<const N: usize>(model: &Model<N>, at: &[f64; N], friction: f64, step_s: f64) -> Loss {
+    let Loss { device_j, hand_j } = model.viscous(at);
+    Loss {
+        device_j: step_s * (device_j + friction * at[1]),
+        hand_j: step_s * hand_j,
     }
 }

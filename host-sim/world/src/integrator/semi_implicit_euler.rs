@@ -56,10 +56,6 @@ impl<const N: usize> Method<N> for SemiImplicitEuler<N> {
         if !LOSS {
             return Loss::default();
         }
-        let Loss { device_j, hand_j } = model.viscous(state);
-        Loss {
-            device_j: self.step_s * (device_j + torque * state[1]),
-            hand_j: self.step_s * hand_j,
-        }
+        super::losses(model, state, torque, self.step_s)
     }
 }

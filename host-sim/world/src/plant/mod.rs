@@ -34,11 +34,11 @@
 //! Units are those of a knob (rad, N·m, kg·m²). One axis of a translational device obeys the same equations with
 //! m, N and kg; only the names of the fields then say the wrong unit.
 //!
-//! Not in here: the current loop, compliance between motor and knob, gravity and Stribeck friction or cogging. The first
-//! three are linear and would be further states; the last two are not and need substeps.
+//! A current that lags, a transmission that gives, cogging, imbalance and further kinds of friction are a drive train, [`train`].
 
 mod bare;
 mod bare_coulomb;
+mod biased;
 mod cartesian;
 pub(crate) mod device;
 pub(crate) mod flow;
@@ -49,9 +49,11 @@ mod sampled_loop;
 mod state;
 mod stepper;
 mod taylor;
+pub mod train;
 
 pub use bare::BareLinear;
 pub use bare_coulomb::BareCoulomb;
+pub use biased::Biased;
 pub use cartesian::{Cartesian, FIRM_TRANSLATION, Limits, OMEGA3, OMEGA3_AXIS};
 pub use device::{Coulomb, Device, Invalid};
 pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
@@ -59,4 +61,4 @@ pub use held::HeldLinear;
 pub use held_coulomb::HeldCoulomb;
 pub use sampled_loop::{closed_loop_matrix, critical_stiffness, spectral_radius};
 pub use state::{Kinematics, State};
-pub use stepper::{LinearStepper, Loss, Stepper};
+pub use stepper::{LinearStepper, Loss, Port, Stepper};

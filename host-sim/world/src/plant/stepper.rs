@@ -18,6 +18,19 @@ pub trait Stepper {
     /// As [`Stepper::step`], to the same bit, and says what was dissipated on the way.
     fn step_with_loss(&self, state: &mut Self::State, force: f64, rest: f64) -> Loss;
 
+    /// As [`Stepper::step_with_loss`], and says what the motor did and what the device keeps.
+    #[inline(always)]
+    fn step_with_port(&self, state: &mut Self::State, force: f64, rest: f64) -> Port {
+        let before = state.position();
+        let loss = self.step_with_loss(state, force, rest);
+        Port {
+            force,
+            work_j: force * (state.position() - before),
+            loss,
+            stored_j: 0.0,
+        }
+    }
+
     /// Kinetic and spring energy of device and hand, J.
     ///
     /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms; a jump
@@ -35,6 +48,19 @@ pub struct Loss {
     pub device_j: f64,
     /// In the hand: its own damper and the pad, `b_h ∫v_h² dt + b_p ∫(v - v_h)² dt`; zero without a hand.
     pub hand_j: f64,
+}
+
+/// What went through the motor's port in one interval.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Port {
+    /// Mean of the motor's torque along `+x`, N·m.
+    pub force: f64,
+    /// Its work on the device, J.
+    pub work_j: f64,
+    /// What was dissipated.
+    pub loss: Loss,
+    /// Gained by the device otherwise than by the motion of its whole inertia, J: by springs, gravity and magnets in it.
+    pub stored_j: f64,
 }
 
 impl Loss {

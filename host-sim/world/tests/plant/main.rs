@@ -6,3 +6,4 @@ mod exact;
 mod friction;
 mod oracle;
 mod sampled_loop;
+mod train;

@@ -7,5 +7,5 @@ mod reach;
 mod stack;
 
 pub use names::{is_panic, is_soft_float};
-pub use program::{Program, word};
+pub use program::{ProgramCode, word};
 pub use stack::Depths;

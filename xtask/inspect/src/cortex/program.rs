@@ -22,7 +22,7 @@ struct Function {
 
 /// The code of a program.
 #[derive(Debug, Default)]
-pub struct Program {
+pub struct ProgramCode {
     functions: BTreeMap<u32, Function>,
     /// Where data begins in the code (`true`) and where it ends.
     data: BTreeMap<u32, bool>,
@@ -52,7 +52,7 @@ fn half(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?).into())
 }
 
-impl Program {
+impl ProgramCode {
     /// Reads the file of a program.
     pub fn open(path: &Path) -> Result<Self, String> {
         let file = std::fs::read(path).map_err(|why| format!("{}: {why}", path.display()))?;
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn what_is_no_program_is_refused() {
-        assert!(Program::read(b"").is_err());
-        assert!(Program::read(b"\x7fELF\x02\x01 of 64 bits").is_err());
+        assert!(ProgramCode::read(b"").is_err());
+        assert!(ProgramCode::read(b"\x7fELF\x02\x01 of 64 bits").is_err());
     }
 }

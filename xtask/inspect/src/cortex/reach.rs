@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use super::instruction::{Instruction, decode};
-use super::program::Program;
+use super::program::ProgramCode;
 
 /// What was met on the way from a function through all that it calls.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ pub struct Reach {
     pub traps: Vec<String>,
 }
 
-impl Program {
+impl ProgramCode {
     /// From the function whose name contains a text. `None` if there is none.
     pub fn reach(&self, name: &str) -> Option<Reach> {
         let mut starts = self.starts();

@@ -10,7 +10,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::instruction::{Instruction, decode, loads_half, lowers};
-use super::program::{Program, word};
+use super::program::{ProgramCode, word};
 
 /// What a function does to the stack, by itself.
 #[derive(Debug, Default, Clone)]
@@ -27,7 +27,7 @@ type Question = (u32, u32);
 
 /// The deepest stack below functions.
 pub struct Depths<'p> {
-    program: &'p Program,
+    program: &'p ProgramCode,
     frames: BTreeMap<u32, Frame>,
     /// Functions whose address is taken.
     taken: BTreeSet<u32>,
@@ -39,7 +39,7 @@ pub struct Depths<'p> {
 
 impl<'p> Depths<'p> {
     /// Reads all functions.
-    pub fn new(program: &'p Program) -> Self {
+    pub fn new(program: &'p ProgramCode) -> Self {
         let mut frames = BTreeMap::new();
         let mut taken = BTreeSet::new();
         for start in program.starts() {

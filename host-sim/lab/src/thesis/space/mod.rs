@@ -8,7 +8,7 @@ pub mod figures;
 mod motion;
 mod record;
 
-pub use motion::{Motion, Phase};
+pub use motion::{Phase, ProbingMotion};
 pub use record::Record;
 
 use rayon::prelude::*;
@@ -84,7 +84,9 @@ impl Object {
         }
     }
 
-    fn shape(self) -> Shape<N> {
+    /// Its surface, in the unit of the laws, centimetres.
+    #[must_use]
+    pub fn shape(self) -> Shape<N> {
         match self {
             Self::Horizontal => Shape::Plane(Plane {
                 normal: Direction::along(2, false),
@@ -230,7 +232,7 @@ pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
     let Ok(plant) = plant else {
         return Ok(Record::new(*cell));
     };
-    let motion = Motion::of(cell.object);
+    let motion = ProbingMotion::of(cell.object);
     let mut state = Held::at_rest(motion.rest_mm(0.0).map(|x| x * 1e-3));
     let mut record = Record::new(*cell);
     let (mut stored, mut loss, mut work) = (None, 0.0, 0.0);

@@ -27,7 +27,7 @@ const RELEASE_S: f64 = 0.6;
 
 /// A motion of the rest point around an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct ProbingMotion {
     object: Object,
     normal: [f64; 3],
     side: [f64; 3],
@@ -39,7 +39,7 @@ fn smooth(t: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-impl Motion {
+impl ProbingMotion {
     /// Around this object.
     #[must_use]
     pub fn of(object: Object) -> Self {

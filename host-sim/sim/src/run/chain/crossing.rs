@@ -12,6 +12,8 @@ pub struct Flow {
     pub motor_j: f64,
     /// Dissipated in the device, J.
     pub device_loss_j: f64,
+    /// Gained by the device otherwise than by the motion of its whole inertia, J: by springs, gravity and magnets in it.
+    pub stored_j: f64,
 }
 
 /// Carries a command through whatever lies before the plant, and the plant over one tick.
@@ -33,18 +35,18 @@ pub trait Crossing {
 }
 
 #[inline(always)]
-fn step_with_flow<S: Stepper>(
+pub(super) fn step_with_flow<S: Stepper>(
     plant: &S,
     state: &mut S::State,
     torque_n_m: f64,
     rest_rad: f64,
 ) -> Flow {
-    let before = state.position();
-    let loss = plant.step_with_loss(state, torque_n_m, rest_rad);
+    let port = plant.step_with_port(state, torque_n_m, rest_rad);
     Flow {
-        torque_n_m,
-        motor_j: torque_n_m * (state.position() - before),
-        device_loss_j: loss.device_j,
+        torque_n_m: port.force,
+        motor_j: port.work_j,
+        device_loss_j: port.loss.device_j,
+        stored_j: port.stored_j,
     }
 }
 
@@ -161,9 +163,11 @@ impl<S: Stepper> Crossing for Delayed<S> {
         self.take_down(at_change_rad, state.position());
         let (early_s, late_s) = (self.before.interval_s(), self.after.interval_s());
         Flow {
-            torque_n_m: (old * early_s + new * late_s) / (early_s + late_s),
+            torque_n_m: (first.torque_n_m * early_s + second.torque_n_m * late_s)
+                / (early_s + late_s),
             motor_j: first.motor_j + second.motor_j,
             device_loss_j: first.device_loss_j + second.device_loss_j,
+            stored_j: first.stored_j + second.stored_j,
         }
     }
 

@@ -4,6 +4,9 @@ use super::control::{Answer, Control};
 
 /// An effect between the world and what is inside of it: it changes the angle on its way in, the torque on its way out, or both.
 pub trait Stage {
+    /// Whether the device knows what the stage makes of the torque: a limit it knows, an error of a sensor it does not.
+    const TOLD: bool = true;
+
     /// The angle that is passed on to the law's side, rad.
     #[inline(always)]
     fn angle_rad(&mut self, angle_rad: f64) -> f64 {
@@ -36,7 +39,7 @@ impl<S: Stage> Staged<S> {
     #[inline(always)]
     fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
         let torque_n_m = self.stage.torque_n_m(wanted_n_m);
-        if torque_n_m != wanted_n_m {
+        if S::TOLD && torque_n_m != wanted_n_m {
             tell(self.inner.as_mut(), torque_n_m);
         }
         torque_n_m

@@ -22,7 +22,7 @@ use tap::TapPath;
 ///
 /// All shapes are smooth: `r` has a continuous slope, and its content lies within what a hand can do (some 10 Hz).
 #[derive(Debug, Clone)]
-pub struct Motion {
+pub struct RestPath {
     shape: Shape,
     note: Option<String>,
 }
@@ -38,19 +38,19 @@ enum Shape {
 
 impl Scene {
     /// Angle at which the device starts, rad: the one given, else where the hand's rest point starts.
-    pub fn start_rad(&self, motion: &Motion) -> f64 {
+    pub fn start_rad(&self, motion: &RestPath) -> f64 {
         self.device
             .initial_angle_rad
             .unwrap_or_else(|| motion.rest_rad(0.0))
     }
 }
 
-impl Motion {
+impl RestPath {
     /// Prepares the motion of a scene; reads the recording where there is one.
     ///
     /// # Errors
     /// Whatever is wrong with the recording, see [`Recording::read`]; a press or tap without a hand.
-    pub fn from_scene(scene: &Scene) -> Result<Motion> {
+    pub fn from_scene(scene: &Scene) -> Result<RestPath> {
         let surface = scene.wall.surface_rad;
         let hand = || {
             scene.operator.hand().ok_or_else(|| {
@@ -86,19 +86,19 @@ impl Motion {
                 if spec.exact {
                     let held = Held::of(&recording);
                     let shape = Shape::Held(held);
-                    return Ok(Motion { shape, note: None });
+                    return Ok(RestPath { shape, note: None });
                 }
                 let curve = recording.placed(surface, spec);
                 note = Some(recording.note(surface, spec, &curve));
                 Shape::Recorded(curve)
             }
         };
-        Ok(Motion { shape, note })
+        Ok(RestPath { shape, note })
     }
 
     /// A hand whose rest point stays.
-    pub fn still(rest_rad: f64) -> Motion {
-        Motion {
+    pub fn still(rest_rad: f64) -> RestPath {
+        RestPath {
             shape: Shape::Still(rest_rad),
             note: None,
         }

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
-use crate::scene::device::Device;
+use crate::scene::device::DeviceSpec;
 use crate::scene::operator::{Hand, Tap};
 
 /// The bump is `sin⁶` over half a turn: five continuous derivatives, which the inversion uses up (two for each mass
@@ -46,7 +46,7 @@ pub(super) struct TapPath {
 }
 
 impl TapPath {
-    pub fn new(spec: &Tap, hand: &Hand, device: &Device, surface_rad: f64) -> Self {
+    pub fn new(spec: &Tap, hand: &Hand, device: &DeviceSpec, surface_rad: f64) -> Self {
         let height = spec.approach_rad / HEIGHT_AT_STEEPEST;
         let length_s = length_s(spec);
         let chain: [_; 4] = std::array::from_fn(|k| {
@@ -103,7 +103,11 @@ impl TapPath {
 }
 
 /// Hand and rest point over device angle at the complex frequency `s`, without wall and dry friction.
-fn inverse_chain(s: Complex<f64>, hand: &Hand, device: &Device) -> (Complex<f64>, Complex<f64>) {
+fn inverse_chain(
+    s: Complex<f64>,
+    hand: &Hand,
+    device: &DeviceSpec,
+) -> (Complex<f64>, Complex<f64>) {
     let pull = s * s * device.inertia_kg_m2 + s * device.damping_n_m_s_per_rad;
     let hand_angle =
         pull / (s * hand.pad_damping_n_m_s_per_rad + hand.pad_stiffness_n_m_per_rad) + 1.0;

@@ -72,14 +72,30 @@ pub(crate) const MOTION_KIND: &str = "operator.motion.kind";
 /// Tables that may be left out as a whole, and what that means.
 pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("device.friction", "no dry friction"),
+    ("device.cogging", "no cogging"),
+    ("device.imbalance", "no weight out of the axis"),
+    ("device.current_sensor", "the current is known exactly"),
+    ("device.current_loop", "the torque is the command"),
+    ("device.transmission", "motor and knob are one"),
     ("encoder", "exact position"),
+    ("sensor.noise", "no noise"),
+    ("sensor.periodic", "no such error"),
     ("operator.hand", "the grip's values"),
+    ("operator.tremor", "a steady hand"),
+    ("operator.reflex", "no reflex"),
     ("plant", "the exact step"),
 ];
 
 const DEVICE: &[Field] = &[
     field("name", "", Text, "the scene's name"),
     field("description", "", Text, "what the scene shows"),
+    field(
+        "seed",
+        "",
+        Whole(0, 4_294_967_295),
+        "where everything random begins",
+    )
+    .absent("1"),
     number(
         "device.inertia_kg_m2",
         "kg_m2",
@@ -133,10 +149,140 @@ const DEVICE: &[Field] = &[
     )
     .absent("equal to kinetic_n_m"),
     number(
+        "device.friction.asymmetry_n_m",
+        "n_m",
+        Any,
+        "by how much friction is greater against positive and smaller against negative motion",
+    )
+    .absent("0"),
+    number(
+        "device.friction.stribeck_rad_per_s",
+        "rad_per_s",
+        Positive,
+        "the velocity at which friction has come down from its static to its kinetic value",
+    )
+    .absent("kinetic in motion"),
+    number(
+        "device.friction.bristle_stiffness_n_m_per_rad",
+        "n_m_per_rad",
+        Positive,
+        "the stiffness of the bristles by which surfaces hold each other",
+    )
+    .absent("they hold rigidly"),
+    number(
+        "device.friction.bristle_damping_n_m_s_per_rad",
+        "n_m_s_per_rad",
+        NotNegative,
+        "the bristles' damping",
+    )
+    .absent("the root of their stiffness times the inertia"),
+    number(
+        "device.cogging.torque_n_m",
+        "n_m",
+        NotNegative,
+        "the amplitude of the cogging torque",
+    ),
+    field(
+        "device.cogging.periods_per_rev",
+        "",
+        Whole(1, 100_000),
+        "the cogging's periods in one turn",
+    ),
+    number(
+        "device.cogging.phase_rad",
+        "rad",
+        Any,
+        "the cogging's phase at angle 0",
+    ),
+    number(
+        "device.imbalance.torque_n_m",
+        "n_m",
+        NotNegative,
+        "the weight out of the axis times its distance from it",
+    ),
+    number(
+        "device.imbalance.phase_rad",
+        "rad",
+        Any,
+        "the weight's angle from its lowest point at angle 0",
+    ),
+    number(
+        "device.current_sensor.noise_rms_n_m",
+        "n_m",
+        NotNegative,
+        "the rms of the current sensor's noise as torque",
+    ),
+    number(
+        "device.current_sensor.step_n_m",
+        "n_m",
+        NotNegative,
+        "the current sensor's step as torque",
+    ),
+    number(
+        "device.current_loop.bandwidth_hz",
+        "hz",
+        Positive,
+        "the bandwidth of the torque behind its command",
+    ),
+    number(
+        "device.current_loop.back_emf_n_m_s_per_rad",
+        "n_m_s_per_rad",
+        NotNegative,
+        "the damping by the motor's own voltage (0 with a current loop)",
+    ),
+    number(
+        "device.transmission.spring_n_m_per_rad",
+        "n_m_per_rad",
+        Positive,
+        "the transmission's stiffness",
+    ),
+    number(
+        "device.transmission.damper_n_m_s_per_rad",
+        "n_m_s_per_rad",
+        NotNegative,
+        "the transmission's damping",
+    ),
+    number(
+        "device.transmission.knob_share",
+        "",
+        Within(1e-3, 0.999),
+        "the share of the device's inertia that is the knob's",
+    ),
+    number(
+        "device.transmission.play_rad",
+        "rad",
+        NotNegative,
+        "the transmission's play in all",
+    ),
+    number(
         "encoder.counts_per_rev",
         "",
         Positive,
         "the encoder's counts in one turn",
+    ),
+    number(
+        "sensor.noise.rms_rad",
+        "rad",
+        NotNegative,
+        "the rms of the sensor's white noise",
+    ),
+    number(
+        "sensor.periodic.amplitude_rad",
+        "rad",
+        NotNegative,
+        "the amplitude of an error that comes back every turn",
+    ),
+    field(
+        "sensor.periodic.periods_per_rev",
+        "",
+        Whole(1, 100_000),
+        "that error's periods in one turn",
+    ),
+    number(
+        "sensor.periodic.phase_rad",
+        "rad",
+        Any,
+        "that error's phase at angle 0",
     ),
     field(
         "plant.integrator",
@@ -148,7 +294,7 @@ const DEVICE: &[Field] = &[
         "plant.substeps",
         "",
         Whole(1, 100_000),
-        "the method's substeps in a tick (the exact step has none)",
+        "the method's substeps in a tick (the exact step has none, but where an effect needs some)",
     ),
 ];
 
@@ -165,6 +311,27 @@ const TIMING_AND_SURFACE: &[Field] = &[
         Within(0.0, 1.0),
         "the delay from sample to command",
     ),
+    number(
+        "timing.jitter_s",
+        "s",
+        Within(0.0, 1.0),
+        "the largest lateness of a tick",
+    )
+    .absent("every tick is in time"),
+    number(
+        "timing.latency_spread_s",
+        "s",
+        Within(0.0, 1.0),
+        "the largest further delay of a command",
+    )
+    .absent("every command takes as long"),
+    number(
+        "timing.lost_share",
+        "",
+        Within(0.0, 0.9),
+        "the share of lost ticks",
+    )
+    .absent("none"),
     number("wall.surface_rad", "rad", Any, "the wall's surface"),
 ];
 
@@ -206,6 +373,30 @@ const OPERATOR: &[Field] = &[
         "n_m_per_rad",
         Positive,
         "the stiffness between hand and rest point",
+    ),
+    number(
+        "operator.tremor.amplitude_rad",
+        "rad",
+        NotNegative,
+        "the amplitude of the rest point's tremor",
+    ),
+    number(
+        "operator.tremor.frequency_hz",
+        "hz",
+        UpTo(30.0),
+        "the tremor's rate",
+    ),
+    number(
+        "operator.reflex.delay_s",
+        "s",
+        Within(0.0, 1.0),
+        "the time from a stretch to the muscles' answer",
+    ),
+    number(
+        "operator.reflex.muscle_stiffness_n_m_per_rad",
+        "n_m_per_rad",
+        NotNegative,
+        "the torque of that answer by stretch",
     ),
     field(
         MOTION_KIND,

@@ -37,20 +37,43 @@ fn full_scenes() -> Vec<Scene> {
     let with = |motion| Scene {
         name: "all \"of\" it".into(),
         description: "two\nlines".into(),
-        device: Device {
+        device: DeviceSpec {
             inertia_kg_m2: 1.0 / 3.0,
             initial_angle_rad: Some(-0.1),
             torque_limit_n_m: Some(1e-12),
             amplifier_step_n_m: Some(1e300),
             friction: Some(Friction {
-                kinetic_n_m: 0.0,
+                kinetic_n_m: 0.01,
                 static_n_m: Some(0.1),
+                asymmetry_n_m: Some(1e-3),
+                stribeck_rad_per_s: Some(0.2),
+                bristle_stiffness_n_m_per_rad: Some(7.0),
+                bristle_damping_n_m_s_per_rad: Some(0.0),
             }),
-            ..Device::default()
+            cogging: Some(Cogging {
+                periods_per_rev: 42,
+                ..Cogging::default()
+            }),
+            imbalance: Some(Imbalance::default()),
+            current_sensor: Some(CurrentSensor::default()),
+            current_loop: Some(CurrentLoop::default()),
+            transmission: Some(Transmission {
+                play_rad: 1.0 / 7.0,
+                ..Transmission::default()
+            }),
+            ..DeviceSpec::default()
         },
         encoder: Some(Encoder {
             counts_per_rev: 16_384.0,
         }),
+        seed: Some(4_294_967_295),
+        sensor: SensorErrors {
+            noise: Some(SensorNoise { rms_rad: 0.0 }),
+            periodic: Some(PeriodicError {
+                periods_per_rev: 3,
+                ..PeriodicError::default()
+            }),
+        },
         plant: Some(Plant {
             integrator: Integrator::RungeKutta4,
             substeps: 7,
@@ -58,6 +81,9 @@ fn full_scenes() -> Vec<Scene> {
         timing: Timing {
             rate_hz: 12_345,
             computational_delay_s: 1.7e-3,
+            jitter_s: Some(8e-5),
+            latency_spread_s: Some(1e-3),
+            lost_share: Some(0.0),
             // The longest of the motions needs 3.7 s.
             duration_s: 4.25,
         },
@@ -76,6 +102,11 @@ fn full_scenes() -> Vec<Scene> {
                 inertia_kg_m2: 1e-5,
                 ..Hand::default()
             }),
+            tremor: Some(HandTremor {
+                frequency_hz: 8.5,
+                ..HandTremor::default()
+            }),
+            reflex: Some(HandReflex::default()),
             motion,
         },
         ..Scene::default()
@@ -151,8 +182,13 @@ fn every_number_ends_in_its_unit() {
     assert_eq!(
         names,
         [
+            "seed",
+            "periods_per_rev",
+            "knob_share",
             "counts_per_rev",
+            "periods_per_rev",
             "substeps",
+            "lost_share",
             "step_of_ideal",
             "limit_of_force",
             "limit_of_penetration",

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::scene::{Motion, MotionSpec, Recording, SMOOTHING_HZ, Scene};
+use crate::scene::{MotionSpec, Recording, RestPath, SMOOTHING_HZ, Scene};
 
 fn parse(text: &str) -> Recording {
     Recording::parse(text, Path::new("m.csv")).unwrap_or_else(|error| panic!("{error}"))
@@ -198,7 +198,7 @@ fn a_recording_named_in_a_scene_lies_beside_it_and_is_placed_on_the_wall() {
     folder.write("hand.csv", format!("time_ms,angle_mrad\n{rows}").as_bytes());
     let text = b"[operator]\ngrip = \"light\"\n[operator.motion]\nkind = \"recorded\"\nfile = \"hand.csv\"\nscale = -2\noffset_rad = 0.1\n";
     let scene = Scene::load(folder.write("s.toml", text).to_str().expect("a plain path")).unwrap();
-    let motion = Motion::from_scene(&scene).unwrap();
+    let motion = RestPath::from_scene(&scene).unwrap();
     // Area -0.1 · 0.995 + 0.1 · 0.005 + 0.3 · 1 over 2 s: mean 0.1005 rad; then 0.6 - 2·(angle - mean).
     assert!(
         (motion.rest_rad(0.5) - 1.001).abs() < 1e-9,
@@ -233,7 +233,7 @@ fn a_recording_replaces_a_scenes_motion() {
     );
     let bigger = scene.with_overrides(&["motion.scale=3"]).unwrap();
     let reach = |scene| {
-        Motion::from_scene(scene)
+        RestPath::from_scene(scene)
             .map(|motion| motion.rest_rad(1.0) - 0.5)
             .unwrap()
     };
@@ -269,7 +269,7 @@ fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
     let scene = Scene::load("thesis-knob")
         .and_then(|scene| scene.with_recording(&file))
         .unwrap();
-    let motion = Motion::from_scene(&scene).unwrap();
+    let motion = RestPath::from_scene(&scene).unwrap();
     println!("{}", motion.note().unwrap());
     let path: Vec<f64> = (0..scene.timing.ticks())
         .map(|tick| motion.rest_rad(tick as f64 * 1e-3))

@@ -1,6 +1,6 @@
 //! Presses and taps: smooth, and with the torque and speed that the scene asks for.
 
-use crate::scene::{Grip, Hand, Motion, MotionSpec, Scene};
+use crate::scene::{Grip, Hand, MotionSpec, RestPath, Scene};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     Scene::load(name)
@@ -8,8 +8,8 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn motion(scene: &Scene) -> Motion {
-    Motion::from_scene(scene).unwrap_or_else(|error| panic!("{error}"))
+fn motion(scene: &Scene) -> RestPath {
+    RestPath::from_scene(scene).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Angle and speed of the device over time, every 0.1 ms: an ideal spring wall (or none), continuous, by Runge and
@@ -250,7 +250,7 @@ fn a_press_that_lost_its_hand_in_code_is_an_error() {
     let mut press = scene("press-hold", &[]);
     press.operator.grip = Grip::None;
     assert!(matches!(press.operator.motion, MotionSpec::RampAndHold(_)));
-    let message = Motion::from_scene(&press).unwrap_err().to_string();
+    let message = RestPath::from_scene(&press).unwrap_err().to_string();
     assert!(
         message.ends_with(
             "operator.motion.kind: nobody holds the device; give operator.grip = \"medium\""

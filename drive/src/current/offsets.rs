@@ -1,0 +1,61 @@
+//! What the current sensors read without a current: a mean over 51 ms, and how far the readings were apart.
+
+/// The sensors' readings without current.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Offsets {
+    /// Mean of phase A, 1/16 of a code.
+    pub a: u16,
+    /// Mean of phase B, 1/16 of a code.
+    pub b: u16,
+    /// Largest minus smallest reading, the worse of the two phases, codes.
+    pub spread: u16,
+}
+
+impl Offsets {
+    /// Fractional bits of a mean.
+    pub(super) const BITS: u32 = 4;
+}
+
+/// Samples of which an offset is the mean: 1,024, that is 51 ms at 20 kHz.
+const OFFSET_SAMPLES_LOG2: u32 = 10;
+
+/// Readings without current, on their way to a mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OffsetSums {
+    pub(super) count: u32,
+    sum: [u32; 2],
+    least: [u16; 2],
+    most: [u16; 2],
+}
+
+impl OffsetSums {
+    pub(super) const EMPTY: Self = Self {
+        count: 0,
+        sum: [0; 2],
+        least: [u16::MAX; 2],
+        most: [0; 2],
+    };
+
+    pub(super) fn add(&mut self, a: u16, b: u16) -> Option<Offsets> {
+        let Self {
+            sum: [sum_a, sum_b],
+            least: [least_a, least_b],
+            most: [most_a, most_b],
+            ..
+        } = self;
+        *sum_a = sum_a.saturating_add(u32::from(a));
+        *sum_b = sum_b.saturating_add(u32::from(b));
+        (*least_a, *most_a) = ((*least_a).min(a), (*most_a).max(a));
+        (*least_b, *most_b) = ((*least_b).min(b), (*most_b).max(b));
+        let spread = most_a
+            .saturating_sub(*least_a)
+            .max(most_b.saturating_sub(*least_b));
+        // Codes have 12 bits, so 1/16 of them fits; wider ones saturate and are then implausible.
+        let mean = |sum: u32| {
+            u16::try_from(sum >> (OFFSET_SAMPLES_LOG2 - Offsets::BITS)).unwrap_or(u16::MAX)
+        };
+        let (a, b) = (mean(*sum_a), mean(*sum_b));
+        self.count += 1;
+        (self.count >= 1 << OFFSET_SAMPLES_LOG2).then_some(Offsets { a, b, spread })
+    }
+}

@@ -1,0 +1,68 @@
+//! What a person does who wants it off, and what a desktop does that is gone: a button that is pressed, a cable that is pulled.
+
+use super::Found;
+use crate::input::ControlInput;
+use crate::units::clamp_i32;
+use touchstone_control::Si;
+use touchstone_protocol::{DeviceSettings, FaultCode};
+
+/// Coefficients.
+#[derive(Debug, Clone, Copy)]
+pub struct AskedConfig {
+    /// Ticks without a word of the desktop that are too many; 0 where it is not waited for.
+    silent: u32,
+    rate_hz: u32,
+}
+
+impl AskedConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &DeviceSettings) -> Self {
+        let rate_hz = settings.timing.rate_hz.max(1);
+        let ticks = settings
+            .limits
+            .host_silence_s
+            .saturating_mul(Si::saturating_from_num(rate_hz));
+        Self {
+            silent: ticks.saturating_ceil().saturating_to_num(),
+            rate_hz,
+        }
+    }
+}
+
+/// How long the desktop has been silent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Asked {
+    ticks: u32,
+}
+
+impl Asked {
+    /// Just heard.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { ticks: 0 }
+    }
+
+    /// Takes a tick; silence counts while the outputs may be on.
+    pub fn update(
+        &mut self,
+        config: &AskedConfig,
+        input: &ControlInput,
+        may_be_on: bool,
+    ) -> Option<Found> {
+        self.ticks = if input.host_heard || !may_be_on {
+            0
+        } else {
+            self.ticks.saturating_add(1)
+        };
+        if input.stop_button {
+            return Some((FaultCode::StopButton, 0));
+        }
+        let is_gone = config.silent != 0 && self.ticks >= config.silent;
+        is_gone.then(|| {
+            let ms = (u64::from(self.ticks) * 1_000).checked_div(u64::from(config.rate_hz));
+            let ms = ms.and_then(|ms| i64::try_from(ms).ok());
+            (FaultCode::HostSilent, clamp_i32(ms.unwrap_or(i64::MAX)))
+        })
+    }
+}

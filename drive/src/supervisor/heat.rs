@@ -1,0 +1,219 @@
+//! How hot the motor's windings are, by what they were given: no sensor is in them.
+//!
+//! The model is one thermal mass and one way out of it: the windings' rise above the room follows the mean square of the current,
+//! with one time constant,
+//!
+//! ```text
+//! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
+//! ```
+//!
+//! so that a motor that bears a current for ever bears every `s` up to that current squared: neither `R_th` nor the room's
+//! temperature need be known. From 80 % of it on, the largest current that is given falls in a straight line, from the motor's limit
+//! to the one it bears for ever: `s` comes near that limit and does not pass it, whatever a hand asks for. What it leaves out: a
+//! motor's iron and frame, which are slower (on the safe side with the windings' own, shorter time), a room hotter than the one for
+//! which the current was stated, and a shaft that stands still, where one phase may have twice the mean heat of the three.
+//!
+//! Calibration's current is not reduced, as its force is what finds the rotor: windings half as hot again as they may be are a fault.
+
+use super::Found;
+use crate::current::CurrentReport;
+use crate::settings::MotorSettings;
+use crate::units::{clamp_i32, narrow, quotient};
+use touchstone_control::Si;
+use touchstone_protocol::{DeviceSettings, FaultCode};
+
+/// Fractional bits of a square of a current, A².
+const SQUARE_BITS: u32 = 16;
+/// More of them in the mean, so that what a tick adds to it is not lost.
+const MEAN_BITS: u32 = 48;
+/// The whole of the current.
+const ALL: u32 = 1 << 16;
+
+/// Coefficients.
+#[derive(Debug, Clone, Copy)]
+pub struct HeatConfig {
+    /// Share of the difference that a tick takes, 2^-32: tick over time constant.
+    share: u32,
+    /// Square of what the motor bears for ever, A².
+    bears: i64,
+    /// Share of the limit that it may be given for ever, 1/65,536.
+    for_ever: u32,
+}
+
+impl HeatConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &DeviceSettings) -> Self {
+        let MotorSettings {
+            continuous_current_a: continuous,
+            heating_time_s,
+            current_limit_a: limit,
+            ..
+        } = settings.motor;
+        let ticks = heating_time_s.saturating_mul(Si::saturating_from_num(settings.timing.rate_hz));
+        let share = quotient(Si::ONE, ticks).to_bits();
+        Self {
+            share: u32::try_from(share).unwrap_or(u32::MAX),
+            bears: square(narrow(continuous)).max(1),
+            for_ever: narrow(quotient(continuous, limit))
+                .to_bits()
+                .clamp(0, ALL.cast_signed())
+                .unsigned_abs(),
+        }
+    }
+}
+
+/// A² with [`SQUARE_BITS`]: below 2^31.
+const fn square(current: crate::Amps) -> i64 {
+    let wide = current.to_bits() as i64;
+    let square = (wide * wide) >> SQUARE_BITS;
+    if square > i32::MAX as i64 {
+        i32::MAX as i64
+    } else {
+        square
+    }
+}
+
+/// The windings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Heat {
+    /// Mean square of the current, A² with [`MEAN_BITS`].
+    mean: i64,
+}
+
+impl Default for Heat {
+    fn default() -> Self {
+        Self::cold()
+    }
+}
+
+impl Heat {
+    /// As after a night.
+    #[must_use]
+    pub const fn cold() -> Self {
+        Self { mean: 0 }
+    }
+
+    /// As hot as they may be: nobody knows how long the processor was away.
+    #[must_use]
+    pub const fn unknown(config: &HeatConfig) -> Self {
+        Self {
+            mean: config.bears << (MEAN_BITS - SQUARE_BITS),
+        }
+    }
+
+    /// Takes a tick's measured current: a broken limit, and the share of the current limit that is left, in 1/65,536.
+    pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
+        let now = square(report.current.d).saturating_add(square(report.current.q));
+        let now = now.min(i64::from(i32::MAX));
+        let mean = self.mean >> (MEAN_BITS - SQUARE_BITS);
+        // Both below 2^31, and the share at most 2^-6 at the slowest rate: the product has 16 + 32 fractional bits.
+        let step = (now - mean).saturating_mul(i64::from(config.share));
+        self.mean = self.mean.saturating_add(step).max(0);
+        let left = config.left(mean);
+        let fault = (mean > config.bears.saturating_add(config.bears >> 1)).then(|| {
+            let permille = mean.saturating_mul(1_000).checked_div(config.bears);
+            (FaultCode::MotorHot, clamp_i32(permille.unwrap_or(i64::MAX)))
+        });
+        (fault, left)
+    }
+}
+
+impl HeatConfig {
+    /// The share that a mean square leaves.
+    fn left(&self, mean: i64) -> u32 {
+        // Five times what is beyond 80 %: from 0 to what the motor bears.
+        let beyond = mean
+            .saturating_mul(5)
+            .saturating_sub(self.bears.saturating_mul(4));
+        if beyond <= 0 {
+            return ALL;
+        }
+        if beyond >= self.bears {
+            return self.for_ever;
+        }
+        // Below `bears`, so the quotient is below 2^16; never by zero.
+        let way = (beyond << 16).checked_div(self.bears).unwrap_or(0);
+        let lost = (i64::from(ALL - self.for_ever) * way) >> 16;
+        ALL.saturating_sub(u32::try_from(lost).unwrap_or(0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Amps;
+    use crate::transform::Dq;
+
+    fn report(amperes: f64) -> CurrentReport {
+        CurrentReport {
+            current: Dq {
+                d: Amps::ZERO,
+                q: Amps::from_num(amperes),
+            },
+            ..CurrentReport::default()
+        }
+    }
+
+    /// Asked for a current for ever, and given what is left: the windings' own mean square, in floats, at its largest; the current in
+    /// the end.
+    fn leans(settings: &DeviceSettings, asked: f64, seconds: f64) -> (f64, f64) {
+        let config = HeatConfig::new(settings);
+        let limit: f64 = settings.motor.current_limit_a.to_num();
+        let time: f64 = settings.motor.heating_time_s.to_num();
+        let rate = f64::from(settings.timing.rate_hz);
+        let (mut heat, mut mean, mut worst, mut given) = (Heat::cold(), 0.0_f64, 0.0_f64, asked);
+        for _ in 0..(seconds * rate) as u64 {
+            mean += (given * given - mean) / (time * rate);
+            worst = worst.max(mean);
+            let (fault, left) = heat.update(&config, &report(given));
+            assert_eq!(fault, None);
+            given = asked.min(limit * f64::from(left) / 65_536.0);
+        }
+        (worst, given)
+    }
+
+    #[test]
+    fn a_hand_that_leans_is_given_less_before_the_windings_are_too_hot() {
+        for rate in [1_000, 10_000] {
+            let mut settings = DeviceSettings::default();
+            settings.timing.rate_hz = rate;
+            settings.motor.heating_time_s = Si::lit("2");
+            let (worst, given) = leans(&settings, 2.0, 12.0);
+            assert!(worst <= 0.49 * 1.001, "{rate} Hz: {worst} A²");
+            assert!((0.69..0.703).contains(&given), "{rate} Hz: {given} A");
+            // What the motor bears is never taken from it.
+            let (worst, given) = leans(&settings, 0.62, 12.0);
+            assert!((worst - 0.3844).abs() < 0.002, "{worst} A²");
+            assert_eq!(given, 0.62);
+        }
+    }
+
+    #[test]
+    fn nothing_is_taken_from_a_motor_that_bears_its_limit() {
+        let mut settings = DeviceSettings::default();
+        settings.motor.heating_time_s = Si::lit("0.5");
+        settings.motor.continuous_current_a = Si::lit("3");
+        assert_eq!(leans(&settings, 2.0, 5.0).1, 2.0);
+    }
+
+    #[test]
+    fn a_current_that_nobody_reduces_is_a_fault() {
+        let settings = DeviceSettings::default();
+        let config = HeatConfig::new(&settings);
+        let mut heat = Heat::cold();
+        let fault = (0..100_000).find_map(|tick| {
+            let (fault, _) = heat.update(&config, &report(1.5));
+            fault.map(|fault| (tick, fault))
+        });
+        let Some((tick, (FaultCode::MotorHot, value))) = fault else {
+            panic!("{fault:?}");
+        };
+        // 20 s times ln(2.25/(2.25 - 0.735)).
+        assert!((7_890..7_930).contains(&tick), "{tick}");
+        assert!((1_500..1_503).contains(&value), "{value}");
+        // After a reset of which nobody knows how long it took.
+        let (_, left) = Heat::unknown(&config).update(&config, &report(0.0));
+        assert!((22_000..23_500).contains(&left), "{left}");
+    }
+}

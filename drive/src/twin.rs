@@ -1,0 +1,129 @@
+//! The model beside a device: the same law on the motion that the device measured, tick by tick.
+//!
+//! A record tells penetration and force in full, so that the model's force is the device's to the bit, as long as every tick's record
+//! arrives and nothing stands between the two that no record tells.
+
+use crate::command::{Drive, Rotor};
+use crate::config::Config;
+use crate::device::torque_of;
+use crate::wire::hardware;
+use fixed::types::I8F24;
+use touchstone_control::law::Contact;
+use touchstone_control::{Controller, Fixed32, Force, Position};
+use touchstone_protocol::settings::SettingsError;
+use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry};
+
+/// How many ticks outside the wall a model needs that did not see how the device was armed: its estimator, whose memory fades away
+/// within some periods of its bandwidth, has found the motion again by then.
+const FINDS_IN: u32 = 500;
+
+/// How well the model knows what the device's law remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Knows {
+    /// All of it, since the tick that armed.
+    All,
+    /// Nothing yet; so many ticks outside the wall so far.
+    Little(u32),
+}
+
+/// The model.
+#[derive(Debug, Clone)]
+pub struct Twin {
+    config: Config,
+    law: Controller<Fixed32>,
+    /// The record before: its tick and its state.
+    before: Option<(u32, Phase)>,
+    knows: Knows,
+    /// Share of the torque while it fades in, 2^-32.
+    fade: u32,
+    /// The law showed a force in its last tick.
+    pushes: bool,
+}
+
+impl Twin {
+    /// Beside a device with these settings, which calibrated with them.
+    ///
+    /// # Errors
+    /// As [`Config::new`].
+    pub fn new(settings: &DeviceSettings, board: Board) -> Result<Self, SettingsError> {
+        let config = Config::new(settings, hardware(board))?;
+        Ok(Self {
+            config,
+            law: config.law,
+            before: None,
+            knows: Knows::Little(0),
+            fade: u32::MAX,
+            pushes: false,
+        })
+    }
+
+    /// The force of the model in this record's tick; `None` where the device's law does not run, or the model does not know what it
+    /// remembers.
+    pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
+        let before = self.before.replace((record.tick, record.phase));
+        let follows = before.is_some_and(|(tick, _)| record.tick == tick.wrapping_add(1));
+        let limits = Limits::from_wire(record.limits);
+        if record.phase != Phase::Armed {
+            return None;
+        }
+        let was_armed = before.is_some_and(|(_, phase)| phase == Phase::Armed);
+        if !was_armed || !follows {
+            self.law = self.config.law.resumed(&self.law);
+            self.pushes = false;
+            let sees_it_armed = follows && !was_armed;
+            self.fade = if sees_it_armed { 0 } else { u32::MAX };
+            self.knows = if sees_it_armed {
+                Knows::All
+            } else {
+                Knows::Little(0)
+            };
+        }
+        // The law does not run in a tick without a good reading.
+        if limits.has(Limit::Encoder) {
+            return None;
+        }
+        let force = self.law.tick(Position(record.penetration_rad));
+        self.becomes_of(force, limits);
+        if let Knows::Little(outside) = &mut self.knows {
+            let is_outside = record.penetration_rad <= 0 && !limits.has(Limit::FadeIn);
+            *outside = if is_outside {
+                outside.saturating_add(1)
+            } else {
+                0
+            };
+            if *outside < FINDS_IN {
+                return None;
+            }
+            self.knows = Knows::All;
+        }
+        Some(force.0)
+    }
+
+    /// Tells the law what became of its force, as the device does.
+    fn becomes_of(&mut self, force: Force<Fixed32>, limits: Limits) {
+        let fading = self.fade < u32::MAX;
+        self.fade = self.fade.saturating_add(self.config.fade_step);
+        let torque = torque_of(force, fading.then_some(self.fade));
+        // By how much a warm power stage was held back is in no record.
+        if limits.has(Limit::Temperature) && limits.has(Limit::Current) {
+            self.knows = Knows::Little(0);
+        }
+        // Angles are for the current loop: the torque does not depend on them.
+        let rotor = Rotor {
+            derating: 1 << 16,
+            ..Rotor::default()
+        };
+        let driven = self.config.drive.command(torque, &rotor);
+        if fading || driven.torque != torque {
+            self.law.commanded(Force(I8F24::from_bits(
+                driven.torque.0.to_bits().saturating_neg(),
+            )));
+        }
+        // A flick of a knob that nothing holds begins anew, as in the device.
+        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
+        let is_free = self.law.view().contact == Contact::Free;
+        if self.law.tripped() && !pushed && is_free {
+            self.law = self.config.law.resumed(&self.law);
+        }
+    }
+}

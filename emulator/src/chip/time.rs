@@ -1,0 +1,115 @@
+//! What happens by itself: the bridge's edges, the converters behind them, and everything that is due.
+
+use super::Chip;
+use crate::peripheral::rcc::ResetCause;
+use crate::peripheral::timer::bridge::Edge;
+use crate::peripheral::{NEVER, Peripheral};
+
+impl Chip {
+    /// When something next happens by itself.
+    #[must_use]
+    pub fn next_event(&self) -> u64 {
+        let timers = self
+            .timers
+            .iter()
+            .map(Peripheral::next_event)
+            .min()
+            .unwrap_or(NEVER);
+        let adcs = self
+            .adcs
+            .iter()
+            .map(Peripheral::next_event)
+            .min()
+            .unwrap_or(NEVER);
+        let ports = self.lpuart1.next_event().min(self.usart2.next_event());
+        let slow = self
+            .rcc
+            .next_event()
+            .min(self.iwdg.next_event())
+            .min(self.wwdg.next_event())
+            .min(self.flash.next_event());
+        let storm = self.storm.map_or(NEVER, |(_, _, next)| next);
+        let fast = self.bridge.next_event().min(self.spi3.next_event());
+        timers.min(adcs).min(ports).min(slow).min(fast).min(storm)
+    }
+
+    /// Does what is due by now.
+    pub fn advance(&mut self) {
+        let now = self.core.now;
+        // In the order of time: what a converter sees depends on what the bridge did before.
+        while let Some((time, edge)) = self.bridge.next_edge(now) {
+            self.convert(time);
+            let triggers = match edge {
+                Edge::Trigger => true,
+                Edge::Top | Edge::Bottom => {
+                    let duty = self.bridge.duty();
+                    self.world.drive(time, duty);
+                    self.on_period(edge, time);
+                    self.bridge.triggers_on_update() && self.bridge.was_update()
+                }
+            };
+            if triggers {
+                self.adcs.iter_mut().for_each(|adc| adc.trigger(time));
+            }
+        }
+        self.convert(now);
+        self.timers.iter_mut().for_each(|timer| timer.advance(now));
+        self.lpuart1.advance(now);
+        self.usart2.advance(now);
+        self.spi3.advance(now);
+        self.rcc.advance(now);
+        self.flash.advance(now);
+        self.wwdg.set_clock(self.rcc.wwdg_hz(), now);
+        if self.wwdg.bites(now) {
+            self.reset_request = Some(ResetCause::WindowWatchdog);
+        }
+        if self.iwdg.bites(now) {
+            self.reset_request = Some(ResetCause::Watchdog);
+        }
+        if let Some((interrupt, period, next)) = &mut self.storm
+            && *next <= now
+        {
+            *next = now + *period;
+            self.nvic
+                .pend(crate::cpu::nvic::FIRST + *interrupt as usize);
+        }
+        self.refresh();
+        self.core.interrupted = false;
+    }
+
+    /// Lets the converters sample and finish what is due by a time.
+    fn convert(&mut self, until: u64) {
+        loop {
+            let next = self
+                .adcs
+                .iter()
+                .map(Peripheral::next_event)
+                .min()
+                .unwrap_or(NEVER);
+            if next > until {
+                return;
+            }
+            for (index, adc) in self.adcs.iter_mut().enumerate() {
+                if let Some(channel) = adc.wants(next) {
+                    self.world.advance(next);
+                    let volts = self.board.analog(index, channel, &self.world);
+                    adc.sample(crate::board::code(volts));
+                }
+                adc.advance(next);
+            }
+        }
+    }
+
+    /// Once a half period: shaft to encoders, break input, supply.
+    fn on_period(&mut self, _edge: Edge, now: u64) {
+        self.world.advance(now);
+        let count = self.board.encoder_count(&self.world);
+        for timer in &mut self.timers {
+            timer.set_encoder(count);
+        }
+        if let Some(slave) = &mut self.spi3.slave {
+            slave.set_angle(self.world.turns());
+        }
+        self.update_break(now);
+    }
+}

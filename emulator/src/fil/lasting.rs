@@ -1,0 +1,132 @@
+//! What takes longer than a row's watch: a cable that is pulled, a hand that leans on the wall.
+
+use touchstone_control::Si;
+use touchstone_protocol::{DeviceCommand, FaultCode, Limit, Limits, Phase, Request};
+use touchstone_world::plant::Hand;
+
+use super::tally::Tally;
+use crate::bench::{Bench, MS, Setup, US, number};
+use crate::cpu::elf::Program;
+
+/// How long the desktop may be silent here, s, and us with a control tick for the last word and one for the answer to it.
+const SILENCE_S: &str = "0.5";
+const SILENCE_US: u64 = 500_000 + 2 * 1_050;
+
+/// A device of which the thermal time is short, so that a motor is warm within seconds.
+const HEATING_TIME_S: f64 = 1.0;
+
+/// The cable is pulled in each state in which the outputs are on.
+pub fn cable_pulled(program: &Program, setup: &Setup, tally: &mut Tally) {
+    for state in [Phase::Calibrating, Phase::Armed] {
+        let name = format!("cable pulled, {}", state.name());
+        let off = pulled(program, setup, state);
+        if off.is_ok() {
+            tally.latched.insert(FaultCode::HostSilent);
+        }
+        tally.check(
+            &name,
+            off.map(|us| format!("off after {us} us of {SILENCE_US}, HostSilent")),
+        );
+    }
+}
+
+fn prepared(program: &Program, setup: &Setup, silence: &str) -> Result<Bench, String> {
+    let mut bench = Bench::new(program, setup)?;
+    bench.boot()?;
+    let (kind, silence) = (setup.board.encoder.kind(), Si::from_str(silence));
+    let silence = silence.map_err(|error| error.to_string())?;
+    bench.configure(|settings| {
+        settings.encoder.kind = kind;
+        settings.calibration.electrical_turns_per_s = Si::lit("4");
+        settings.wall.surface_rad = Si::lit("0.3");
+        settings.limits.host_silence_s = silence;
+        settings.motor.heating_time_s = Si::from_num(HEATING_TIME_S);
+        // The calibration's current may be held for ever: this is not about it.
+        settings.motor.continuous_current_a = Si::lit("1");
+    })?;
+    Ok(bench)
+}
+
+fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String> {
+    let mut bench = prepared(program, setup, SILENCE_S)?;
+    match state {
+        Phase::Calibrating => {
+            bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+            bench.run_until("the outputs on", 400 * MS, |bench| bench.is_on())?;
+        }
+        _ => bench.arm()?,
+    }
+    // The last word.
+    bench.status()?;
+    let begin = bench.now();
+    bench.run(450 * MS)?;
+    if !bench.is_on() {
+        return Err("off before its time".into());
+    }
+    bench.run(250 * MS)?;
+    let changes = &bench.machine.chip().bridge.changes;
+    let off = changes.iter().find(|(time, on)| *time > begin && !on);
+    let us = match off {
+        Some((time, _)) if !bench.is_on() => (time - begin) / US,
+        _ => return Err("the outputs stay on".into()),
+    };
+    if us > SILENCE_US {
+        return Err(format!("off after {us} us, later than {SILENCE_US}"));
+    }
+    match bench.fault()?.and_then(|fault| fault.known()) {
+        Some(FaultCode::HostSilent) => Ok(us),
+        other => Err(format!("{other:?} instead of HostSilent")),
+    }
+}
+
+/// A hand leans on the wall with more than the motor bears for ever.
+pub fn leaning_hand(program: &Program, setup: &Setup, tally: &mut Tally) {
+    tally.check("a hand that leans", leans(program, setup));
+}
+
+fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
+    let mut bench = prepared(program, setup, "0")?;
+    bench.arm()?;
+    let bears = number(bench.settings()?.motor.continuous_current_a);
+    // As strong as it takes: it stays where it wants to be, whatever the wall does.
+    let hand = Hand {
+        stiffness: 40.0,
+        ..touchstone_world::plant::MEDIUM
+    };
+    bench.press(&hand, 0.45, 0.4, 100.0)?;
+    // The windings by themselves, from the world's currents: the same one time constant.
+    let (step, mut mean, mut hottest, mut most) = (100 * US, 0.0_f64, 0.0_f64, 0.0_f64);
+    let share = 1e-4 / HEATING_TIME_S;
+    for _ in 0..60_000 {
+        bench.run(step)?;
+        let world = &bench.machine.chip().world;
+        let squares: f64 = (0..3).map(|phase| world.current_a(phase).powi(2)).sum();
+        mean += share * (2.0 / 3.0 * squares - mean);
+        hottest = hottest.max(mean);
+        most = most.max(2.0 / 3.0 * squares);
+    }
+    let status = bench.status()?;
+    if status.phase != Phase::Armed {
+        return Err(format!("{} with {:?}", status.phase.name(), status.fault));
+    }
+    if most.sqrt() < 1.5 * bears {
+        return Err(format!("the hand leans with no more than {:.2} A", most.sqrt()));
+    }
+    let limits = bench.link.telemetry.last().map_or(0, |record| record.limits);
+    if !Limits::from_wire(limits).has(Limit::Temperature) {
+        return Err("no record tells of the derating".into());
+    }
+    // What the shunts and the tick leave of it.
+    if hottest > 1.03 * bears * bears {
+        return Err(format!(
+            "a mean square of {hottest:.3} A², and the motor bears {:.3}",
+            bears * bears
+        ));
+    }
+    Ok(format!(
+        "{:.2} A at most, in the end {:.2}: a mean square of {hottest:.3} A², and the motor bears {:.3}",
+        most.sqrt(),
+        mean.sqrt(),
+        bears * bears
+    ))
+}

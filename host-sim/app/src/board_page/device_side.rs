@@ -1,0 +1,246 @@
+//! The device's side: records as they come, the model beside them, and the connection that may break.
+
+use super::rows::RecordRows;
+use crate::config::{self, value};
+use crate::device::{described, status_of};
+use crate::monitor::SILENCE_LIMIT;
+use std::time::{Duration, Instant};
+use touchstone_device::{Address, Client};
+use touchstone_drive::twin::Twin;
+use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_protocol::{
+    DeviceCommand, DeviceSettings, Phase, Reply, Request, Status, Telemetry,
+};
+use touchstone_sim::error::{Error, Result};
+
+/// A connection that broke is tried again this often.
+const AGAIN: Duration = Duration::from_secs(1);
+/// Bytes of a busy record with its frame, and of the serial line in a second (921,600 baud, ten bits a byte), of which answers need
+/// some.
+const RECORD_BYTES: u32 = 36;
+const LINE_BYTES: u32 = 80_000;
+
+/// What happened in a turn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum News {
+    /// Nothing but records.
+    None,
+    /// The device is in another state.
+    State,
+    /// The connection is gone.
+    Lost(String),
+    /// It is there again; what was done at once.
+    Back(Option<String>),
+}
+
+/// The connection to the device.
+pub struct DeviceSide {
+    address: Address,
+    client: Option<Client>,
+    /// All settings as the device has them.
+    pub settings: DeviceSettings,
+    /// Control ticks between two records.
+    pub decimation: u16,
+    /// Records since the last batch.
+    pub rows: RecordRows,
+    state: Option<(Phase, u8)>,
+    heard: Instant,
+    tried: Instant,
+}
+
+impl DeviceSide {
+    pub fn new(address: Address, client: Client) -> Result<Self> {
+        let mut link = Self {
+            address,
+            settings: DeviceSettings::defaults(client.identity().board),
+            client: None,
+            decimation: 1,
+            rows: RecordRows::default(),
+            state: None,
+            heard: Instant::now(),
+            tried: Instant::now(),
+        };
+        link.begin(client)?;
+        Ok(link)
+    }
+
+    /// Takes a connection that was just made.
+    fn begin(&mut self, mut client: Client) -> Result<()> {
+        self.settings = client.settings()?;
+        let line = self.settings.timing.rate_hz * RECORD_BYTES;
+        self.decimation = u16::try_from(line.div_ceil(LINE_BYTES)).unwrap_or(u16::MAX);
+        client.tell(&Request::Telemetry {
+            decimation: self.decimation,
+        })?;
+        client.forget_telemetry();
+        self.client = Some(client);
+        self.heard = Instant::now();
+        self.state = None;
+        self.model();
+        Ok(())
+    }
+
+    /// The model of these settings; it follows where every tick is told.
+    fn model(&mut self) {
+        let twin = self.client.as_ref().and_then(|client| {
+            let one_by_one = self.decimation == 1;
+            one_by_one.then(|| Twin::new(&self.settings, client.identity().board).ok())?
+        });
+        let (rate_hz, surface_rad) = (self.settings.timing.rate_hz, self.settings.wall.surface_rad);
+        self.rows
+            .begin(twin, self.decimation, rate_hz, surface_rad.to_num());
+    }
+
+    /// Waits some 20 ms at most for records, or tries to connect again.
+    pub fn turn(&mut self) -> News {
+        let Some(client) = &mut self.client else {
+            return self.again();
+        };
+        match client.next_telemetry() {
+            Ok(Some(record)) => {
+                self.heard = Instant::now();
+                self.take(&record)
+            }
+            Ok(None) if self.heard.elapsed() > SILENCE_LIMIT => {
+                let silent = "the device says nothing any more; look with `touchstone device status`, or reset it";
+                self.lost(&format!("{}: {silent}", self.address))
+            }
+            Ok(None) => News::None,
+            Err(error) => self.lost(&error.to_string()),
+        }
+    }
+
+    fn take(&mut self, record: &Telemetry) -> News {
+        let was_calibrating = self
+            .state
+            .is_some_and(|(phase, _)| phase == Phase::Calibrating);
+        // Settings count from the next calibration on.
+        if record.phase == Phase::Calibrating && !was_calibrating {
+            self.model();
+        }
+        self.rows.push(record);
+        let now = (record.phase, record.fault);
+        if self.state.replace(now) == Some(now) {
+            News::None
+        } else {
+            News::State
+        }
+    }
+
+    fn lost(&mut self, why: &str) -> News {
+        self.client = None;
+        self.state = None;
+        self.tried = Instant::now();
+        News::Lost(why.to_owned())
+    }
+
+    fn again(&mut self) -> News {
+        std::thread::sleep(Duration::from_millis(20));
+        if self.tried.elapsed() < AGAIN {
+            return News::None;
+        }
+        let made = Client::connect(&self.address).and_then(|client| self.begin(client));
+        self.tried = Instant::now();
+        match made {
+            // Nobody knows what happened meanwhile: whoever wants the wall arms it again.
+            Ok(()) => News::Back(self.off()),
+            Err(_) => {
+                self.client = None;
+                News::None
+            }
+        }
+    }
+
+    /// Switches the device off if it moves or may move something; what was done, in words.
+    pub fn off(&mut self) -> Option<String> {
+        let status = self.status().ok()?;
+        let (command, done) = match status.phase {
+            Phase::Armed => (
+                DeviceCommand::Disarm,
+                "the device was armed, and is disarmed",
+            ),
+            Phase::Calibrating => (
+                DeviceCommand::Stop,
+                "the device was calibrating, and is stopped",
+            ),
+            _ => return None,
+        };
+        Some(match self.command(command) {
+            Ok(()) => done.to_owned(),
+            Err(error) => format!("THE DEVICE MAY STILL BE ON: {error}"),
+        })
+    }
+
+    /// The device sends again what it sends by itself.
+    pub fn leave(&mut self) {
+        let decimation = self.settings.telemetry.decimation;
+        if let Some(client) = &mut self.client {
+            // A device that just left has nothing to be set back.
+            let _ = client.tell(&Request::Telemetry { decimation });
+        }
+    }
+
+    /// Asks something of the device; a connection that breaks over it is noticed by the next turn.
+    fn with<T>(&mut self, ask: impl FnOnce(&mut Client) -> Result<T>) -> Result<T> {
+        match &mut self.client {
+            Some(client) => ask(client),
+            None => Err(Error::device(
+                self.address.to_string(),
+                "there is no connection",
+                "connect the board; it is tried again every second",
+            )),
+        }
+    }
+
+    pub fn status(&mut self) -> Result<Status> {
+        self.with(status_of)
+    }
+
+    pub fn command(&mut self, command: DeviceCommand) -> Result<()> {
+        self.with(|client| client.tell(&Request::Command(command)))
+    }
+
+    pub fn save(&mut self) -> Result<()> {
+        self.with(|client| client.tell(&Request::Save))
+    }
+
+    pub fn defaults(&mut self) -> Result<()> {
+        self.settings = self.with(|client| {
+            client.tell(&Request::Defaults)?;
+            client.settings()
+        })?;
+        Ok(())
+    }
+
+    /// Changes a setting, given as text.
+    pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
+        let setting = config::parsed(path, text)?;
+        let (_, after) = self.with(|client| config::set(client, &setting))?;
+        self.settings = after;
+        Ok(())
+    }
+
+    /// Records that the device's port could not carry, and frames that came in damaged.
+    pub fn troubles(&mut self) -> Result<(u32, u32)> {
+        self.with(|client| match client.ask(&Request::Counters)? {
+            Reply::Counters(counters) => Ok((counters.telemetry_dropped, client.decode_errors())),
+            other => Err(client.odd(&other)),
+        })
+    }
+
+    /// Who it is, in words.
+    pub fn described(&self) -> String {
+        let known = self.client.as_ref().map(|client| client.identity());
+        known.map_or_else(|| "no device".to_owned(), described)
+    }
+
+    /// Every setting: what it is, and its value.
+    pub fn fields(&self) -> serde_json::Value {
+        let entry = |field| {
+            let mut entry = value::json(field);
+            entry["shown"] = value::shown(&self.settings, field).into();
+            entry
+        };
+        FIELDS.iter().map(entry).collect::<Vec<_>>().into()
+    }
+}

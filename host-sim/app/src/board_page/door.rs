@@ -1,0 +1,256 @@
+//! The door: a port of this machine alone, behind which there is one page for whoever has the token.
+//!
+//! A browser carries requests of foreign pages too. Three things keep those out: the token, which only the address that was opened
+//! has; the header `Host`, which a foreign name that was made to mean this machine (DNS rebinding) cannot have; the header `Origin`,
+//! without which no socket is opened.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+use touchstone_sim::error::{Error, Result};
+use tungstenite::WebSocket;
+use tungstenite::protocol::WebSocketConfig;
+
+/// A request's head is longer than this only if it is none.
+const HEAD_MAX: usize = 8192;
+/// Who has not said what is wanted by then is not heard.
+const HEAD_LIMIT: Duration = Duration::from_secs(2);
+/// So many may ask at once.
+const VISITORS: usize = 16;
+/// An order of the page is a line.
+const MESSAGE_MAX: usize = 4096;
+
+/// A page that was let in.
+pub type Socket = WebSocket<TcpStream>;
+
+/// What a request gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wish {
+    Page,
+    Socket,
+    Refused(&'static str, &'static str),
+}
+
+/// The door.
+pub struct Door {
+    /// What the browser is to open.
+    pub address: String,
+    /// Pages that were let in, one at a time.
+    pub sockets: Receiver<Socket>,
+    /// Whether there is a page; whoever serves it takes this back when it is gone.
+    pub taken: Arc<AtomicBool>,
+}
+
+/// What the threads behind the door share.
+struct Inside {
+    host: String,
+    token: String,
+    head: String,
+    page: String,
+    sockets: Sender<Socket>,
+    taken: Arc<AtomicBool>,
+    visitors: AtomicUsize,
+}
+
+/// 128 random bits.
+fn token() -> Result<String> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|error| {
+        Error::device(
+            "random numbers",
+            error.to_string(),
+            "the system has none; try again",
+        )
+    })?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+impl Door {
+    /// Opens it at a free port. `page` makes page and content security policy from the address of the socket.
+    pub fn open(page: impl FnOnce(&str) -> (String, String)) -> Result<Self> {
+        let wrong = |error: std::io::Error| {
+            Error::device(
+                "127.0.0.1",
+                format!("no port can be opened: {error}"),
+                "let the program listen on the loopback address",
+            )
+        };
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).map_err(wrong)?;
+        let host = listener.local_addr().map_err(wrong)?.to_string();
+        let token = token()?;
+        let address = format!("http://{host}/?token={token}");
+        let (page, policy) = page(&format!("ws://{host}/socket?token={token}"));
+        let (sender, sockets) = channel();
+        let taken = Arc::new(AtomicBool::new(false));
+        let inside = Arc::new(Inside {
+            host,
+            token,
+            head: format!(
+                "Content-Type: text/html; charset=utf-8\r\nContent-Security-Policy: {policy}; frame-ancestors 'none'\r\n"
+            ),
+            page,
+            sockets: sender,
+            taken: Arc::clone(&taken),
+            visitors: AtomicUsize::new(0),
+        });
+        // Ends with the program.
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                let inside = Arc::clone(&inside);
+                if inside.visitors.fetch_add(1, Ordering::Relaxed) >= VISITORS {
+                    inside.visitors.fetch_sub(1, Ordering::Relaxed);
+                    continue;
+                }
+                std::thread::spawn(move || {
+                    // Who goes away or talks nonsense is no error here.
+                    let _ = inside.welcome(stream);
+                    inside.visitors.fetch_sub(1, Ordering::Relaxed);
+                });
+            }
+        });
+        Ok(Self {
+            address,
+            sockets,
+            taken,
+        })
+    }
+}
+
+impl Inside {
+    fn welcome(&self, mut stream: TcpStream) -> std::io::Result<()> {
+        stream.set_nodelay(true)?;
+        stream.set_write_timeout(Some(HEAD_LIMIT))?;
+        let Some(head) = head(&stream)? else {
+            return refuse(&mut stream, "400 Bad Request", "this is no request");
+        };
+        match self.wish(&head) {
+            Wish::Refused(status, why) => {
+                take(&mut stream, head.len())?;
+                refuse(&mut stream, status, why)
+            }
+            Wish::Page => {
+                take(&mut stream, head.len())?;
+                answer(&mut stream, "200 OK", &self.head, &self.page)
+            }
+            Wish::Socket if self.taken.swap(true, Ordering::SeqCst) => {
+                take(&mut stream, head.len())?;
+                let why = "another page has the device; close it first";
+                refuse(&mut stream, "409 Conflict", why)
+            }
+            Wish::Socket => {
+                let config = WebSocketConfig::default()
+                    .max_message_size(Some(MESSAGE_MAX))
+                    .max_frame_size(Some(MESSAGE_MAX));
+                stream.set_read_timeout(Some(HEAD_LIMIT))?;
+                let socket = tungstenite::accept_with_config(stream, Some(config)).ok();
+                let given = socket.filter(|socket| socket.get_ref().set_nonblocking(true).is_ok());
+                if given.is_none_or(|socket| self.sockets.send(socket).is_err()) {
+                    self.taken.store(false, Ordering::SeqCst);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// What a request's head asks for, and whether it gets it.
+    fn wish(&self, head: &[u8]) -> Wish {
+        let mut headers = [httparse::EMPTY_HEADER; 64];
+        let mut request = httparse::Request::new(&mut headers);
+        if !request.parse(head).is_ok_and(|done| done.is_complete()) {
+            return Wish::Refused("400 Bad Request", "this is no request");
+        }
+        let named = |name: &str| {
+            let mut all = request
+                .headers
+                .iter()
+                .filter(|header| header.name.eq_ignore_ascii_case(name))
+                .map(|header| header.value);
+            // Twice is as wrong as another one.
+            (all.next(), all.next().is_some())
+        };
+        if named("host") != (Some(self.host.as_bytes()), false) {
+            return Wish::Refused("403 Forbidden", "wrong Host");
+        }
+        let origin = format!("http://{}", self.host);
+        let own_origin = named("origin") == (Some(origin.as_bytes()), false);
+        if named("origin").0.is_some() && !own_origin {
+            return Wish::Refused("403 Forbidden", "wrong Origin");
+        }
+        let (path, query) = request
+            .path
+            .unwrap_or("")
+            .split_once('?')
+            .unwrap_or_default();
+        let given = query.strip_prefix("token=").unwrap_or("");
+        if !same(given, &self.token) {
+            return Wish::Refused(
+                "403 Forbidden",
+                "wrong or missing token: open the address that `touchstone live` printed",
+            );
+        }
+        match (request.method, path) {
+            (Some("GET"), "/") => Wish::Page,
+            (Some("GET"), "/socket") if !own_origin => {
+                Wish::Refused("403 Forbidden", "missing Origin")
+            }
+            (Some("GET"), "/socket") => Wish::Socket,
+            _ => Wish::Refused("404 Not Found", "there is no such thing"),
+        }
+    }
+}
+
+/// Whether two texts are the same, in a time that does not tell where they differ.
+fn same(given: &str, token: &str) -> bool {
+    let (given, token) = (given.as_bytes(), token.as_bytes());
+    let differing = given.iter().zip(token).fold(0, |sum, (a, b)| sum | (a ^ b));
+    given.len() == token.len() && differing == 0
+}
+
+/// A request's head, left where it is for whoever reads it; `None` if none comes in time.
+fn head(stream: &TcpStream) -> std::io::Result<Option<Vec<u8>>> {
+    let until = Instant::now() + HEAD_LIMIT;
+    let mut bytes = vec![0; HEAD_MAX];
+    stream.set_read_timeout(Some(Duration::from_millis(100)))?;
+    while Instant::now() < until {
+        let count = match stream.peek(&mut bytes) {
+            Ok(0) => return Ok(None),
+            Ok(count) => count,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => 0,
+            Err(error) => return Err(error),
+        };
+        let found = bytes[..count].windows(4).position(|end| end == b"\r\n\r\n");
+        if let Some(end) = found {
+            bytes.truncate(end + 4);
+            return Ok(Some(bytes));
+        }
+        if count == HEAD_MAX {
+            return Ok(None);
+        }
+        // What is there is given again and again.
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Ok(None)
+}
+
+/// Takes away what was looked at.
+fn take(stream: &mut TcpStream, count: usize) -> std::io::Result<()> {
+    stream.read_exact(&mut vec![0; count])
+}
+
+fn refuse(stream: &mut TcpStream, status: &str, why: &str) -> std::io::Result<()> {
+    let kind = "Content-Type: text/plain; charset=utf-8\r\n";
+    answer(stream, status, kind, &format!("{why}\n"))
+}
+
+fn answer(stream: &mut TcpStream, status: &str, head: &str, body: &str) -> std::io::Result<()> {
+    let head = format!(
+        "HTTP/1.1 {status}\r\n{head}Content-Length: {}\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n\r\n",
+        body.len()
+    );
+    stream.write_all(head.as_bytes())?;
+    stream.write_all(body.as_bytes())?;
+    stream.flush()
+}

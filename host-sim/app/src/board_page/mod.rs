@@ -1,0 +1,77 @@
+//! `touchstone live --port`: a board in a browser's page, served to this machine alone.
+//!
+//! ```text
+//! device -> link: records, orders -> batches 30 times a second -> page
+//! ```
+//!
+//! The program stands between the two, and switches the device off when the page is gone: a wall must not stay on with nobody before
+//! it who can stop it.
+
+mod device_side;
+mod door;
+mod rows;
+mod told;
+mod visitor;
+
+use super::interrupt::noted;
+use super::live::open;
+use super::out::{note, result, tell};
+use device_side::DeviceSide;
+use door::Door;
+use std::sync::atomic::Ordering;
+use touchstone_device::{Address, Client};
+use touchstone_live::board_page as page;
+use touchstone_sim::error::Result;
+use visitor::Visitor;
+
+/// Serves the page until Ctrl-C.
+pub fn main(address: &Address, opens: bool) -> Result<()> {
+    let stop = noted()?;
+    let mut link = DeviceSide::new(address.clone(), Client::connect(address)?)?;
+    let program = super::live::program_name();
+    let door = Door::open(|socket| {
+        page::render(&page::Content {
+            socket,
+            columns: &rows::COLUMNS,
+            place: &address.to_string(),
+            program: &program,
+        })
+    })?;
+    result(
+        || serde_json::json!({ "page": door.address, "device": address.to_string() }),
+        || {
+            tell!("page    {}", door.address);
+            tell!("device  {address}; Ctrl-C ends it, and disarms the device");
+            Ok(())
+        },
+    )?;
+    if opens && !open(std::ffi::OsStr::new(&door.address)) {
+        note!("note: no browser was found; open {} in one", door.address);
+    }
+    let mut page: Option<Visitor> = None;
+    let mut served = false;
+    while !stop.load(Ordering::Relaxed) {
+        if page.is_none()
+            && let Ok(socket) = door.sockets.try_recv()
+        {
+            served = true;
+            page = Some(Visitor::new(socket, &mut link));
+        }
+        let news = link.turn();
+        let Some(visitor) = &mut page else { continue };
+        if let Err(gone) = visitor.turn(&mut link, news) {
+            page = None;
+            door.taken.store(false, Ordering::SeqCst);
+            match link.off() {
+                Some(what) => note!("note: {gone}: {what}"),
+                None => tell!("{gone}"),
+            }
+        }
+    }
+    // Whoever used the page to arm is not there any more.
+    if served && let Some(what) = link.off() {
+        note!("note: the program ends: {what}");
+    }
+    link.leave();
+    Ok(())
+}

@@ -1,0 +1,190 @@
+//! A page that is open: batches to it, orders from it, and whether it is still there.
+
+use super::device_side::{DeviceSide, News};
+use super::door::Socket;
+use super::told;
+use crate::monitor::SIGN_OF_LIFE;
+use serde_json::{Value, json};
+use std::io::ErrorKind;
+use std::time::{Duration, Instant};
+use touchstone_protocol::DeviceCommand;
+use touchstone_sim::error::{Error, Result};
+use tungstenite::Message;
+
+/// Between two batches.
+const BATCH: Duration = Duration::from_millis(33);
+/// Every batch is acknowledged; a page that has not done so for this long hangs, and nobody can stop the device by it.
+const HANGS: Duration = Duration::from_secs(2);
+/// Batches that may be on their way.
+const UNSEEN: u32 = 30;
+/// Between two looks at what the device counted.
+const LOOK: Duration = Duration::from_secs(2);
+
+/// A page.
+pub struct Visitor {
+    socket: Socket,
+    batch: u32,
+    seen: u32,
+    seen_at: Instant,
+    sent_at: Instant,
+    looked_at: Instant,
+    spoken_at: Instant,
+}
+
+/// Why a page is not there any more.
+pub type Gone = &'static str;
+
+impl Visitor {
+    pub fn new(socket: Socket, link: &mut DeviceSide) -> Self {
+        let now = Instant::now();
+        let mut visitor = Self {
+            socket,
+            batch: 0,
+            seen: 0,
+            seen_at: now,
+            sent_at: now,
+            looked_at: now,
+            spoken_at: now,
+        };
+        link.rows.take(0);
+        // A page that is gone already is noticed by its first turn.
+        let _ = visitor.say(&told::hello(link));
+        let _ = visitor.state(link);
+        visitor
+    }
+
+    /// One turn: what the page asks, what it is told.
+    ///
+    /// # Errors
+    /// The page is gone.
+    pub fn turn(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
+        self.listen(link)?;
+        match news {
+            News::None => {}
+            News::State => self.state(link)?,
+            News::Lost(why) => self.say(&told::connection(Some(&why), None))?,
+            News::Back(done) => {
+                self.say(&told::connection(None, done.as_deref()))?;
+                self.say(&told::hello(link))?;
+                self.state(link)?;
+            }
+        }
+        if self.sent_at.elapsed() >= BATCH {
+            self.sent_at = Instant::now();
+            self.send_rows(link)?;
+        }
+        // The device hears of the desktop as long as the page is there: its host watchdog is behind this program's.
+        if self.spoken_at.elapsed() >= SIGN_OF_LIFE {
+            self.spoken_at = Instant::now();
+            let _ = link.status();
+        }
+        if self.looked_at.elapsed() >= LOOK {
+            self.looked_at = Instant::now();
+            if let Ok((dropped, damaged)) = link.troubles() {
+                self.say(&json!({ "type": "troubles", "dropped": dropped, "damaged": damaged }))?;
+            }
+        }
+        if self.seen != self.batch && self.seen_at.elapsed() > HANGS {
+            return Err("the page does not answer");
+        }
+        Ok(())
+    }
+
+    fn send_rows(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
+        // What the page cannot keep up with waits, and is dropped when it is too much.
+        if self.batch.wrapping_sub(self.seen) >= UNSEEN {
+            return Ok(());
+        }
+        // Its time runs from the first batch that it has not seen.
+        if self.seen == self.batch {
+            self.seen_at = Instant::now();
+        }
+        self.batch = self.batch.wrapping_add(1);
+        let rows = link.rows.take(self.batch);
+        self.send(Message::binary(rows))
+    }
+
+    /// Everything that the page has sent.
+    fn listen(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
+        loop {
+            match self.socket.read() {
+                Ok(Message::Text(text)) => self.order(text.as_str(), link)?,
+                Ok(Message::Close(_)) => return Err("the page was closed"),
+                Ok(_) => {}
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
+                    return Ok(());
+                }
+                Err(tungstenite::Error::Io(_) | tungstenite::Error::ConnectionClosed) => {
+                    return Err("the page is gone");
+                }
+                // It is none of ours.
+                Err(_) => return Err("the page sent what is no message"),
+            }
+        }
+    }
+
+    fn order(&mut self, text: &str, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
+        let order: Value = serde_json::from_str(text).unwrap_or_default();
+        if let Some(seen) = order["seen"].as_u64() {
+            self.seen = seen as u32;
+            self.seen_at = Instant::now();
+            return Ok(());
+        }
+        let done = carry_out(&order, link);
+        let error = done.as_ref().err().map(Error::to_string);
+        self.say(
+            &json!({ "type": "done", "do": order["do"], "path": order["path"], "error": error }),
+        )?;
+        // Settings and what is saved of them are no part of a record.
+        if matches!(order["do"].as_str(), Some("set" | "defaults")) {
+            self.say(&told::hello(link))?;
+        }
+        self.state(link)
+    }
+
+    fn state(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
+        match link.status() {
+            Ok(status) => self.say(&told::state(&status)),
+            // The next turn finds out.
+            Err(_) => Ok(()),
+        }
+    }
+
+    fn say(&mut self, value: &Value) -> std::result::Result<(), Gone> {
+        self.send(Message::text(value.to_string()))
+    }
+
+    fn send(&mut self, message: Message) -> std::result::Result<(), Gone> {
+        match self.socket.send(message) {
+            // What does not fit now goes with the next.
+            Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => Ok(()),
+            Err(_) => Err("the page is gone"),
+            Ok(()) => Ok(()),
+        }
+    }
+}
+
+/// Does what the page asks.
+fn carry_out(order: &Value, link: &mut DeviceSide) -> Result<()> {
+    let command = match order["do"].as_str() {
+        Some("calibrate") => DeviceCommand::Calibrate,
+        Some("arm") => DeviceCommand::Arm,
+        Some("disarm") => DeviceCommand::Disarm,
+        Some("stop") => DeviceCommand::Stop,
+        Some("zero") => DeviceCommand::Zero,
+        Some("save") => return link.save(),
+        Some("defaults") => return link.defaults(),
+        Some("set") => {
+            let text = |name| order[name].as_str().unwrap_or("");
+            return link.set(text("path"), text("value"));
+        }
+        _ => {
+            return Err(Error::device(
+                "page",
+                "asked for what there is not",
+                "load it again",
+            ));
+        }
+    };
+    link.command(command)
+}

@@ -1,0 +1,186 @@
+//! Which haptic device, and how it is opened.
+
+use clap::ValueEnum;
+use std::path::PathBuf;
+use std::sync::Arc;
+use touchstone_device::haptic::{HapticDevice, SimulatedArm};
+use touchstone_device::{Inverse3, Omega3, SERVICE, Survey};
+use touchstone_dhd::{Dhd, Search};
+use touchstone_lab::thesis::space::{Object, ProbingMotion};
+use touchstone_sim::error::{Error, Result};
+
+/// A kind of haptic device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    /// Force Dimension's omega.3, through its maker's library.
+    Omega3,
+    /// Haply's Inverse3, through its maker's service.
+    Inverse3,
+    /// An omega.3 by its published limits, or what a survey says, in a simulated hand.
+    Simulated,
+}
+
+impl Model {
+    /// Its word on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Omega3 => "omega3",
+            Self::Inverse3 => "inverse3",
+            Self::Simulated => "simulated",
+        }
+    }
+}
+
+/// Which device.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct Which {
+    /// The device; without it, the first real one that there is.
+    #[arg(long, value_enum)]
+    device: Option<Model>,
+    /// Force Dimension's library, libdrd or libdhd; without it, it is looked for (docs/devices.md).
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
+    /// Where Haply's service listens.
+    #[arg(long, value_name = "HOST:PORT")]
+    haply: Option<String>,
+    /// Simulates the device of a survey (`touchstone device survey --out FILE`).
+    #[arg(long, value_name = "FILE.toml")]
+    twin: Option<PathBuf>,
+}
+
+/// The place that errors of the library name.
+const LIBRARY: &str = "Force Dimension's library";
+
+/// The library, or what to do to have it.
+pub fn library(file: Option<&std::path::Path>) -> Result<Dhd> {
+    Search::new(file)
+        .load()
+        .map_err(|missing| Error::device(LIBRARY, missing.to_string(), missing.fix()))
+}
+
+/// The library for people.
+pub fn described(library: &Dhd) -> String {
+    let version = library
+        .version()
+        .unwrap_or_else(|| "of unknown version".into());
+    format!("library {version}, {}", library.path().display())
+}
+
+/// What a simulated hand does: nothing, above the centre, or the motion of an object's experiment, over and over.
+type Hand = Option<(Object, u32)>;
+
+impl Which {
+    /// The kind that is to be used, if one was named.
+    pub fn model(&self) -> Option<Model> {
+        // A survey can only be simulated, and only an Inverse3 has a service.
+        let service = self.haply.as_ref().map(|_| Model::Inverse3);
+        let twin = self.twin.as_ref().map(|_| Model::Simulated);
+        self.device.or(twin).or(service)
+    }
+
+    /// Refuses a survey or a service of a device that has none, instead of ignoring it.
+    fn check(&self) -> Result<()> {
+        let lost = |option: &str, only: Model| Error::Option {
+            option: option.into(),
+            problem: format!("is for {} alone", only.word()),
+            fix: format!("leave it out, or give --device {}", only.word()),
+        };
+        match self.model() {
+            Some(Model::Inverse3 | Model::Omega3) if self.twin.is_some() => {
+                Err(lost("--twin", Model::Simulated))
+            }
+            Some(Model::Simulated | Model::Omega3) if self.haply.is_some() => {
+                Err(lost("--haply", Model::Inverse3))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// All kinds: what is there of each.
+    pub fn all(&self) -> Vec<(Model, Result<String>)> {
+        let wanted = |model: &&Model| self.model().is_none_or(|only| only == **model);
+        let models = [Model::Omega3, Model::Inverse3, Model::Simulated];
+        let models = models.iter().filter(wanted);
+        models
+            .map(|model| {
+                let found = match model {
+                    Model::Omega3 => self.omega3().map(|(omega, library)| {
+                        format!("{}; {}", omega.sheet().name, described(&library))
+                    }),
+                    Model::Inverse3 => self.inverse3().map(|inverse| inverse.sheet().name.clone()),
+                    Model::Simulated => self.simulated(None).map(|arm| arm.sheet().name.clone()),
+                };
+                (*model, found)
+            })
+            .collect()
+    }
+
+    /// Opens it, with its motors off.
+    pub fn open(&self, hand: Hand) -> Result<Box<dyn HapticDevice>> {
+        self.check()?;
+        match self.model() {
+            Some(Model::Simulated) => Ok(Box::new(self.simulated(hand)?)),
+            Some(Model::Omega3) => Ok(Box::new(self.omega3()?.0)),
+            Some(Model::Inverse3) => Ok(Box::new(self.inverse3()?)),
+            None => self.first(),
+        }
+    }
+
+    /// The first real one: the omega.3 where its library is, else the Inverse3 where its service is.
+    fn first(&self) -> Result<Box<dyn HapticDevice>> {
+        let missing = match self.omega3() {
+            Ok((omega, _)) => return Ok(Box::new(omega)),
+            Err(missing) => missing,
+        };
+        match (self.inverse3(), missing) {
+            (Ok(inverse), _) => Ok(Box::new(inverse)),
+            (
+                Err(_),
+                Error::Device {
+                    place,
+                    problem,
+                    fix,
+                },
+            ) => Err(Error::Device {
+                place,
+                problem: format!("{problem}; nor is there a service of an Inverse3"),
+                fix: format!("{fix}; without a device: --device simulated"),
+            }),
+            (Err(_), other) => Err(other),
+        }
+    }
+
+    fn inverse3(&self) -> Result<Inverse3> {
+        let service = self.haply.as_deref().unwrap_or(SERVICE);
+        Inverse3::connect(service).map_err(|fault| fault.at("Inverse3"))
+    }
+
+    /// The omega.3, with its motors off.
+    pub fn omega3(&self) -> Result<(Omega3, Arc<Dhd>)> {
+        let library = Arc::new(library(self.library.as_deref())?);
+        let omega = Omega3::open(Arc::clone(&library)).map_err(|fault| fault.at("omega.3"))?;
+        Ok((omega, library))
+    }
+
+    fn simulated(&self, hand: Hand) -> Result<SimulatedArm> {
+        let (twin, name) = match &self.twin {
+            None => (touchstone_device::haptic::Twin::default(), None),
+            Some(file) => {
+                let survey = Survey::read(file)?;
+                (survey.twin()?, Some(format!("simulated {}", survey.device)))
+            }
+        };
+        let (object, rate_hz) = hand.unwrap_or((Object::Horizontal, 1000));
+        let motion = ProbingMotion::of(object);
+        let rest = move |time_s: f64| {
+            let whole_s = f64::from(motion.ticks()) * 1e-3;
+            motion.rest_mm(time_s % whole_s).map(|x| x * 1e-3)
+        };
+        let arm = SimulatedArm::new(twin, rate_hz, Box::new(rest))
+            .map_err(|fault| fault.at("simulated"))?;
+        Ok(match name {
+            Some(name) => arm.named(name),
+            None => arm,
+        })
+    }
+}

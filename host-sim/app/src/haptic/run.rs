@@ -1,0 +1,347 @@
+//! `touchstone device run`: a wall on a haptic device, in real time.
+
+use super::choice::{Model, Which};
+use crate::out::{json, print, say, tell};
+use crate::{interrupt, number};
+use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use touchstone_control::{Choice, GuardSettings, LawKind, Settings, Si};
+use touchstone_device::haptic::{DataSheet, HapticDevice};
+use touchstone_device::servo::{
+    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, SimulatedPace, Tick,
+    play, real_time,
+};
+use touchstone_device::{DeviceWall, WallSettings};
+use touchstone_lab::thesis::space::{self, Object};
+use touchstone_sim::error::{Error, Result};
+use touchstone_world::plant::OMEGA3;
+
+/// What stands in the device's workspace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Scene {
+    /// A floor through the centre.
+    Plane,
+    /// A slope through the centre, in none of the axes.
+    Inclined,
+    /// A ball of 30 mm around the centre.
+    Sphere,
+}
+
+/// Options of `device run`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// The object.
+    #[arg(value_enum)]
+    object: Scene,
+    #[command(flatten)]
+    which: Which,
+    /// The law along the normal.
+    #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
+    law: LawKind,
+    /// One law an axis, instead of one along the normal.
+    #[arg(long)]
+    per_axis: bool,
+    /// Desired stiffness, N/mm.
+    #[arg(long, value_name = "N_PER_MM", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
+    k_desired: f64,
+    /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(100_u32, 10_000, "of Hz"))]
+    rate_hz: Option<u32>,
+    /// Ends after so many seconds; without it, with Ctrl-C.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
+    seconds: Option<f64>,
+    /// Longest force, N; default and most: the device's.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
+    force_limit_n: Option<f64>,
+    /// Leaves the energy guard out.
+    #[arg(long)]
+    no_guard: bool,
+    /// Plays a simulated device as fast as it goes, instead of in real time.
+    #[arg(long)]
+    fast: bool,
+}
+
+/// Of a word that was found among them.
+fn law(word: &str) -> LawKind {
+    let same = |kind: &&LawKind| kind.word() == word;
+    LawKind::ALL.iter().find(same).copied().unwrap_or_default()
+}
+
+impl Scene {
+    fn object(self) -> Object {
+        match self {
+            Self::Plane => Object::Horizontal,
+            Self::Inclined => Object::Inclined,
+            Self::Sphere => Object::Sphere,
+        }
+    }
+}
+
+/// What the guard takes for sure of a device, SI: its damping is the thesis' (§5.2), its delay the sheet's.
+fn guard(sheet: &DataSheet, rate_hz: u32) -> GuardSettings {
+    let si = Si::saturating_from_num::<f64>;
+    // Rounded down, as the guard's own range is.
+    let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
+    GuardSettings {
+        capacity: si(0.04),
+        damping: si(2.5),
+        overspeed: si(1.5),
+        delay: si(sheet.delay_s).min(tick_s),
+        ..GuardSettings::default()
+    }
+}
+
+fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) -> WallSettings {
+    let law = Settings {
+        rate_hz,
+        force_limit: Si::saturating_from_num(force_limit_n),
+        ..space::settings(options.law, options.k_desired)
+    };
+    WallSettings {
+        law,
+        shape: options.object.object().shape(),
+        per_axis: options.per_axis,
+        guard: (!options.no_guard).then(|| guard(sheet, rate_hz)),
+        count_m: sheet.count_m,
+    }
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<ExitCode> {
+    if options.fast && options.which.model() != Some(Model::Simulated) {
+        return Err(Error::Option {
+            option: "--fast".into(),
+            problem: "a real device has its own time".into(),
+            fix: "give --device simulated, or leave it out".into(),
+        });
+    }
+    // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
+    let stop = interrupt::noted()?;
+    let simulated_hz = options.rate_hz.unwrap_or(OMEGA3.rates_hz.1);
+    let hand = Some((options.object.object(), simulated_hz));
+    let mut device = options.which.open(hand)?;
+    let sheet = device.sheet().clone();
+    let rate_hz = options.rate_hz.unwrap_or(sheet.rates_hz.1);
+    let (slowest, fastest) = sheet.rates_hz;
+    if !(slowest..=fastest).contains(&rate_hz) {
+        return Err(Error::Option {
+            option: "--rate-hz".into(),
+            problem: format!(
+                "{} does {slowest} to {fastest} Hz, not {rate_hz}",
+                sheet.name
+            ),
+            fix: "give one of these".into(),
+        });
+    }
+    let force_n = options
+        .force_limit_n
+        .unwrap_or(sheet.force_n)
+        .min(sheet.force_n);
+    let settings = wall(options, &sheet, rate_hz, force_n);
+    let mut wall = DeviceWall::new(&settings).map_err(|why| Error::Option {
+        option: "device run".into(),
+        problem: why.to_string(),
+        fix: "change --law, --k-desired, --rate-hz or --force-limit-n".into(),
+    })?;
+    tell!("device    {}", sheet.name);
+    tell!(
+        "wall      {}, {} {} N/mm at {rate_hz} Hz, up to {force_n} N, {}",
+        options
+            .object
+            .to_possible_value()
+            .map_or(String::new(), |word| word.get_name().to_owned()),
+        options.law.word(),
+        options.k_desired,
+        if options.no_guard {
+            "no guard"
+        } else {
+            "guard of 40 mJ and 0.5 mW"
+        }
+    );
+    let limits = ServoLimits {
+        force_n,
+        ..ServoLimits::of(&sheet)
+    };
+    let priority = (!options.fast).then(real_time);
+    let report = match (options.fast, sheet.sets_the_pace) {
+        (true, _) => played(
+            &mut device,
+            &mut wall,
+            &limits,
+            rate_hz,
+            SimulatedPace,
+            options,
+            &stop,
+        ),
+        (_, true) => {
+            let pace = DevicePace::new(rate_hz);
+            played(
+                &mut device,
+                &mut wall,
+                &limits,
+                rate_hz,
+                pace,
+                options,
+                &stop,
+            )
+        }
+        (_, false) => {
+            let pace = RealTime::new(rate_hz);
+            played(
+                &mut device,
+                &mut wall,
+                &limits,
+                rate_hz,
+                pace,
+                options,
+                &stop,
+            )
+        }
+    };
+    let interrupted = stop.load(Ordering::Relaxed) && options.seconds.is_some();
+    told(&sheet, &settings, &wall, priority.as_ref(), &report)?;
+    if let Ending::Fault(fault) = &report.ending {
+        return Err(fault.at(&sheet.name));
+    }
+    report.release.map_err(|fault| fault.at(&sheet.name))?;
+    Ok(match interrupted {
+        true => ExitCode::from(interrupt::INTERRUPTED as u8),
+        false => ExitCode::SUCCESS,
+    })
+}
+
+fn played(
+    device: &mut Box<dyn HapticDevice>,
+    wall: &mut DeviceWall,
+    limits: &ServoLimits,
+    rate_hz: u32,
+    mut pace: impl Pace,
+    options: &Options,
+    stop: &AtomicBool,
+) -> ServoReport {
+    // By ticks and those that were missed, so that simulated seconds are seconds too.
+    let most = options
+        .seconds
+        .map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
+    let begun = std::time::Instant::now();
+    let real = !options.fast;
+    let more = |tick: &Tick| {
+        let over = match (real, options.seconds, most) {
+            (true, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,
+            (false, _, Some(most)) => tick.number + 1 >= most,
+            _ => false,
+        };
+        !over && !stop.load(Ordering::Relaxed)
+    };
+    play(device, wall, limits, rate_hz, &mut pace, more)
+}
+
+/// What was got of real time, in words.
+fn words(got: &std::result::Result<(), String>) -> String {
+    match got {
+        Ok(()) => "yes".to_owned(),
+        Err(why) => format!("no ({why})"),
+    }
+}
+
+fn told(
+    sheet: &DataSheet,
+    settings: &WallSettings,
+    wall: &DeviceWall,
+    priority: Option<&Priority>,
+    report: &ServoReport,
+) -> Result<()> {
+    let fault = match &report.ending {
+        Ending::Asked => None,
+        Ending::Fault(fault) => Some(fault.to_string()),
+    };
+    let released = report.release.as_ref().err().map(ToString::to_string);
+    if json() {
+        let classes = report
+            .lateness
+            .classes()
+            .map(|class| serde_json::json!({ "up_to_us": class.up_to_us, "ticks": class.ticks }));
+        let value = serde_json::json!({
+            "device": sheet.name,
+            "rate_hz": settings.law.rate_hz,
+            "ticks": report.ticks,
+            "missed_ticks": report.missed_ticks,
+            "lateness": classes.collect::<Vec<_>>(),
+            "lateness_max_us": report.lateness.worst_s() * 1e6,
+            "stale_ticks": report.stale_ticks,
+            "saturated_ticks": report.saturated_ticks,
+            "outside_ticks": report.outside_ticks,
+            "force_max_n": report.force_max_n,
+            "speed_max_m_per_s": report.speed_max_m_per_s,
+            "guard_account_min_j": wall.least_account_j(),
+            "real_time_priority": priority.map(|got| got.first.is_ok()),
+            "memory_locked": priority.map(|got| got.locked.is_ok()),
+            "fault": fault,
+            "release_failed": released,
+        });
+        return print(format_args!("{value:#}\n"));
+    }
+    tell!(
+        "ticks     {}, {} missed, {} with an old position, {} saturated, {} outside the workspace",
+        report.ticks,
+        report.missed_ticks,
+        report.stale_ticks,
+        report.saturated_ticks,
+        report.outside_ticks
+    );
+    tell!(
+        "most      {:.2} N, {:.0} mm/s",
+        report.force_max_n,
+        1e3 * report.speed_max_m_per_s
+    );
+    if let Some(account) = wall.least_account_j() {
+        tell!(
+            "guard     at least {:.2} mJ left of 40; of ticks in time, and if damping and delay are as assumed",
+            1e3 * account
+        );
+    }
+    if let Some(got) = priority {
+        tell!(
+            "real time first among threads: {}; memory locked: {}",
+            words(&got.first),
+            words(&got.locked)
+        );
+        histogram(report)?;
+    }
+    if let Some(fault) = fault {
+        tell!("fault     {fault}");
+    }
+    tell!(
+        "released  {}",
+        released.map_or("yes".to_owned(), |why| format!("not all of it: {why}"))
+    );
+    Ok(())
+}
+
+/// How late ticks began: a line a class, up to the last that has any.
+fn histogram(report: &ServoReport) -> Result<()> {
+    let classes: Vec<_> = report.lateness.classes().collect();
+    let last = classes
+        .iter()
+        .rposition(|class| class.ticks > 0)
+        .unwrap_or(0);
+    tell!("lateness  latest {:.0} µs", report.lateness.worst_s() * 1e6);
+    if crate::out::quiet() {
+        return Ok(());
+    }
+    for class in &classes[..=last] {
+        let share = class.ticks as f64 / report.ticks.max(1) as f64;
+        let end = class
+            .up_to_us
+            .map_or("longer".to_owned(), |us| format!("{us} µs"));
+        let bar = "#".repeat((40.0 * share).round() as usize);
+        say!(
+            "{end:>9}  {:>9}  {:>7.3} %  {bar}",
+            class.ticks,
+            100.0 * share
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! `touchstone device survey`: a device's mechanics, as its library knows them.
+
+use super::choice::{Model, Which};
+use crate::out::{self, tell};
+use crate::{interrupt, number};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+use touchstone_device::haptic::HapticDevice;
+use touchstone_device::{Pose, Survey};
+use touchstone_sim::error::{Error, Result};
+
+/// Options of `device survey`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    which: Which,
+    /// The file to write.
+    #[arg(long, value_name = "FILE.toml")]
+    out: PathBuf,
+    /// For how long; move the effector through its whole workspace meanwhile.
+    #[arg(long, value_name = "N", default_value_t = 20.0, allow_negative_numbers = true, value_parser = number::up_to(3600.0, "of seconds"))]
+    seconds: f64,
+}
+
+/// Between two poses: fast enough for a hand, and few enough for a file that people read.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Surveys. The motors are never switched on.
+pub fn main(options: &Options) -> Result<()> {
+    if let Some(other @ (Model::Simulated | Model::Inverse3)) = options.which.model() {
+        return Err(Error::Option {
+            option: "--device".into(),
+            problem: format!(
+                "of {} nothing is known that could be surveyed",
+                other.word()
+            ),
+            fix: "survey an omega.3".into(),
+        });
+    }
+    let stop = interrupt::noted()?;
+    let (mut omega, _) = options.which.omega3()?;
+    let place = omega.sheet().name.clone();
+    tell!(
+        "{place}: move it through its whole workspace for {} s",
+        options.seconds
+    );
+    let begun = Instant::now();
+    let mut poses = Vec::new();
+    while begun.elapsed().as_secs_f64() < options.seconds && !stop.load(Ordering::Relaxed) {
+        poses.push(Pose::now(&mut omega).map_err(|fault| fault.at(&place))?);
+        std::thread::sleep(PAUSE);
+    }
+    let survey = Survey::of(&mut omega, poses);
+    omega.release().map_err(|fault| fault.at(&place))?;
+    let survey = survey.map_err(|fault| fault.at(&place))?;
+    let wrong = |problem: String| Error::Io {
+        path: options.out.clone(),
+        problem,
+        fix: "give another file with --out".into(),
+    };
+    let text = survey.to_toml().map_err(|error| wrong(error.to_string()))?;
+    std::fs::write(&options.out, text).map_err(|error| wrong(error.to_string()))?;
+    out::result(
+        || {
+            serde_json::json!({
+                "file": options.out.display().to_string(),
+                "poses": survey.pose.len(),
+                "inertia_kg": survey.inertia_kg,
+            })
+        },
+        || {
+            let [x, y, z] = survey.inertia_kg;
+            tell!(
+                "inertia   {x:.3} {y:.3} {z:.3} kg, mean of {} poses",
+                survey.pose.len()
+            );
+            tell!(
+                "file      {}; simulate it: touchstone device run plane --twin {0}",
+                options.out.display()
+            );
+            Ok(())
+        },
+    )
+}

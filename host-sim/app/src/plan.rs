@@ -1,0 +1,49 @@
+//! `touchstone plan`: what a scene's run is made of, what it costs, and what it leaves out.
+
+use super::SceneOptions;
+use super::out::{json, say};
+use super::report_options::program;
+use touchstone_lab::plan::{Asked, plan, table};
+use touchstone_sim::error::{Error, Result};
+
+/// Options of `plan`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Name of a shipped scene or path of a scene's TOML file.
+    scene: String,
+    #[command(flatten)]
+    changes: SceneOptions,
+    /// Share by which an effect may move an output before it is told.
+    #[arg(long, value_name = "SHARE", default_value_t = Asked::default().tolerance)]
+    tolerance: f64,
+    /// Times nothing: what is printed is then the same on every machine.
+    #[arg(long)]
+    no_times: bool,
+    /// Leaves out what the scene leaves out.
+    #[arg(long)]
+    no_omitted: bool,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let tolerance = options.tolerance;
+    if !(tolerance >= 0.0 && tolerance.is_finite()) {
+        return Err(Error::Option {
+            option: "--tolerance".to_owned(),
+            problem: format!("{tolerance} is no share"),
+            fix: "give 0 or more, e.g. 0.05".to_owned(),
+        });
+    }
+    let (scene, _) = options.changes.load(&options.scene)?;
+    let asked = Asked {
+        tolerance,
+        times: !options.no_times,
+        omitted: !options.no_omitted,
+    };
+    let found = plan(&scene, asked, program())?;
+    match json() {
+        true => say!("{:#}", serde_json::json!(found)),
+        false => say!("{}", table::render(&found).trim_end()),
+    }
+    Ok(())
+}

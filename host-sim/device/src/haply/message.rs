@@ -1,0 +1,138 @@
+//! What is said to the service of an Inverse3 and what it says, as JSON.
+
+use crate::haptic::Standing;
+use serde_json::{Value, json};
+
+/// The two generations of messages, which name a force's vector differently.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Generation {
+    /// Up to 3.4: `values`.
+    Values,
+    /// From 3.5 on: `vector`.
+    Vector,
+}
+
+impl Generation {
+    /// Of a version's text: the first number with a point in it.
+    #[must_use]
+    pub fn of(version: &str) -> Option<Self> {
+        let mut words = version.split(|letter: char| !letter.is_ascii_digit() && letter != '.');
+        let numbers = words
+            .find(|word| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit()))?;
+        let mut parts = numbers.split('.').map(str::parse::<u32>);
+        let (major, minor) = (parts.next()?.ok()?, parts.next()?.ok()?);
+        Some(match (major, minor) >= (3, 5) {
+            true => Self::Vector,
+            false => Self::Values,
+        })
+    }
+
+    /// The command of a force, N.
+    #[must_use]
+    pub fn force(self, device: &str, [x, y, z]: [f64; 3]) -> String {
+        let key = match self {
+            Self::Values => "values",
+            Self::Vector => "vector",
+        };
+        json!({ "inverse3": [{
+            "device_id": device,
+            "commands": { "set_cursor_force": { key: { "x": x, "y": y, "z": z } } },
+        }] })
+        .to_string()
+    }
+}
+
+/// A device's state, of a message.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CursorState {
+    /// Its name.
+    pub device: String,
+    /// Where it is in its own frame, m.
+    pub position_m: [f64; 3],
+    /// How it stands.
+    pub standing: Standing,
+}
+
+impl CursorState {
+    /// Of a device by its name, or of the first there is.
+    ///
+    /// # Errors
+    /// What is wrong with the message.
+    pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
+        let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
+        let all = message["inverse3"]
+            .as_array()
+            .map_or(&[][..], Vec::as_slice);
+        let named = |entry: &&Value| device.is_none_or(|name| entry["device_id"] == name);
+        let entry = all.iter().find(named).ok_or("no Inverse3 in the message")?;
+        let name = entry["device_id"]
+            .as_str()
+            .ok_or("a device without device_id")?;
+        let place = &entry["state"]["cursor_position"];
+        let axis = |name: &str| {
+            place[name]
+                .as_f64()
+                .ok_or(format!("no cursor_position.{name}"))
+        };
+        // What a generation does not say is not held against it.
+        let says_no = |name: &str| entry["status"][name] == false;
+        Ok(Self {
+            device: name.to_owned(),
+            position_m: [axis("x")?, axis("y")?, axis("z")?],
+            standing: Standing {
+                powered: !says_no("power_supply"),
+                calibrated: !says_no("calibrated"),
+                motors_on: !says_no("ready"),
+                switched_off: None,
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn generations_follow_the_version() {
+        for (text, generation) in [
+            ("3.1.4", Some(Generation::Values)),
+            (r#"{"version":"3.5.0","x":1}"#, Some(Generation::Vector)),
+            ("v3.10", Some(Generation::Vector)),
+            ("4.0", Some(Generation::Vector)),
+            ("no number", None),
+        ] {
+            assert_eq!(Generation::of(text), generation, "{text}");
+        }
+        let old = Generation::Values.force("049D", [0.0, 1.0, 0.5]);
+        let new = Generation::Vector.force("049D", [0.0, 1.0, 0.5]);
+        assert!(
+            old.contains(r#""values":{"x":0.0,"y":1.0,"z":0.5}"#),
+            "{old}"
+        );
+        assert!(
+            new.contains(r#""vector":{"x":0.0,"y":1.0,"z":0.5}"#),
+            "{new}"
+        );
+    }
+
+    #[test]
+    fn states_are_read_and_what_is_wrong_is_said() {
+        let good = r#"{"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":1,"y":2,"z":3}},"status":{"calibrated":false}}]}"#;
+        let state = CursorState::of(good, Some("A")).unwrap();
+        assert_eq!(state.position_m, [1.0, 2.0, 3.0]);
+        assert!(state.standing.powered && !state.standing.calibrated);
+        for (text, part) in [
+            (good, "no Inverse3"),
+            ("{}", "no Inverse3"),
+            (
+                r#"{"inverse3":[{"device_id":"B","state":{"cursor_position":{"x":null,"y":2,"z":3}}}]}"#,
+                "cursor_position.x",
+            ),
+            ("{", "EOF"),
+        ] {
+            let said = CursorState::of(text, Some("B")).expect_err(text);
+            assert!(said.contains(part), "{said}");
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! Haply's Inverse3, through the maker's service on this machine: a WebSocket, a state in, a force out.
+//!
+//! The service wants a command for every state, so its pace is the loop's. Its origin is moved to where the handle is at the
+//! beginning, as its own lies at the base. Nothing of its limits was to be had: force and workspace are chosen.
+
+mod message;
+
+pub use message::Generation;
+
+use crate::haptic::{
+    Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing, Workspace, length,
+};
+use message::CursorState;
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
+use tungstenite::{Message, WebSocket, client::client};
+
+/// Where the service listens unless it is told otherwise.
+pub const SERVICE: &str = "localhost:10001";
+/// How long a connection may take, and a state may be missing.
+const PATIENCE: Duration = Duration::from_millis(300);
+/// States by which the pace is measured.
+const MEASURED: u32 = 100;
+/// Longest force, N; radius and half height of the workspace, m; step of a position, m: chosen, not its maker's.
+const FORCE_N: f64 = 3.0;
+const REACH_M: f64 = 0.1;
+const COUNT_M: f64 = 5e-5;
+
+/// An Inverse3 that this program commands.
+#[derive(Debug)]
+pub struct Inverse3 {
+    socket: WebSocket<TcpStream>,
+    generation: Generation,
+    device: String,
+    sheet: DataSheet,
+    origin_m: [f64; 3],
+    standing: Standing,
+    engaged: bool,
+    open: bool,
+}
+
+fn lost(call: &'static str) -> impl Fn(String) -> HapticFault {
+    move |said| HapticFault::Lost(call, said)
+}
+
+fn absent(service: &str, why: &std::io::Error) -> HapticFault {
+    HapticFault::Unusable(
+        format!("no service at {service}: {why}"),
+        "start Haply's service, or give its place by --haply HOST:PORT".into(),
+    )
+}
+
+/// A connection that does not wait without end.
+fn connected(service: &str) -> Result<TcpStream, HapticFault> {
+    let wrong = |why: std::io::Error| absent(service, &why);
+    let mut last = std::io::Error::from(ErrorKind::NotFound);
+    for address in service.to_socket_addrs().map_err(wrong)? {
+        match TcpStream::connect_timeout(&address, PATIENCE) {
+            Ok(stream) => {
+                stream.set_nodelay(true).map_err(wrong)?;
+                stream.set_read_timeout(Some(PATIENCE)).map_err(wrong)?;
+                stream.set_write_timeout(Some(PATIENCE)).map_err(wrong)?;
+                return Ok(stream);
+            }
+            Err(why) => last = why,
+        }
+    }
+    Err(wrong(last))
+}
+
+/// What `GET /version` says.
+fn version(service: &str) -> Result<String, HapticFault> {
+    let mut stream = connected(service)?;
+    let wrong = |why: std::io::Error| absent(service, &why);
+    write!(
+        stream,
+        "GET /version HTTP/1.1\r\nHost: {service}\r\nConnection: close\r\n\r\n"
+    )
+    .map_err(wrong)?;
+    let mut answer = Vec::new();
+    // A service that keeps the connection ends it by the time-out: what came until then is the answer.
+    let _ = stream.take(65_536).read_to_end(&mut answer);
+    let answer = String::from_utf8_lossy(&answer).into_owned();
+    let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+    Ok(body.trim().to_owned())
+}
+
+impl Inverse3 {
+    /// Connects to the service's first Inverse3, and measures its pace at no force.
+    ///
+    /// # Errors
+    /// No service, no device, or one that is not calibrated.
+    pub fn connect(service: &str) -> Result<Self, HapticFault> {
+        let version = version(service)?;
+        let Some(generation) = Generation::of(&version) else {
+            return Err(HapticFault::Unusable(
+                format!("the service at {service} says no version: {version:?}"),
+                "install a service of version 3, or report it".into(),
+            ));
+        };
+        let stream = connected(service)?;
+        let (socket, _) = client(format!("ws://{service}/"), stream)
+            .map_err(|why| lost("opening the WebSocket")(why.to_string()))?;
+        let mut inverse = Self {
+            socket,
+            generation,
+            device: String::new(),
+            sheet: DataSheet {
+                name: String::new(),
+                degrees: 3,
+                force_n: FORCE_N,
+                workspace: Workspace {
+                    radius_m: REACH_M,
+                    half_height_m: REACH_M,
+                },
+                count_m: COUNT_M,
+                rates_hz: (1000, 1000),
+                delay_s: 1e-3,
+                sets_the_pace: true,
+            },
+            origin_m: [0.0; 3],
+            standing: Standing {
+                powered: true,
+                calibrated: true,
+                motors_on: true,
+                switched_off: None,
+            },
+            engaged: false,
+            open: true,
+        };
+        inverse.meet(&version)?;
+        Ok(inverse)
+    }
+
+    /// The first states: who it is, how it stands, and how fast it goes.
+    fn meet(&mut self, version: &str) -> Result<(), HapticFault> {
+        let first = self.state()?;
+        if !first.standing.calibrated {
+            return Err(HapticFault::Unusable(
+                format!("Inverse3 {} is not calibrated", first.device),
+                "calibrate it by its maker's instructions".into(),
+            ));
+        }
+        self.device = first.device;
+        self.origin_m = first.position_m;
+        let begun = Instant::now();
+        for _ in 0..MEASURED {
+            self.say([0.0; 3])?;
+            self.state()?;
+        }
+        let rate = f64::from(MEASURED) / begun.elapsed().as_secs_f64();
+        let rate_hz = rate.round().clamp(100.0, 10_000.0) as u32;
+        self.sheet.rates_hz = (rate_hz, rate_hz);
+        self.sheet.delay_s = 1.0 / rate;
+        let version = version.trim_matches(['"', '{', '}']);
+        self.sheet.name = format!("Inverse3 {} (service {version})", self.device);
+        Ok(())
+    }
+
+    /// The next state. A time-out of the socket is the end, so this never waits for long.
+    fn state(&mut self) -> Result<CursorState, HapticFault> {
+        let wrong = lost("reading its state");
+        let known = (!self.device.is_empty()).then(|| self.device.clone());
+        loop {
+            match self.socket.read() {
+                Ok(Message::Text(text)) => {
+                    let state = CursorState::of(&text, known.as_deref()).map_err(&wrong)?;
+                    self.standing = state.standing;
+                    return Ok(state);
+                }
+                Ok(Message::Close(_)) => return Err(wrong("the service closed it".into())),
+                // Pings are answered by the socket itself.
+                Ok(_) => {}
+                Err(why) => return Err(wrong(why.to_string())),
+            }
+        }
+    }
+
+    fn say(&mut self, force_n: [f64; 3]) -> Result<(), HapticFault> {
+        let text = self.generation.force(&self.device, force_n);
+        self.socket
+            .send(Message::text(text))
+            .map_err(|why| lost("commanding the force")(why.to_string()))
+    }
+
+    /// Forgets states that came while nobody asked: they are of the past.
+    fn catch_up(&mut self) -> Result<(), HapticFault> {
+        let short = |socket: &WebSocket<TcpStream>, time| {
+            let set = socket.get_ref().set_read_timeout(Some(time));
+            set.map_err(|why| lost("reading its state")(why.to_string()))
+        };
+        short(&self.socket, Duration::from_millis(1))?;
+        let until = Instant::now() + PATIENCE;
+        let ended = loop {
+            match self.socket.read() {
+                Err(tungstenite::Error::Io(why))
+                    if matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+                {
+                    break Ok(());
+                }
+                Err(why) => break Err(lost("reading its state")(why.to_string())),
+                // A service that does not wait for commands always has another one.
+                Ok(_) if Instant::now() > until => break Ok(()),
+                Ok(_) => {}
+            }
+        };
+        short(&self.socket, PATIENCE)?;
+        ended?;
+        self.say([0.0; 3])
+    }
+}
+
+impl HapticDevice for Inverse3 {
+    fn sheet(&self) -> &DataSheet {
+        &self.sheet
+    }
+
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        self.catch_up()?;
+        self.engaged = true;
+        Ok(())
+    }
+
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        if !self.engaged {
+            self.catch_up()?;
+        }
+        let at = self.state()?.position_m;
+        Ok(Sensed {
+            position_m: std::array::from_fn(|axis| at[axis] - self.origin_m[axis]),
+            fresh: true,
+        })
+    }
+
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        self.say(if self.engaged { force_n } else { [0.0; 3] })?;
+        // What it makes of a force that is too long is not known: the loop keeps below what was chosen.
+        Ok(match length(force_n) > FORCE_N * (1.0 + 1e-9) {
+            true => Applied::Saturated(None),
+            false => Applied::Whole,
+        })
+    }
+
+    /// As in its last state; the service sends no other.
+    fn standing(&mut self) -> Result<Standing, HapticFault> {
+        Ok(self.standing)
+    }
+
+    fn release(&mut self) -> Result<(), HapticFault> {
+        if !std::mem::take(&mut self.open) {
+            return Ok(());
+        }
+        self.engaged = false;
+        let said = self.say([0.0; 3]);
+        let closed = self.socket.close(None).and_then(|()| self.socket.flush());
+        said?;
+        match closed {
+            Ok(()) | Err(tungstenite::Error::ConnectionClosed) => Ok(()),
+            Err(why) => Err(lost("closing the WebSocket")(why.to_string())),
+        }
+    }
+}
+
+impl Drop for Inverse3 {
+    fn drop(&mut self) {
+        // Whoever wants to know what failed has released it before.
+        let _ = self.release();
+    }
+}

@@ -1,0 +1,115 @@
+//! What can be wrong with a haptic device, and what to do about it.
+
+use std::fmt;
+use touchstone_sim::error::Error;
+
+/// Why a device switched its own motors off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SwitchOff {
+    /// Its button.
+    Button,
+    /// It was moved faster than its own limit.
+    Velocity,
+    /// No command came in time.
+    Watchdog,
+    /// A program.
+    Software,
+    /// The USB was lost.
+    Usb,
+    /// Nobody held its handle.
+    DeadMan,
+    /// Something that this program does not know, by the device's number.
+    Other(i32),
+}
+
+impl fmt::Display for SwitchOff {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Button => "its button",
+            Self::Velocity => "its velocity limit",
+            Self::Watchdog => "its watchdog",
+            Self::Software => "a program",
+            Self::Usb => "a lost USB",
+            Self::DeadMan => "its dead man's switch",
+            Self::Other(number) => return write!(f, "cause {number}"),
+        })
+    }
+}
+
+/// A reason for which no force may act any more.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HapticFault {
+    /// It does not answer: which call, and what was said.
+    Lost(&'static str, String),
+    /// Another program has it.
+    HeldElsewhere,
+    /// It is there, and cannot be used: why, and how to mend it.
+    Unusable(String, String),
+    /// It switched its motors off by itself.
+    SwitchedOff(SwitchOff),
+    /// No new position for so long, s.
+    Stale(f64),
+    /// A number that is none: of a position or of a force.
+    NotFinite(&'static str),
+    /// The motors gave less than was asked for so long, s.
+    Saturated(f64),
+    /// A tick came so late, s.
+    Late(f64),
+    /// A jump of the position that no hand makes: speed, m/s.
+    Jumped(f64),
+    /// Faster than the guard answers for.
+    Overspeed,
+    /// So far outside its workspace, m.
+    Outside(f64),
+}
+
+impl fmt::Display for HapticFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lost(call, said) => write!(f, "{call} failed: {said}"),
+            Self::HeldElsewhere => write!(f, "another program holds it"),
+            Self::Unusable(why, _) => f.write_str(why),
+            Self::SwitchedOff(cause) => write!(f, "it switched its motors off: {cause}"),
+            Self::Stale(seconds) => write!(f, "no new position for {:.1} ms", seconds * 1e3),
+            Self::NotFinite(what) => write!(f, "a {what} that is no number"),
+            Self::Saturated(seconds) => {
+                write!(f, "its motors gave less than asked for {seconds:.2} s")
+            }
+            Self::Late(seconds) => write!(f, "a tick came {:.1} ms late", seconds * 1e3),
+            Self::Jumped(speed) => write!(f, "its position jumped, {speed:.1} m/s"),
+            Self::Overspeed => write!(f, "faster than the guard answers for"),
+            Self::Outside(far) => write!(f, "{:.0} mm outside its workspace", far * 1e3),
+        }
+    }
+}
+
+impl HapticFault {
+    /// How to mend it.
+    #[must_use]
+    pub fn fix(&self) -> &str {
+        match self {
+            Self::Lost(..) => "check its supply and its USB cable, then start again",
+            Self::HeldElsewhere => "end the other program",
+            Self::Unusable(_, fix) => fix,
+            Self::SwitchedOff(_) => {
+                "press its force button where it has one, see docs/devices.md#faults"
+            }
+            Self::Stale(_) | Self::Jumped(_) => {
+                "check the cable and the device's calibration, then start again"
+            }
+            Self::NotFinite(_) => "report it: docs/devices.md#faults",
+            Self::Saturated(_) => "lower --force-limit-n",
+            Self::Late(_) => {
+                "lower --rate-hz, end what loads the machine, or permit real-time priority: docs/devices.md#real-time"
+            }
+            Self::Overspeed => "move it slower",
+            Self::Outside(_) => "bring it back to its centre, then start again",
+        }
+    }
+
+    /// The same as the program's error.
+    #[must_use]
+    pub fn at(&self, place: &str) -> Error {
+        Error::device(place, self.to_string(), self.fix())
+    }
+}

@@ -1,0 +1,190 @@
+//! Faults around any device: at a call of one's choice, and seen from outside as the device's own.
+
+use super::{Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing};
+use std::time::Duration;
+
+/// A call of a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Call {
+    /// [`HapticDevice::engage`].
+    Engage,
+    /// [`HapticDevice::sense`].
+    Sense,
+    /// [`HapticDevice::command`].
+    Command,
+    /// [`HapticDevice::standing`].
+    Standing,
+    /// [`HapticDevice::release`].
+    Release,
+}
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// The device is gone: this call and every later one fail, and no force acts.
+    Unplugged,
+    /// This call fails, and only it; what was commanded stays.
+    Fails,
+    /// Another program has it.
+    Held,
+    /// From here on positions are the last one again.
+    Stale,
+    /// From here on the motors give half.
+    Saturated,
+    /// The call takes so long.
+    Slow(Duration),
+    /// From here on a coordinate is 20 mm off.
+    Jumps,
+    /// A coordinate is no number.
+    NotANumber,
+    /// Its own safety switches it off.
+    SwitchedOff(super::SwitchOff),
+}
+
+/// A fault at the `at`-th call, from 0, of a kind of call.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Injection {
+    /// At which call.
+    pub call: Call,
+    /// Which of these calls.
+    pub at: u64,
+    /// What happens.
+    pub kind: Kind,
+}
+
+/// A device at which something goes wrong.
+#[derive(Debug)]
+pub struct Injected<D> {
+    inner: D,
+    injection: Option<Injection>,
+    calls: [u64; 5],
+    gone: bool,
+    halved: bool,
+    last: Option<Sensed>,
+    repeats: bool,
+    shift_m: f64,
+    off: Option<super::SwitchOff>,
+}
+
+impl<D: HapticDevice> Injected<D> {
+    /// Around a device; without an injection it is that device, to the bit.
+    pub fn new(inner: D, injection: Option<Injection>) -> Self {
+        Self {
+            inner,
+            injection,
+            calls: [0; 5],
+            gone: false,
+            halved: false,
+            last: None,
+            repeats: false,
+            shift_m: 0.0,
+            off: None,
+        }
+    }
+
+    /// The device inside.
+    pub fn inner(&mut self) -> &mut D {
+        &mut self.inner
+    }
+
+    /// What goes wrong at this call, and the fault that it returns by itself.
+    fn hit(&mut self, call: Call) -> Result<Option<Kind>, HapticFault> {
+        let count = &mut self.calls[call as usize];
+        let number = *count;
+        *count += 1;
+        let kind = self
+            .injection
+            .filter(|what| what.call == call && what.at == number)
+            .map(|what| what.kind);
+        match kind {
+            Some(Kind::Unplugged) => {
+                self.gone = true;
+                // Its supply went with it.
+                let _ = self.inner.command([0.0; 3]);
+            }
+            Some(Kind::Fails) => return Err(HapticFault::Lost(name(call), "injected".into())),
+            Some(Kind::Held) => return Err(HapticFault::HeldElsewhere),
+            Some(Kind::Stale) => self.repeats = true,
+            Some(Kind::Saturated) => self.halved = true,
+            Some(Kind::Jumps) => self.shift_m = 0.02,
+            Some(Kind::Slow(time)) => std::thread::sleep(time),
+            Some(Kind::SwitchedOff(cause)) => {
+                self.off = Some(cause);
+                let _ = self.inner.command([0.0; 3]);
+            }
+            Some(Kind::NotANumber) | None => {}
+        }
+        if self.gone {
+            return Err(HapticFault::Lost(name(call), "unplugged".into()));
+        }
+        Ok(kind)
+    }
+}
+
+fn name(call: Call) -> &'static str {
+    match call {
+        Call::Engage => "switching on",
+        Call::Sense => "reading the position",
+        Call::Command => "commanding the force",
+        Call::Standing => "reading the state",
+        Call::Release => "switching off",
+    }
+}
+
+impl<D: HapticDevice> HapticDevice for Injected<D> {
+    fn sheet(&self) -> &DataSheet {
+        self.inner.sheet()
+    }
+
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        self.hit(Call::Engage)?;
+        self.inner.engage()
+    }
+
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        let kind = self.hit(Call::Sense)?;
+        if let (true, Some(last)) = (self.repeats, self.last) {
+            return Ok(Sensed {
+                fresh: false,
+                ..last
+            });
+        }
+        let mut sensed = self.inner.sense()?;
+        sensed.position_m[0] += self.shift_m;
+        self.last = Some(sensed);
+        if kind == Some(Kind::NotANumber) {
+            sensed.position_m[1] = f64::NAN;
+        }
+        Ok(sensed)
+    }
+
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        self.hit(Call::Command)?;
+        if self.off.is_some() {
+            return self.inner.command([0.0; 3]);
+        }
+        if self.halved {
+            let half = force_n.map(|f| 0.5 * f);
+            self.inner.command(half)?;
+            return Ok(Applied::Saturated(Some(half)));
+        }
+        self.inner.command(force_n)
+    }
+
+    fn standing(&mut self) -> Result<Standing, HapticFault> {
+        self.hit(Call::Standing)?;
+        let standing = self.inner.standing()?;
+        Ok(Standing {
+            motors_on: standing.motors_on && self.off.is_none(),
+            switched_off: self.off.or(standing.switched_off),
+            ..standing
+        })
+    }
+
+    fn release(&mut self) -> Result<(), HapticFault> {
+        let hit = self.hit(Call::Release);
+        let released = self.inner.release();
+        hit.map(|_| ())?;
+        released
+    }
+}

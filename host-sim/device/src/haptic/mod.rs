@@ -1,0 +1,169 @@
+//! A haptic device: position in, force out, state, faults.
+//!
+//! One small trait for everything that a wall can be displayed on. Positions and forces have three axes in the device's own
+//! frame; a device of one degree of freedom uses the first and leaves the others at 0, and one axis of three is a device of
+//! one as well, [`OneAxis`]. What a device may do wrong is a [`HapticFault`], and can be made to happen around any of them:
+//! [`Injected`].
+
+mod fault;
+mod injected;
+mod one_axis;
+mod simulated;
+
+pub use fault::{HapticFault, SwitchOff};
+pub use injected::{Call, Injected, Injection, Kind};
+pub use one_axis::OneAxis;
+pub use simulated::{SimulatedArm, Twin};
+
+/// What is known of a device before it moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DataSheet {
+    /// For people: model, serial number, version.
+    pub name: String,
+    /// Degrees of freedom in which a force acts: 1 or 3.
+    pub degrees: usize,
+    /// The longest force that it gives, N.
+    pub force_n: f64,
+    /// Where it may be held, m from the origin of its frame.
+    pub workspace: Workspace,
+    /// Step of a measured position, m.
+    pub count_m: f64,
+    /// Slowest and fastest control rate, Hz.
+    pub rates_hz: (u32, u32),
+    /// From a position until its force acts, s; assumed, where nobody measured it.
+    pub delay_s: f64,
+    /// Whether [`HapticDevice::sense`] waits for the device: its pace is then the loop's.
+    pub sets_the_pace: bool,
+}
+
+/// An upright cylinder around the origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Workspace {
+    /// Its radius, m.
+    pub radius_m: f64,
+    /// Half of its height, m.
+    pub half_height_m: f64,
+}
+
+impl Workspace {
+    /// How far a place is outside, m; 0 inside.
+    #[must_use]
+    pub fn outside_m(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let across = (x.hypot(y) - self.radius_m).max(0.0);
+        let along = (z.abs() - self.half_height_m).max(0.0);
+        across.hypot(along)
+    }
+}
+
+/// A position that was read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensed {
+    /// Place of the end effector, m.
+    pub position_m: [f64; 3],
+    /// Whether it was measured for this call; otherwise it is the last one again.
+    pub fresh: bool,
+}
+
+/// What became of a force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Applied {
+    /// All of it acts.
+    Whole,
+    /// The motors give less, in the same direction: what acts, N, where the device says it.
+    Saturated(Option<[f64; 3]>),
+}
+
+/// Where a device stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Standing {
+    /// It has its supply.
+    pub powered: bool,
+    /// It knows where it is.
+    pub calibrated: bool,
+    /// Its motors act.
+    pub motors_on: bool,
+    /// Why they do not, where the device itself switched them off.
+    pub switched_off: Option<SwitchOff>,
+}
+
+/// A device with a force.
+///
+/// Every call returns: none waits without end. After a fault only [`HapticDevice::release`] may follow.
+pub trait HapticDevice {
+    /// What is known of it.
+    fn sheet(&self) -> &DataSheet;
+
+    /// Motors on, at no force.
+    ///
+    /// # Errors
+    /// It cannot be used, or not now.
+    fn engage(&mut self) -> Result<(), HapticFault>;
+
+    /// The position now; a device that sets the pace waits for its next one.
+    ///
+    /// # Errors
+    /// None could be had.
+    fn sense(&mut self) -> Result<Sensed, HapticFault>;
+
+    /// The force on the hand from now on, N.
+    ///
+    /// # Errors
+    /// It does not act.
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault>;
+
+    /// Where it stands; asks the device.
+    ///
+    /// # Errors
+    /// It does not answer.
+    fn standing(&mut self) -> Result<Standing, HapticFault>;
+
+    /// No force, motors off, and the device free for others. Tries everything a bounded number of times whatever fails, and does nothing
+    /// the second time.
+    ///
+    /// # Errors
+    /// Something of it failed until the end; the rest was done.
+    fn release(&mut self) -> Result<(), HapticFault>;
+}
+
+impl<D: HapticDevice + ?Sized> HapticDevice for Box<D> {
+    fn sheet(&self) -> &DataSheet {
+        (**self).sheet()
+    }
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        (**self).engage()
+    }
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        (**self).sense()
+    }
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        (**self).command(force_n)
+    }
+    fn standing(&mut self) -> Result<Standing, HapticFault> {
+        (**self).standing()
+    }
+    fn release(&mut self) -> Result<(), HapticFault> {
+        (**self).release()
+    }
+}
+
+/// Length of a vector.
+#[must_use]
+pub fn length([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_workspace_says_how_far_outside() {
+        let space = Workspace {
+            radius_m: 0.08,
+            half_height_m: 0.055,
+        };
+        assert_eq!(space.outside_m([0.048, 0.064, -0.055]), 0.0);
+        // 3 mm across and 4 mm along are 5 mm.
+        assert!((space.outside_m([0.083, 0.0, -0.059]) - 0.005).abs() < 1e-12);
+    }
+}

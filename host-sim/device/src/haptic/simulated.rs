@@ -1,0 +1,152 @@
+//! A simulated device: the Cartesian plant, in a hand whose rest point moves.
+
+use super::{Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing, Workspace, length};
+use touchstone_world::plant::{
+    Cartesian, Device, FIRM_TRANSLATION, Hand, HeldLinear, Invalid, Limits, OMEGA3, OMEGA3_AXIS,
+    State,
+};
+
+/// What of a device is simulated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Twin {
+    /// Limits.
+    pub limits: Limits,
+    /// Each axis, in kg and N·s/m.
+    pub axes: [Device; 3],
+    /// The hand at it.
+    pub hand: Hand,
+}
+
+impl Default for Twin {
+    /// The omega.3 by its published limits, in a firm hand.
+    fn default() -> Self {
+        Self {
+            limits: OMEGA3,
+            axes: [OMEGA3_AXIS; 3],
+            hand: FIRM_TRANSLATION,
+        }
+    }
+}
+
+impl Twin {
+    /// Its plant over an interval.
+    ///
+    /// # Errors
+    /// [`Invalid`] for what no device or hand can have.
+    pub fn plant(&self, interval_s: f64) -> Result<Cartesian<HeldLinear>, Invalid> {
+        let [x, y, z] = self.axes;
+        let axis = |device| HeldLinear::new(&device, &self.hand, interval_s);
+        Cartesian::new([axis(x)?, axis(y)?, axis(z)?])
+    }
+}
+
+/// Where the hand means to be after so many seconds, m.
+pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
+
+/// A device that is simulated one control interval further at every command, under the force commanded.
+pub struct SimulatedArm {
+    sheet: DataSheet,
+    twin: Twin,
+    plant: Cartesian<HeldLinear>,
+    state: [State<4>; 3],
+    rest: Rest,
+    interval_s: f64,
+    time_s: f64,
+    engaged: bool,
+}
+
+impl SimulatedArm {
+    /// At rest where the hand means to be.
+    ///
+    /// # Errors
+    /// [`HapticFault::Unusable`] for what no device or hand can have.
+    pub fn new(twin: Twin, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
+        let interval_s = 1.0 / f64::from(rate_hz);
+        let plant = twin.plant(interval_s).map_err(|why| {
+            HapticFault::Unusable(
+                format!("no plant: {why}"),
+                "correct inertia and damping".into(),
+            )
+        })?;
+        let limits = twin.limits;
+        Ok(Self {
+            sheet: DataSheet {
+                name: "simulated omega.3".into(),
+                degrees: 3,
+                force_n: limits.force_n,
+                workspace: Workspace {
+                    radius_m: limits.radius_m,
+                    half_height_m: limits.half_height_m,
+                },
+                count_m: limits.count_m,
+                rates_hz: limits.rates_hz,
+                delay_s: 0.0,
+                sets_the_pace: false,
+            },
+            state: Cartesian::<HeldLinear>::at_rest(rest(0.0)),
+            twin,
+            plant,
+            rest,
+            interval_s,
+            time_s: 0.0,
+            engaged: false,
+        })
+    }
+
+    /// The name that it shows.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.sheet.name = name.into();
+        self
+    }
+}
+
+impl HapticDevice for SimulatedArm {
+    fn sheet(&self) -> &DataSheet {
+        &self.sheet
+    }
+
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        self.engaged = true;
+        Ok(())
+    }
+
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        let counts = self
+            .twin
+            .limits
+            .counts(Cartesian::<HeldLinear>::position(&self.state));
+        Ok(Sensed {
+            position_m: counts.map(|n| f64::from(n) * self.twin.limits.count_m),
+            fresh: true,
+        })
+    }
+
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        let acts = match self.engaged {
+            true => self.twin.limits.limited(force_n),
+            false => [0.0; 3],
+        };
+        self.plant
+            .step(&mut self.state, acts, (self.rest)(self.time_s));
+        self.time_s += self.interval_s;
+        Ok(match length(force_n) > self.twin.limits.force_n {
+            true => Applied::Saturated(Some(acts)),
+            false => Applied::Whole,
+        })
+    }
+
+    fn standing(&mut self) -> Result<Standing, HapticFault> {
+        Ok(Standing {
+            powered: true,
+            calibrated: true,
+            motors_on: self.engaged,
+            switched_off: None,
+        })
+    }
+
+    fn release(&mut self) -> Result<(), HapticFault> {
+        self.engaged = false;
+        Ok(())
+    }
+}

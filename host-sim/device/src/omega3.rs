@@ -1,0 +1,217 @@
+//! Force Dimension's omega.3, through the maker's library.
+//!
+//! The device's own safety stays as it is: its velocity limit, watchdog, time guard and gravity compensation are not touched, and
+//! no call of the library moves the arm by itself. Nothing here waits without end: a release is tried a few times and then said to have
+//! failed, and what is left is the device's watchdog.
+
+use crate::haptic::{
+    Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing, SwitchOff, Workspace,
+};
+use std::sync::Arc;
+use std::time::Duration;
+use touchstone_dhd::{Dhd, DhdError, OMEGA3_TYPES, Outcome, Status};
+use touchstone_world::plant::OMEGA3;
+
+/// An omega.3 that this program holds.
+#[derive(Debug)]
+pub struct Omega3 {
+    library: Arc<Dhd>,
+    id: Option<i8>,
+    sheet: DataSheet,
+}
+
+/// From a read over the USB to the force of a write: chosen, a microframe of the USB for either; nobody measured it here.
+const DELAY_S: f64 = 250e-6;
+/// How often each part of a release is tried. More would take longer than two ticks of the device.
+const RELEASE_TRIES: usize = 2;
+/// How often it is asked whether its motors are on, and how long it has in between.
+const ENGAGE_ASKS: usize = 50;
+const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
+
+impl From<DhdError> for HapticFault {
+    fn from(error: DhdError) -> Self {
+        match error.number {
+            DhdError::IN_USE => Self::HeldElsewhere,
+            _ => Self::Lost(error.call, error.to_string()),
+        }
+    }
+}
+
+fn unusable(why: impl Into<String>, fix: impl Into<String>) -> HapticFault {
+    HapticFault::Unusable(why.into(), fix.into())
+}
+
+impl Omega3 {
+    /// Takes the first one that no other program holds. Its motors stay off.
+    ///
+    /// # Errors
+    /// There is none, it is held, of another kind, without supply or not calibrated.
+    pub fn open(library: Arc<Dhd>) -> Result<Self, HapticFault> {
+        match library.count()? {
+            (0, _) => {
+                return Err(unusable(
+                    "no device at the USB",
+                    "connect it, switch its supply on, and permit its use: docs/devices.md#permission",
+                ));
+            }
+            (_, 0) => return Err(HapticFault::HeldElsewhere),
+            _ => {}
+        }
+        let id = library.open(0)?;
+        // From here on whatever is wrong closes it again, by `Drop`.
+        let mut omega = Self {
+            library,
+            id: Some(id),
+            sheet: DataSheet {
+                name: String::new(),
+                degrees: 3,
+                force_n: OMEGA3.force_n,
+                workspace: Workspace {
+                    radius_m: OMEGA3.radius_m,
+                    half_height_m: OMEGA3.half_height_m,
+                },
+                count_m: OMEGA3.count_m,
+                rates_hz: OMEGA3.rates_hz,
+                delay_s: DELAY_S,
+                sets_the_pace: false,
+            },
+        };
+        omega.examine(id)?;
+        Ok(omega)
+    }
+
+    fn examine(&mut self, id: i8) -> Result<(), HapticFault> {
+        let model = self.library.model(id)?;
+        if !OMEGA3_TYPES.contains(&model.number) {
+            return Err(unusable(
+                format!("{model} (type {}) is no omega.3", model.number),
+                "nothing is known here of its limits: docs/devices.md#other-devices-of-the-maker",
+            ));
+        }
+        self.sheet.name = model.to_string();
+        let status = self.library.status(id)?;
+        if status.power() == Some(false) {
+            return Err(unusable(format!("{model} has no supply"), "switch it on"));
+        }
+        if status.reset() == Some(true) {
+            return Err(unusable(
+                format!("{model} is not calibrated"),
+                "move its arm to its rest position and calibrate it with the maker's HapticInit",
+            ));
+        }
+        match self.library.set_max_force(self.sheet.force_n, id) {
+            // A second limit beside the loop's own; an old library does without.
+            Err(error) if error.number != DhdError::NOT_IN_LIBRARY => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Its number, while it is held.
+    fn id(&self) -> Result<i8, HapticFault> {
+        self.id
+            .ok_or_else(|| unusable("it was released", "open it again"))
+    }
+
+    /// The library and its number, for what a wall does not need.
+    ///
+    /// # Errors
+    /// It was released.
+    pub fn library(&self) -> Result<(&Dhd, i8), HapticFault> {
+        Ok((&self.library, self.id()?))
+    }
+}
+
+fn cause(status: &Status) -> Option<SwitchOff> {
+    Some(match status.off_cause()? {
+        0 => return None,
+        1 => SwitchOff::Button,
+        2 => SwitchOff::Velocity,
+        3 => SwitchOff::Watchdog,
+        4 => SwitchOff::Software,
+        5 => SwitchOff::Usb,
+        6 => SwitchOff::DeadMan,
+        other => SwitchOff::Other(other),
+    })
+}
+
+impl HapticDevice for Omega3 {
+    fn sheet(&self) -> &DataSheet {
+        &self.sheet
+    }
+
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        let id = self.id()?;
+        self.library.set_force([0.0; 3], id)?;
+        self.library.enable_force(true, id)?;
+        for _ in 0..ENGAGE_ASKS {
+            // A library that does not say so is believed.
+            if self.library.status(id)?.force() != Some(false) {
+                return Ok(());
+            }
+            std::thread::sleep(ENGAGE_PAUSE);
+        }
+        Err(unusable(
+            "its motors do not go on",
+            "press its force button where it has one",
+        ))
+    }
+
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        let (position_m, outcome) = self.library.position(self.id()?)?;
+        Ok(Sensed {
+            position_m,
+            fresh: outcome != Outcome::NotReadAgain,
+        })
+    }
+
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        let id = self.id()?;
+        Ok(match self.library.set_force(force_n, id)? {
+            Outcome::Saturated => Applied::Saturated(self.library.force(id)),
+            Outcome::Done | Outcome::NotReadAgain | Outcome::Other(_) => Applied::Whole,
+        })
+    }
+
+    fn standing(&mut self) -> Result<Standing, HapticFault> {
+        let status = self.library.status(self.id()?)?;
+        let motors_on = status.force().unwrap_or(true);
+        Ok(Standing {
+            powered: status.power().unwrap_or(true),
+            calibrated: !status.reset().unwrap_or(false),
+            motors_on,
+            // While they are on, the cause is of another time.
+            switched_off: cause(&status).filter(|_| !motors_on),
+        })
+    }
+
+    fn release(&mut self) -> Result<(), HapticFault> {
+        let Some(id) = self.id.take() else {
+            return Ok(());
+        };
+        let library = &self.library;
+        let tried = |part: &dyn Fn() -> Result<Outcome, DhdError>| {
+            let mut done = part();
+            for _ in 1..RELEASE_TRIES {
+                if done.is_err() {
+                    done = part();
+                }
+            }
+            done
+        };
+        // All of them, whatever becomes of those before.
+        let done = [
+            tried(&|| library.set_force([0.0; 3], id)),
+            tried(&|| library.stop(id)),
+            tried(&|| library.close(id)),
+        ];
+        done.into_iter().collect::<Result<Vec<_>, _>>()?;
+        Ok(())
+    }
+}
+
+impl Drop for Omega3 {
+    fn drop(&mut self) {
+        // Whoever wants to know what failed has released it before.
+        let _ = self.release();
+    }
+}

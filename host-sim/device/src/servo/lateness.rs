@@ -1,0 +1,81 @@
+//! How late ticks began: a histogram that costs a tick nothing but an addition.
+
+/// Upper ends of all classes but the last, µs.
+const ENDS_US: [f64; 13] = [
+    1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
+];
+
+/// Ticks by their lateness.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Lateness {
+    counts: [u64; ENDS_US.len() + 1],
+    worst_s: f64,
+}
+
+/// A class of the histogram.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Class {
+    /// Ticks in it are at most so late, µs; `None` for the last, which has no end.
+    pub up_to_us: Option<f64>,
+    /// How many there were.
+    pub ticks: u64,
+}
+
+impl Lateness {
+    /// Counts a tick.
+    pub fn take(&mut self, late_s: f64) {
+        let class = ENDS_US
+            .iter()
+            .position(|end| late_s * 1e6 <= *end)
+            .unwrap_or(ENDS_US.len());
+        self.counts[class] += 1;
+        self.worst_s = self.worst_s.max(late_s);
+    }
+
+    /// The latest tick, s.
+    #[must_use]
+    pub fn worst_s(&self) -> f64 {
+        self.worst_s
+    }
+
+    /// All classes, earliest first.
+    pub fn classes(&self) -> impl Iterator<Item = Class> + '_ {
+        self.counts.iter().enumerate().map(|(i, ticks)| Class {
+            up_to_us: ENDS_US.get(i).copied(),
+            ticks: *ticks,
+        })
+    }
+
+    /// The end of the class that the given share of all ticks does not exceed, µs; `None` where it has no end.
+    #[must_use]
+    pub fn quantile_us(&self, share: f64) -> Option<f64> {
+        let all: u64 = self.counts.iter().sum();
+        let wanted = (share * all as f64).ceil() as u64;
+        let mut seen = 0;
+        self.classes()
+            .find(|class| {
+                seen += class.ticks;
+                seen >= wanted
+            })
+            .and_then(|class| class.up_to_us)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_in_the_class_that_ends_at_or_above_them() {
+        let mut late = Lateness::default();
+        for us in [0.0, 1.0, 1.1, 49.0, 20_000.0] {
+            late.take(us * 1e-6);
+        }
+        let counts: Vec<u64> = late.classes().map(|class| class.ticks).collect();
+        assert_eq!(counts, [2, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1]);
+        assert_eq!(late.quantile_us(0.4), Some(1.0));
+        assert_eq!(late.quantile_us(0.8), Some(50.0));
+        assert_eq!(late.quantile_us(1.0), None);
+        assert!((late.worst_s() - 0.02).abs() < 1e-12);
+    }
+}

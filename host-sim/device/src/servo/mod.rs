@@ -1,0 +1,277 @@
+//! The loop of a device that has no law of its own: a position, a law, a force, at every tick.
+//!
+//! ```text
+//! pace -> position (stale? a number? a jump? outside?) -> law and guard -> ramp -> workspace -> limit -> force
+//! ```
+//!
+//! Whatever goes wrong ends the loop with the device released, before anything else is done: each fault, a panic of the law, and the
+//! stop that was asked for. What the device does by itself when this program is killed is the device's matter.
+
+mod lateness;
+mod pace;
+mod priority;
+mod speed;
+
+pub use lateness::Lateness;
+pub use pace::{DevicePace, Pace, RealTime, SimulatedPace, Waited};
+pub use priority::{Priority, real_time};
+pub use speed::SpeedEstimate;
+
+use crate::haptic::{Applied, DataSheet, HapticDevice, HapticFault, Workspace, length};
+
+/// What makes a force of a position, once a tick.
+pub trait ForceLaw {
+    /// The force on the hand, N, for the end effector here, m.
+    ///
+    /// # Errors
+    /// None may act any more.
+    fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault>;
+
+    /// The force that acts in the end, where something made that of [`ForceLaw::tick`] smaller.
+    fn commanded(&mut self, _force_n: [f64; 3]) {}
+}
+
+/// What is kept of a device whatever the law wants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoLimits {
+    /// Longest force, N; never more than the device's own.
+    pub force_n: f64,
+    /// Time in which the force fades in after the start, s.
+    pub ramp_s: f64,
+    /// Where a force may act; it fades out over [`ServoLimits::margin_m`] outside.
+    pub workspace: Workspace,
+    /// Over how much the force fades out outside, m.
+    pub margin_m: f64,
+    /// So far outside is no place of this device, m.
+    pub outside_m: f64,
+    /// Faster than this is no hand, m/s, over a tick.
+    pub jump_m_per_s: f64,
+    /// A force that is held for longer, by a late tick or a slow call, ends the loop, s.
+    pub late_s: f64,
+    /// So does a position that is as old, s.
+    pub stale_s: f64,
+    /// So do motors that gave less than asked for all that time, s.
+    pub saturated_s: f64,
+}
+
+impl ServoLimits {
+    /// For a device, by its own sheet.
+    #[must_use]
+    pub fn of(sheet: &DataSheet) -> Self {
+        Self {
+            force_n: sheet.force_n,
+            ramp_s: 1.0,
+            workspace: sheet.workspace,
+            margin_m: 0.005,
+            outside_m: 0.1,
+            jump_m_per_s: 20.0,
+            late_s: 0.01,
+            stale_s: 0.005,
+            saturated_s: 0.25,
+        }
+    }
+}
+
+/// How a loop ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ending {
+    /// It was asked to.
+    Asked,
+    /// A fault.
+    Fault(HapticFault),
+}
+
+/// What a loop did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServoReport {
+    /// Control ticks that were played.
+    pub ticks: u64,
+    /// Ticks that should have been and were not: a force was held for longer.
+    pub missed_ticks: u64,
+    /// How late ticks began.
+    pub lateness: Lateness,
+    /// Ticks with an old position.
+    pub stale_ticks: u64,
+    /// Ticks at which the motors gave less.
+    pub saturated_ticks: u64,
+    /// Ticks outside the workspace.
+    pub outside_ticks: u64,
+    /// Longest force commanded, N.
+    pub force_max_n: f64,
+    /// Highest speed, by the loop's own estimate, m/s.
+    pub speed_max_m_per_s: f64,
+    /// How it ended.
+    pub ending: Ending,
+    /// What of the release failed, if anything did.
+    pub release: Result<(), HapticFault>,
+}
+
+/// What is seen of a tick, after its force was commanded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tick {
+    /// Its number, from 0.
+    pub number: u64,
+    /// The place, m.
+    pub position_m: [f64; 3],
+    /// The force that acts, N.
+    pub force_n: [f64; 3],
+}
+
+/// A device whose motors are on; off again, and the device free, when it goes out of scope for whatever reason.
+struct Engaged<'d, D: HapticDevice>(&'d mut D);
+
+impl<D: HapticDevice> Drop for Engaged<'_, D> {
+    fn drop(&mut self) {
+        // Also reached by a panic. A second release does nothing, so what it says was said.
+        let _ = self.0.release();
+    }
+}
+
+/// How often the device is asked where it stands, s: once a millisecond.
+const STANDING_S: f64 = 1e-3;
+
+/// Plays a law on a device until `more` says no, or something is wrong. The device is released in every case.
+pub fn play<D: HapticDevice>(
+    device: &mut D,
+    law: &mut impl ForceLaw,
+    limits: &ServoLimits,
+    rate_hz: u32,
+    pace: &mut impl Pace,
+    mut more: impl FnMut(&Tick) -> bool,
+) -> ServoReport {
+    let mut report = ServoReport {
+        ticks: 0,
+        missed_ticks: 0,
+        lateness: Lateness::default(),
+        stale_ticks: 0,
+        saturated_ticks: 0,
+        outside_ticks: 0,
+        force_max_n: 0.0,
+        speed_max_m_per_s: 0.0,
+        ending: Ending::Asked,
+        release: Ok(()),
+    };
+    let engaged = Engaged(device);
+    let looped = looped(
+        engaged.0,
+        law,
+        limits,
+        rate_hz,
+        pace,
+        &mut more,
+        &mut report,
+    );
+    // First of all, before anything is reckoned or printed.
+    report.release = engaged.0.release();
+    if let Err(fault) = looped {
+        report.ending = Ending::Fault(fault);
+    }
+    report
+}
+
+fn looped<D: HapticDevice>(
+    device: &mut D,
+    law: &mut impl ForceLaw,
+    limits: &ServoLimits,
+    rate_hz: u32,
+    pace: &mut impl Pace,
+    more: &mut impl FnMut(&Tick) -> bool,
+    report: &mut ServoReport,
+) -> Result<(), HapticFault> {
+    let interval_s = 1.0 / f64::from(rate_hz);
+    let ticks_of = |seconds: f64| (seconds / interval_s).ceil().max(1.0) as u64;
+    let force_limit_n = limits.force_n.min(device.sheet().force_n);
+    let standing_ticks = ticks_of(STANDING_S);
+    let (mut stale_run, mut saturated_run) = (0_u64, 0_u64);
+    let mut speed = SpeedEstimate::new(rate_hz);
+    let mut last: Option<[f64; 3]> = None;
+    device.engage()?;
+    pace.start();
+    for number in 0.. {
+        let waited = pace.wait();
+        report.missed_ticks += waited.missed_ticks;
+        report.lateness.take(waited.late_s);
+        in_time(waited.late_s, limits)?;
+
+        let sensed = device.sense()?;
+        in_time(pace.late_s(), limits)?;
+        let at = sensed.position_m;
+        if !at.iter().all(|x| x.is_finite()) {
+            return Err(HapticFault::NotFinite("position"));
+        }
+        // A tick that was missed and a position that was not read again give the device more time to move.
+        let since_s = interval_s * (1 + waited.missed_ticks + stale_run) as f64;
+        stale_run = if sensed.fresh { 0 } else { stale_run + 1 };
+        report.stale_ticks += u64::from(!sensed.fresh);
+        let stale_s = stale_run as f64 * interval_s;
+        if stale_s > limits.stale_s {
+            return Err(HapticFault::Stale(stale_s));
+        }
+        let moved = last.map_or(0.0, |was| length(std::array::from_fn(|i| at[i] - was[i])));
+        if moved > limits.jump_m_per_s * since_s {
+            return Err(HapticFault::Jumped(moved / since_s));
+        }
+        last = Some(at);
+        let outside_m = limits.workspace.outside_m(at);
+        if outside_m > limits.outside_m {
+            return Err(HapticFault::Outside(outside_m));
+        }
+        report.speed_max_m_per_s = report.speed_max_m_per_s.max(speed.take(at));
+        if number % standing_ticks == 0 {
+            let standing = device.standing()?;
+            if let Some(cause) = standing.switched_off {
+                return Err(HapticFault::SwitchedOff(cause));
+            }
+            if !standing.powered || !standing.motors_on {
+                return Err(HapticFault::SwitchedOff(crate::haptic::SwitchOff::Software));
+            }
+        }
+
+        let wanted = law.tick(at)?;
+        if !wanted.iter().all(|f| f.is_finite()) {
+            return Err(HapticFault::NotFinite("force"));
+        }
+        report.outside_ticks += u64::from(outside_m > 0.0);
+        let ramp = (number as f64 * interval_s / limits.ramp_s).min(1.0);
+        let share = ramp * (1.0 - outside_m / limits.margin_m).clamp(0.0, 1.0);
+        let longest = length(wanted);
+        let share = share.min(force_limit_n / longest.max(force_limit_n));
+        let force = wanted.map(|f| share * f);
+        let applied = device.command(force)?;
+        in_time(pace.late_s(), limits)?;
+        let acts = match applied {
+            Applied::Whole => force,
+            // What the device does not say, it may have done.
+            Applied::Saturated(said) => said.unwrap_or(force),
+        };
+        saturated_run = match applied {
+            Applied::Whole => 0,
+            Applied::Saturated(_) => saturated_run + 1,
+        };
+        report.saturated_ticks += u64::from(saturated_run > 0);
+        let saturated_s = saturated_run as f64 * interval_s;
+        if saturated_s > limits.saturated_s {
+            return Err(HapticFault::Saturated(saturated_s));
+        }
+        law.commanded(acts);
+        report.force_max_n = report.force_max_n.max(length(acts));
+        report.ticks += 1;
+        let tick = Tick {
+            number,
+            position_m: at,
+            force_n: acts,
+        };
+        if !more(&tick) {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// A force that acts for too long is no control any more.
+fn in_time(late_s: f64, limits: &ServoLimits) -> Result<(), HapticFault> {
+    match late_s > limits.late_s {
+        true => Err(HapticFault::Late(late_s)),
+        false => Ok(()),
+    }
+}

@@ -1,0 +1,156 @@
+//! What ticks wait for.
+
+use std::time::{Duration, Instant};
+
+/// What became of a wait.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Waited {
+    /// How late the tick begins, s.
+    pub late_s: f64,
+    /// How many ticks were left out before it.
+    pub missed_ticks: u64,
+}
+
+/// When ticks begin.
+pub trait Pace {
+    /// The first tick is due now.
+    fn start(&mut self);
+    /// Waits until a tick is due.
+    fn wait(&mut self) -> Waited;
+    /// How much longer than its interval the tick that runs takes already, s.
+    fn late_s(&self) -> f64;
+}
+
+/// The machine's clock. A tick that is late by whole intervals leaves these out, so that no burst of ticks makes up for them.
+#[derive(Debug, Clone)]
+pub struct RealTime {
+    interval: Duration,
+    due: Instant,
+    sleeper: spin_sleep::SpinSleeper,
+    first: bool,
+}
+
+/// The system wakes a thread by about so much too late; the rest of a wait is spun.
+const WAKING_NS: u32 = 100_000;
+
+impl RealTime {
+    /// At this rate.
+    #[must_use]
+    pub fn new(rate_hz: u32) -> Self {
+        Self {
+            interval: Duration::from_secs_f64(1.0 / f64::from(rate_hz)),
+            due: Instant::now(),
+            sleeper: spin_sleep::SpinSleeper::new(WAKING_NS),
+            first: true,
+        }
+    }
+}
+
+impl Pace for RealTime {
+    fn start(&mut self) {
+        self.due = Instant::now();
+        self.first = true;
+    }
+
+    fn wait(&mut self) -> Waited {
+        if !std::mem::take(&mut self.first) {
+            self.due += self.interval;
+        }
+        let now = Instant::now();
+        if let Some(left) = self.due.checked_duration_since(now) {
+            self.sleeper.sleep(left);
+        }
+        let late_s = self.due.elapsed().as_secs_f64();
+        let missed = (late_s / self.interval.as_secs_f64()) as u32;
+        self.due += self.interval * missed;
+        Waited {
+            late_s,
+            missed_ticks: missed.into(),
+        }
+    }
+
+    fn late_s(&self) -> f64 {
+        (self.due.elapsed().as_secs_f64() - self.interval.as_secs_f64()).max(0.0)
+    }
+}
+
+/// Simulated time: every tick is due at once, and none is late.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SimulatedPace;
+
+impl Pace for SimulatedPace {
+    fn start(&mut self) {}
+    fn wait(&mut self) -> Waited {
+        Waited::default()
+    }
+    fn late_s(&self) -> f64 {
+        0.0
+    }
+}
+
+/// The device's: its positions come when they come. A tick is late by what it came later than an interval after the last.
+#[derive(Debug, Clone)]
+pub struct DevicePace {
+    interval: Duration,
+    last: Instant,
+    before: Option<Instant>,
+}
+
+impl DevicePace {
+    /// Of a device that is expected to send at this rate.
+    #[must_use]
+    pub fn new(rate_hz: u32) -> Self {
+        Self {
+            interval: Duration::from_secs_f64(1.0 / f64::from(rate_hz)),
+            last: Instant::now(),
+            before: None,
+        }
+    }
+}
+
+impl Pace for DevicePace {
+    fn start(&mut self) {
+        self.last = Instant::now();
+        self.before = None;
+    }
+
+    fn wait(&mut self) -> Waited {
+        let now = Instant::now();
+        let took = self.before.map_or(self.interval, |before| now - before);
+        (self.before, self.last) = (Some(now), now);
+        let late_s = took.saturating_sub(self.interval).as_secs_f64();
+        Waited {
+            late_s,
+            missed_ticks: (late_s / self.interval.as_secs_f64()) as u64,
+        }
+    }
+
+    fn late_s(&self) -> f64 {
+        self.last
+            .elapsed()
+            .saturating_sub(self.interval)
+            .as_secs_f64()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_that_were_missed_are_left_out_and_counted() {
+        let mut pace = RealTime::new(1000);
+        pace.start();
+        pace.wait();
+        std::thread::sleep(Duration::from_micros(5500));
+        // Due 1 ms after the first: 4.5 ms late at least, so four or more were missed.
+        assert!(pace.late_s() >= 4.4e-3);
+        let late = pace.wait();
+        assert!(late.late_s >= 4.4e-3 && late.missed_ticks >= 4, "{late:?}");
+        // No burst: the next one is due within an interval.
+        let begun = Instant::now();
+        let next = pace.wait();
+        let waited_s = begun.elapsed().as_secs_f64();
+        assert!(waited_s + next.late_s <= 1.1e-3 + next.late_s * 2.0);
+    }
+}

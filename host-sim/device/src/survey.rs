@@ -1,0 +1,176 @@
+//! What a device says of its own mechanics, with its motors off: a file that makes the device of a user a plant.
+
+use crate::Omega3;
+use crate::haptic::{HapticDevice, HapticFault, Twin};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use touchstone_sim::error::{Error, Result};
+use touchstone_world::plant::{Device, OMEGA3_AXIS};
+
+/// A device as it was surveyed. All of it is what its library said, but for the damping.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Survey {
+    /// Name and serial number.
+    pub device: String,
+    /// Version of the library.
+    pub library: String,
+    /// The mass that the library takes for the effector.
+    pub effector_mass_kg: Option<f64>,
+    /// Inertia that each axis moves, in the mean of all poses.
+    pub inertia_kg: [f64; 3],
+    /// Damping of each axis. No library says it: the thesis' value (§5.2), to be replaced by what is measured.
+    pub damping_n_s_per_m: [f64; 3],
+    /// Where it was moved to.
+    pub position_min_m: [f64; 3],
+    /// Where it was moved to.
+    pub position_max_m: [f64; 3],
+    /// Lower ends of the joints.
+    pub joint_angle_min_rad: Vec<f64>,
+    /// Upper ends of the joints.
+    pub joint_angle_max_rad: Vec<f64>,
+    /// Places, and what was said there.
+    pub pose: Vec<Pose>,
+}
+
+/// A place of the effector.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Where it is.
+    pub position_m: [f64; 3],
+    /// Angles of the three joints of the delta.
+    pub joint_angles_rad: [f64; 3],
+    /// Cartesian inertia there.
+    pub inertia_kg: [[f64; 3]; 3],
+    /// Metres per radian of each joint there.
+    pub jacobian_m_per_rad: [[f64; 3]; 3],
+}
+
+/// The first three rows and columns.
+fn corner(matrix: &[[f64; 6]; 6]) -> [[f64; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j]))
+}
+
+impl Pose {
+    /// Where a device is now. Its motors stay as they are.
+    ///
+    /// # Errors
+    /// Its library cannot say, or said numbers that are none.
+    pub fn now(omega: &mut Omega3) -> std::result::Result<Self, HapticFault> {
+        let position_m = omega.sense()?.position_m;
+        let (library, id) = omega.library()?;
+        let said = library.as_expert(|| {
+            let angles = library.joint_angles(id)?;
+            let inertia = library.inertia(&angles, id)?;
+            Ok::<_, touchstone_dhd::DhdError>((angles, inertia, library.jacobian(id)?))
+        })?;
+        let (angles, inertia, jacobian_m_per_rad) = said?;
+        let pose = Self {
+            position_m,
+            joint_angles_rad: [angles[0], angles[1], angles[2]],
+            inertia_kg: corner(&inertia),
+            jacobian_m_per_rad,
+        };
+        let matrices = pose.inertia_kg.iter().chain(&pose.jacobian_m_per_rad);
+        let mut numbers = matrices
+            .flatten()
+            .chain(&pose.position_m)
+            .chain(&pose.joint_angles_rad);
+        match numbers.all(|x| x.is_finite()) {
+            true => Ok(pose),
+            false => Err(HapticFault::NotFinite("inertia, Jacobian or position")),
+        }
+    }
+}
+
+impl Survey {
+    /// Of poses, at least one.
+    ///
+    /// # Errors
+    /// There is none, or the library cannot say its ranges.
+    pub fn of(omega: &mut Omega3, poses: Vec<Pose>) -> std::result::Result<Self, HapticFault> {
+        let device = omega.sheet().name.clone();
+        let (library, id) = omega.library()?;
+        let (low, high) = library.as_expert(|| library.joint_range(id))??;
+        let count = poses.len() as f64;
+        if poses.is_empty() {
+            return Err(HapticFault::Unusable(
+                "not one pose was read".into(),
+                "survey it for longer".into(),
+            ));
+        }
+        let of_axes = |pick: &dyn Fn(usize) -> f64| std::array::from_fn(pick);
+        let along = |axis: usize| poses.iter().map(move |pose| pose.position_m[axis]);
+        Ok(Self {
+            device,
+            library: library.version().unwrap_or_default(),
+            effector_mass_kg: library.effector_mass_kg(id),
+            inertia_kg: of_axes(&|axis| {
+                poses
+                    .iter()
+                    .map(|pose| pose.inertia_kg[axis][axis])
+                    .sum::<f64>()
+                    / count
+            }),
+            damping_n_s_per_m: [OMEGA3_AXIS.damping; 3],
+            position_min_m: of_axes(&|axis| along(axis).fold(f64::INFINITY, f64::min)),
+            position_max_m: of_axes(&|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
+            joint_angle_min_rad: low.to_vec(),
+            joint_angle_max_rad: high.to_vec(),
+            pose: poses,
+        })
+    }
+
+    /// As a file.
+    ///
+    /// # Errors
+    /// A number that cannot be written.
+    pub fn to_toml(&self) -> std::result::Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+
+    /// Of a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no survey.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|error| Error::Io {
+            path: path.to_owned(),
+            problem: error.to_string(),
+            fix: "give a file of `touchstone device survey`".into(),
+        })?;
+        toml::from_str(&text).map_err(|error| {
+            let before = error.span().map_or(0, |span| span.start).min(text.len());
+            Error::File {
+                file: path.to_owned(),
+                line: 1 + text[..before].matches('\n').count(),
+                field: "survey".into(),
+                problem: error.message().to_owned(),
+                fix: "give a file of `touchstone device survey`".into(),
+            }
+        })
+    }
+
+    /// Its device to be simulated: masses and damping of its axes, the rest as an omega.3.
+    ///
+    /// # Errors
+    /// A mass or a damping that no device has.
+    pub fn twin(&self) -> Result<Twin> {
+        let axes = std::array::from_fn(|axis| Device {
+            inertia: self.inertia_kg[axis],
+            damping: self.damping_n_s_per_m[axis],
+            friction: None,
+        });
+        let twin = Twin {
+            axes,
+            ..Twin::default()
+        };
+        twin.plant(1e-3).map_err(|why| Error::Option {
+            option: "--twin".into(),
+            problem: why.to_string(),
+            fix: "correct inertia_kg and damping_n_s_per_m in the survey".into(),
+        })?;
+        Ok(twin)
+    }
+}

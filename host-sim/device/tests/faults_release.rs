@@ -1,0 +1,313 @@
+//! Whatever goes wrong with a device, at whatever call: the loop ends with its force at zero and the device released, by the next tick.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
+use touchstone_device::haptic::{
+    Applied, Call, DataSheet, HapticDevice, HapticFault, Injected, Injection, Kind, OneAxis,
+    Sensed, SimulatedArm, Standing, SwitchOff, Twin,
+};
+use touchstone_device::servo::{
+    Ending, ForceLaw, Pace, RealTime, ServoLimits, ServoReport, SimulatedPace, play,
+};
+
+const RATE_HZ: u32 = 4000;
+
+/// A device that remembers what was done to it.
+struct Witness<D> {
+    inner: D,
+    force_n: [f64; 3],
+    released: bool,
+    /// Commands of any force after the release.
+    late_commands: u32,
+    ticks: u64,
+}
+
+impl<D> Witness<D> {
+    fn new(inner: D) -> Self {
+        Self {
+            inner,
+            force_n: [0.0; 3],
+            released: false,
+            late_commands: 0,
+            ticks: 0,
+        }
+    }
+}
+
+impl<D: HapticDevice> HapticDevice for Witness<D> {
+    fn sheet(&self) -> &DataSheet {
+        self.inner.sheet()
+    }
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        self.inner.engage()
+    }
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        self.inner.sense()
+    }
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        self.late_commands += u32::from(self.released);
+        self.ticks += 1;
+        self.force_n = force_n;
+        self.inner.command(force_n)
+    }
+    fn standing(&mut self) -> Result<Standing, HapticFault> {
+        self.inner.standing()
+    }
+    fn release(&mut self) -> Result<(), HapticFault> {
+        self.force_n = [0.0; 3];
+        self.released = true;
+        self.inner.release()
+    }
+}
+
+/// A spring that pushes up from the floor on; from some tick on what a test wants of it.
+struct Floor {
+    tick: u64,
+    trick: fn(u64) -> Option<[f64; 3]>,
+    told: Vec<[f64; 3]>,
+}
+
+impl Floor {
+    fn new(trick: fn(u64) -> Option<[f64; 3]>) -> Self {
+        Self {
+            tick: 0,
+            trick,
+            told: Vec::new(),
+        }
+    }
+}
+
+impl ForceLaw for Floor {
+    fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault> {
+        let number = self.tick;
+        self.tick += 1;
+        match (self.trick)(number) {
+            Some(force) => Ok(force),
+            None => Ok([0.0, 0.0, (-2000.0 * position_m[2]).max(0.0)]),
+        }
+    }
+    fn commanded(&mut self, force_n: [f64; 3]) {
+        self.told.push(force_n);
+    }
+}
+
+/// In a hand that comes from above and pushes down to where its spring gives 6 N.
+fn pressed() -> SimulatedArm {
+    let rest = |time_s: f64| [0.0, 0.0, 0.002 - 0.022 * (time_s / 0.1).min(1.0)];
+    SimulatedArm::new(Twin::default(), RATE_HZ, Box::new(rest)).unwrap()
+}
+
+fn played(
+    injection: Option<Injection>,
+    floor: &mut Floor,
+    pace: &mut impl Pace,
+    ticks: u64,
+) -> (ServoReport, Witness<Injected<SimulatedArm>>) {
+    let mut device = Witness::new(Injected::new(pressed(), injection));
+    let limits = ServoLimits {
+        ramp_s: 0.05,
+        ..ServoLimits::of(device.sheet())
+    };
+    let more = |tick: &touchstone_device::servo::Tick| tick.number + 1 < ticks;
+    let report = play(&mut device, floor, &limits, RATE_HZ, pace, more);
+    (report, device)
+}
+
+#[test]
+fn without_a_fault_the_wall_is_there_and_the_device_is_released() {
+    let mut floor = Floor::new(|_| None);
+    let (report, device) = played(None, &mut floor, &mut SimulatedPace, 4000);
+    assert_eq!((report.ticks, report.missed_ticks), (4000, 0));
+    assert_eq!(report.ending, Ending::Asked);
+    assert!(report.force_max_n > 2.0 && report.force_max_n <= 12.0);
+    assert!(device.released && device.late_commands == 0);
+}
+
+#[test]
+fn the_force_fades_in() {
+    let mut floor = Floor::new(|_| Some([0.0, 0.0, 2.0]));
+    let (report, _) = played(None, &mut floor, &mut SimulatedPace, 400);
+    assert_eq!(report.ending, Ending::Asked);
+    // 50 ms are 200 ticks.
+    let told = [0, 100, 200, 399].map(|tick: usize| floor.told[tick][2]);
+    assert_eq!(told, [0.0, 1.0, 2.0, 2.0]);
+}
+
+/// Every fault at the first call of each kind, at the second, and in the middle.
+#[test]
+fn every_fault_at_every_call_ends_released_by_the_next_tick() {
+    let lost = |fault: &HapticFault| matches!(fault, HapticFault::Lost(..));
+    let held = |fault: &HapticFault| *fault == HapticFault::HeldElsewhere;
+    let stale = |fault: &HapticFault| matches!(fault, HapticFault::Stale(_));
+    let saturated = |fault: &HapticFault| matches!(fault, HapticFault::Saturated(_));
+    let jumped = |fault: &HapticFault| matches!(fault, HapticFault::Jumped(v) if *v > 70.0);
+    let nan = |fault: &HapticFault| *fault == HapticFault::NotFinite("position");
+    let off = |fault: &HapticFault| *fault == HapticFault::SwitchedOff(SwitchOff::Velocity);
+    type Row = (Call, Kind, fn(&HapticFault) -> bool, u64);
+    // The last column: ticks between what happened and the fault that it is to be, of which the sheet of limits speaks.
+    let rows: [Row; 10] = [
+        (Call::Engage, Kind::Held, held, 0),
+        (Call::Engage, Kind::Fails, lost, 0),
+        (Call::Sense, Kind::Unplugged, lost, 0),
+        (Call::Sense, Kind::NotANumber, nan, 0),
+        (Call::Sense, Kind::Jumps, jumped, 1),
+        (Call::Sense, Kind::Stale, stale, 21),
+        (Call::Command, Kind::Unplugged, lost, 0),
+        (Call::Command, Kind::Fails, lost, 0),
+        (Call::Command, Kind::Saturated, saturated, 1001),
+        (
+            Call::Standing,
+            Kind::SwitchedOff(SwitchOff::Velocity),
+            off,
+            0,
+        ),
+    ];
+    for (call, kind, expected, patience) in rows {
+        for at in [0, 1, 300] {
+            if call == Call::Engage && at > 0 {
+                continue;
+            }
+            // Nobody can know that the first position is wrong.
+            if kind == Kind::Jumps && at == 0 {
+                continue;
+            }
+            let injection = Injection { call, at, kind };
+            let mut floor = Floor::new(|_| None);
+            let (report, device) = played(Some(injection), &mut floor, &mut SimulatedPace, 20_000);
+            let Ending::Fault(fault) = &report.ending else {
+                panic!("{injection:?}: no fault");
+            };
+            assert!(expected(fault), "{injection:?}: {fault:?}");
+            assert!(
+                device.released && device.force_n == [0.0; 3],
+                "{injection:?}"
+            );
+            assert_eq!(device.late_commands, 0, "{injection:?}");
+            let every = if call == Call::Standing { 4 } else { 1 };
+            assert!(
+                device.ticks <= at * every + patience + 1,
+                "{injection:?}: {} ticks",
+                device.ticks
+            );
+        }
+    }
+}
+
+#[test]
+fn a_release_that_fails_is_said() {
+    let injection = Injection {
+        call: Call::Release,
+        at: 0,
+        kind: Kind::Fails,
+    };
+    let mut floor = Floor::new(|_| None);
+    let (report, device) = played(Some(injection), &mut floor, &mut SimulatedPace, 10);
+    assert!(matches!(report.release, Err(HapticFault::Lost(..))));
+    assert!(device.released);
+}
+
+#[test]
+fn a_slow_call_ends_it_as_soon_as_it_returns() {
+    for call in [Call::Sense, Call::Command] {
+        let injection = Injection {
+            call,
+            at: 50,
+            kind: Kind::Slow(Duration::from_millis(80)),
+        };
+        let mut floor = Floor::new(|_| None);
+        let mut device = Witness::new(Injected::new(pressed(), Some(injection)));
+        let limits = ServoLimits {
+            // Far above what a busy machine is late by, and below what is injected.
+            late_s: 0.06,
+            ..ServoLimits::of(device.sheet())
+        };
+        let pace = &mut RealTime::new(RATE_HZ);
+        let report = play(&mut device, &mut floor, &limits, RATE_HZ, pace, |_| true);
+        assert!(
+            matches!(report.ending, Ending::Fault(HapticFault::Late(late)) if late > 0.06),
+            "{call:?}: {:?}",
+            report.ending
+        );
+        assert!(device.released && device.ticks <= 51, "{}", device.ticks);
+    }
+}
+
+#[test]
+fn a_law_that_panics_leaves_the_device_released() {
+    let mut device = Witness::new(pressed());
+    let limits = ServoLimits::of(device.sheet());
+    let mut floor = Floor::new(|tick| {
+        assert!(tick < 200, "the law breaks");
+        Some([1.0; 3])
+    });
+    let broke = catch_unwind(AssertUnwindSafe(|| {
+        let pace = &mut SimulatedPace;
+        play(&mut device, &mut floor, &limits, RATE_HZ, pace, |_| true)
+    }));
+    assert!(broke.is_err());
+    assert!(device.released && device.force_n == [0.0; 3] && device.ticks == 200);
+}
+
+#[test]
+fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
+    let mut floor = Floor::new(|tick| (tick == 9).then_some([0.0, f64::NAN, 0.0]));
+    let (report, device) = played(None, &mut floor, &mut SimulatedPace, 100);
+    assert_eq!(
+        report.ending,
+        Ending::Fault(HapticFault::NotFinite("force"))
+    );
+    assert!(device.ticks == 9 && device.released);
+    // Ten times too long, in its direction.
+    let mut floor = Floor::new(|_| Some([72.0, 0.0, 96.0]));
+    let (report, _) = played(None, &mut floor, &mut SimulatedPace, 300);
+    assert!(report.force_max_n <= 12.0 + 1e-9, "{}", report.force_max_n);
+    let last = floor.told[250];
+    assert!((last[0] - 7.2).abs() < 1e-9 && (last[2] - 9.6).abs() < 1e-9);
+}
+
+/// The hand carries it out of its workspace: the force fades, then it is no place of this device.
+#[test]
+fn outside_the_workspace_the_force_fades_and_far_outside_it_ends() {
+    let rest = |time_s: f64| [0.3 * time_s, 0.0, 0.0];
+    let mut device =
+        Witness::new(SimulatedArm::new(Twin::default(), RATE_HZ, Box::new(rest)).unwrap());
+    let limits = ServoLimits {
+        ramp_s: 0.01,
+        outside_m: 0.03,
+        ..ServoLimits::of(device.sheet())
+    };
+    let mut floor = Floor::new(|_| Some([0.0, 0.0, 1.0]));
+    let mut seen = Vec::new();
+    let report = play(
+        &mut device,
+        &mut floor,
+        &limits,
+        RATE_HZ,
+        &mut SimulatedPace,
+        |tick| {
+            seen.push((tick.position_m[0], tick.force_n[2]));
+            true
+        },
+    );
+    assert!(matches!(report.ending, Ending::Fault(HapticFault::Outside(far)) if far > 0.03));
+    assert!(report.outside_ticks > 0 && device.released);
+    for (x, force) in seen.into_iter().filter(|(x, _)| *x > 0.02) {
+        let share = (1.0 - (x - 0.08) / 0.005).clamp(0.0, 1.0);
+        assert!((force - share).abs() < 1e-9, "{force} at {x}");
+    }
+}
+
+#[test]
+fn one_axis_of_three_is_a_device_of_one() {
+    let mut arm = OneAxis::new(pressed(), 2).unwrap();
+    arm.device().engage().unwrap();
+    let mut least = 0.0_f64;
+    for _ in 0..4000 {
+        let z = arm.sense().unwrap();
+        least = least.min(z);
+        arm.command((-2000.0 * z).max(0.0)).unwrap();
+    }
+    // 300 N/m of the hand over 20 mm against 2000 N/m: 2.6 mm deep at rest, and some overshoot.
+    assert!((-0.006..-0.002).contains(&least), "{least}");
+    assert!(OneAxis::new(pressed(), 3).is_err());
+}

@@ -1,0 +1,32 @@
+//! The device's time: the machine's, or one that a test moves.
+
+use std::time::Instant;
+
+/// Seconds since the library was loaded.
+#[derive(Debug, Clone, Copy)]
+pub enum Clock {
+    /// Of the machine.
+    Real(Instant),
+    /// Moved by every call by what it costs, and by waits.
+    Own(f64),
+}
+
+impl Clock {
+    pub fn now_s(&self) -> f64 {
+        match self {
+            Self::Real(start) => start.elapsed().as_secs_f64(),
+            Self::Own(now) => *now,
+        }
+    }
+
+    /// Lets time go by; in real time it goes by itself, unless something is to be slow.
+    pub fn pass(&mut self, seconds: f64, slow: bool) {
+        match self {
+            Self::Own(now) => *now += seconds,
+            Self::Real(_) if slow => {
+                std::thread::sleep(std::time::Duration::from_secs_f64(seconds));
+            }
+            Self::Real(_) => {}
+        }
+    }
+}

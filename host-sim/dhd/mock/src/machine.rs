@@ -1,0 +1,283 @@
+//! The device behind the interface: its state, its plant, and what is noted of every call.
+
+use crate::clock::Clock;
+use crate::plan::{Planned, among};
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::fs::File;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::Instant;
+use touchstone_world::plant::{
+    Cartesian, FIRM_TRANSLATION, HeldLinear, Kinematics, OMEGA3, OMEGA3_AXIS, State,
+};
+
+/// A microframe of the USB: the plant goes on in these.
+const STEP_S: f64 = 125e-6;
+/// What a call over the USB costs on the test's own clock, and one that the library answers by itself.
+const USB_S: f64 = 60e-6;
+const LOCAL_S: f64 = 5e-6;
+
+pub const COM: i32 = 2;
+pub const NO_DEVICE: i32 = 5;
+pub const EXPERT_DISABLED: i32 = 9;
+pub const IN_USE: i32 = 20;
+
+thread_local! {
+    /// Per thread, as the vendor's; a success leaves it as it is.
+    static LAST_ERROR: Cell<i32> = const { Cell::new(0) };
+}
+
+pub fn last_error() -> i32 {
+    LAST_ERROR.get()
+}
+
+/// Notes an error, and is what the call returns.
+pub fn failed(error: i32) -> i32 {
+    LAST_ERROR.set(error);
+    -1
+}
+
+/// What is noted for the tests, s on the device's clock.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Noted {
+    /// Return of the first call that something was wrong with.
+    pub wrong_s: Option<f64>,
+    /// Since when no force is commanded, if none is.
+    pub zero_s: Option<f64>,
+    /// The close of the device, tried or done.
+    pub released_s: Option<f64>,
+    /// Forces after the close.
+    pub late_forces: u64,
+    pub longest_n: f64,
+}
+
+pub struct Machine {
+    pub clock: Clock,
+    plant: Option<Cartesian<HeldLinear>>,
+    state: [State<4>; 3],
+    stepped_s: f64,
+    pub plans: Vec<Planned>,
+    calls: HashMap<&'static str, u64>,
+    /// The place that the last read gave.
+    pub read_m: [f64; 3],
+    pub open: bool,
+    pub gone: bool,
+    pub expert: bool,
+    pub motors_on: bool,
+    pub brake: bool,
+    pub off_cause: i32,
+    pub force_n: [f64; 3],
+    pub max_force_n: f64,
+    lock: Option<File>,
+    pub noted: Noted,
+}
+
+/// What a call is about to do.
+pub struct Entered {
+    pub number: u64,
+    /// It fails with this error.
+    pub error: Option<i32>,
+}
+
+static MACHINE: OnceLock<Mutex<Machine>> = OnceLock::new();
+
+/// The one device.
+pub fn machine() -> MutexGuard<'static, Machine> {
+    MACHINE
+        .get_or_init(|| Mutex::new(Machine::new()))
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Where the hand means to be: from above the centre down to where its spring gives 5 N, then 4 mm up and down and around.
+fn rest_m(time_s: f64) -> [f64; 3] {
+    let down = (time_s / 0.3).min(1.0);
+    let swing = 0.004 * (6.0 * time_s).sin();
+    let around = 0.01 * (2.0 * time_s).sin();
+    [around, 0.5 * around, 0.003 - 0.02 * down + swing * down]
+}
+
+impl Machine {
+    fn new() -> Self {
+        let mut machine = Self {
+            clock: Clock::Real(Instant::now()),
+            plant: Cartesian::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, STEP_S).ok(),
+            state: Cartesian::<HeldLinear>::at_rest(rest_m(0.0)),
+            stepped_s: 0.0,
+            plans: Vec::new(),
+            calls: HashMap::new(),
+            read_m: rest_m(0.0),
+            open: false,
+            gone: false,
+            expert: false,
+            motors_on: false,
+            brake: false,
+            off_cause: 0,
+            force_n: [0.0; 3],
+            max_force_n: -1.0,
+            lock: None,
+            noted: Noted::default(),
+        };
+        // For a program that is started by a test.
+        for line in std::env::var("TOUCHSTONE_MOCK_DHD")
+            .unwrap_or_default()
+            .split(';')
+        {
+            machine.plan(line);
+        }
+        machine
+    }
+
+    /// Takes a line of a plan.
+    pub fn plan(&mut self, line: &str) -> bool {
+        match crate::plan::parse(line) {
+            Some(Planned::OwnClock) => self.clock = Clock::Own(self.clock.now_s()),
+            Some(planned) => self.plans.push(planned),
+            None => return false,
+        }
+        true
+    }
+
+    pub fn has(&self, planned: &Planned) -> bool {
+        self.plans.contains(planned)
+    }
+
+    /// Something was wrong with a call that returns now.
+    pub fn wrong(&mut self) {
+        self.noted.wrong_s.get_or_insert(self.clock.now_s());
+    }
+
+    /// Begins a call: time goes by, and the plan is looked at.
+    pub fn enter(&mut self, call: &'static str) -> Entered {
+        let count = self.calls.entry(call).or_default();
+        let number = *count;
+        *count += 1;
+        let local = call.starts_with("dhdErrorGet") || call.contains("Count");
+        self.clock.pass(if local { LOCAL_S } else { USB_S }, false);
+        let mut error = None;
+        for planned in self.plans.clone() {
+            match planned {
+                Planned::Fail(name, at, times, number_of)
+                    if name == call && among(number, at, times) =>
+                {
+                    error = Some(number_of);
+                }
+                Planned::Unplug(name, at) if name == call && number == at => {
+                    self.gone = true;
+                    // Its supply by USB is gone, and with it the force.
+                    self.motors_off(5);
+                }
+                Planned::Slow(name, at, seconds) if name == call && number == at => {
+                    self.clock.pass(seconds, true);
+                    self.wrong();
+                }
+                _ => {}
+            }
+        }
+        self.advance();
+        if self.gone && !local {
+            error = Some(COM);
+        }
+        if error.is_some() {
+            self.wrong();
+        }
+        Entered { number, error }
+    }
+
+    /// How often a call was made.
+    pub fn count(&self, call: &str) -> u64 {
+        self.calls.get(call).copied().unwrap_or(0)
+    }
+
+    /// The force that acts.
+    pub fn acting_n(&self) -> [f64; 3] {
+        match self.motors_on && !self.brake {
+            true => self.force_n,
+            false => [0.0; 3],
+        }
+    }
+
+    fn advance(&mut self) {
+        let (now, acting) = (self.clock.now_s(), self.acting_n());
+        let Some(plant) = &self.plant else { return };
+        while self.stepped_s + STEP_S <= now {
+            plant.step(&mut self.state, acting, rest_m(self.stepped_s));
+            self.stepped_s += STEP_S;
+        }
+    }
+
+    /// Where the effector is, to its encoders' steps.
+    pub fn place_m(&self) -> [f64; 3] {
+        let counts = OMEGA3.counts(self.state.map(|axis| axis.position()));
+        counts.map(|n| f64::from(n) * OMEGA3.count_m)
+    }
+
+    /// A force from now on.
+    pub fn force(&mut self, force_n: [f64; 3]) {
+        if !self.open {
+            self.noted.late_forces += 1;
+        }
+        self.force_n = force_n;
+        self.note_zero();
+    }
+
+    /// The device's own decision, or a program's.
+    pub fn motors_off(&mut self, cause: i32) {
+        self.motors_on = false;
+        self.off_cause = cause;
+        self.note_zero();
+    }
+
+    /// Notes since when no force acts.
+    pub fn note_zero(&mut self) {
+        let acting = self.acting_n();
+        let length = acting.iter().map(|f| f * f).sum::<f64>().sqrt();
+        self.noted.longest_n = self.noted.longest_n.max(length);
+        if length == 0.0 {
+            self.noted.zero_s.get_or_insert(self.clock.now_s());
+        } else {
+            self.noted.zero_s = None;
+        }
+    }
+
+    /// Takes the device for this program: with `TOUCHSTONE_MOCK_LOCK`, a file that only one can lock.
+    pub fn take(&mut self) -> bool {
+        if self.has(&Planned::Held) {
+            return false;
+        }
+        if let Some(path) = std::env::var_os("TOUCHSTONE_MOCK_LOCK") {
+            let Ok(file) = File::create(path) else {
+                return false;
+            };
+            if file.try_lock().is_err() {
+                return false;
+            }
+            self.lock = Some(file);
+        }
+        self.open = true;
+        // From another program's use.
+        self.noted = Noted::default();
+        self.note_zero();
+        true
+    }
+
+    /// Gives it back; with `TOUCHSTONE_MOCK_LOG`, says so in a file.
+    pub fn give_back(&mut self, closed: bool) {
+        self.noted.released_s.get_or_insert(self.clock.now_s());
+        if closed {
+            self.open = false;
+            self.lock = None;
+            self.motors_off(0);
+            self.force_n = [0.0; 3];
+        }
+        if let Some(path) = std::env::var_os("TOUCHSTONE_MOCK_LOG") {
+            let acting = self.acting_n().iter().map(|f| f.abs()).sum::<f64>();
+            let text = format!(
+                "closed {closed} force {acting} longest {:.2}\n",
+                self.noted.longest_n
+            );
+            // A log that cannot be written is missed by the test that reads it.
+            let _ = std::fs::write(path, text);
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! What is to go wrong, in words.
+//!
+//! ```text
+//! fail CALL AT TIMES ERROR   these calls return -1 with this error; AT counts from 0
+//! unplug CALL AT             from this call on the device is gone
+//! stale AT TIMES             the position is not read again: 1
+//! freeze AT TIMES            the same, and the library does not say so: 0
+//! nan AT                     a coordinate is no number
+//! saturate AT TIMES          the motors give half: 2
+//! slow CALL AT MS            the call takes so long
+//! off AT CAUSE               at this dhdGetStatus the device has switched itself off
+//! held | absent | uncalibrated
+//! type N                     what dhdGetSystemType says
+//! status N                   how many words dhdGetStatus writes (17)
+//! own-clock                  time goes by only in calls and waits
+//! ```
+
+/// One of these.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Planned {
+    Fail(String, u64, u64, i32),
+    Unplug(String, u64),
+    Stale(u64, u64),
+    Freeze(u64, u64),
+    NotANumber(u64),
+    Saturate(u64, u64),
+    Slow(String, u64, f64),
+    Off(u64, i32),
+    Held,
+    Absent,
+    Uncalibrated,
+    Type(i32),
+    StatusWords(usize),
+    OwnClock,
+}
+
+/// A line of a plan; `None` for what is none.
+pub fn parse(line: &str) -> Option<Planned> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let number = |i: usize| words.get(i)?.parse::<u64>().ok();
+    let name = |i: usize| words.get(i).map(|word| (*word).to_owned());
+    let signed = |i: usize| words.get(i)?.parse::<i32>().ok();
+    Some(match *words.first()? {
+        "fail" => Planned::Fail(name(1)?, number(2)?, number(3)?, signed(4)?),
+        "unplug" => Planned::Unplug(name(1)?, number(2)?),
+        "stale" => Planned::Stale(number(1)?, number(2)?),
+        "freeze" => Planned::Freeze(number(1)?, number(2)?),
+        "nan" => Planned::NotANumber(number(1)?),
+        "saturate" => Planned::Saturate(number(1)?, number(2)?),
+        "slow" => Planned::Slow(name(1)?, number(2)?, number(3)? as f64 * 1e-3),
+        "off" => Planned::Off(number(1)?, signed(2)?),
+        "held" => Planned::Held,
+        "absent" => Planned::Absent,
+        "uncalibrated" => Planned::Uncalibrated,
+        "type" => Planned::Type(signed(1)?),
+        "status" => Planned::StatusWords(usize::try_from(number(1)?).ok()?),
+        "own-clock" => Planned::OwnClock,
+        _ => return None,
+    })
+}
+
+/// Whether call `number` is one of `times` from `at` on.
+pub fn among(number: u64, at: u64, times: u64) -> bool {
+    number >= at && number - at < times
+}

@@ -1,0 +1,259 @@
+//! Where the library is looked for, and what is said when it is not there.
+
+use crate::Dhd;
+use std::env;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Variables that name the library itself, and the maker's own for the folder of its SDK.
+pub const ENVIRONMENT: [&str; 3] = ["TOUCHSTONE_DHD", "FDSDK", "FORCEDIM_SDK"];
+
+/// Names without version, the larger library first: it has all of the other.
+#[cfg(target_os = "windows")]
+const NAMES: [&str; 4] = ["drd64.dll", "dhd64.dll", "drd.dll", "dhd.dll"];
+#[cfg(target_os = "macos")]
+const NAMES: [&str; 2] = ["libdrd.dylib", "libdhd.dylib"];
+#[cfg(not(any(target_os = "windows", target_os = "macos")))]
+const NAMES: [&str; 4] = ["libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"];
+
+/// What a file's name begins with and has in it, where a version follows.
+#[cfg(target_os = "windows")]
+const VERSIONED: [(&str, &str); 0] = [];
+#[cfg(target_os = "macos")]
+const VERSIONED: [(&str, &str); 2] = [("libdrd", ".dylib"), ("libdhd", ".dylib")];
+#[cfg(not(any(target_os = "windows", target_os = "macos")))]
+const VERSIONED: [(&str, &str); 2] = [("libdrd.so", ""), ("libdhd.so", "")];
+
+/// Where to look.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Search {
+    /// The file itself; nothing else is tried then.
+    pub file: Option<PathBuf>,
+    /// Folders, first to last.
+    pub folders: Vec<PathBuf>,
+    /// Whether the system's loader is asked in the end.
+    pub system: bool,
+}
+
+/// No library.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NotLoaded {
+    /// Places, and what was wrong with each.
+    pub tried: Vec<(PathBuf, String)>,
+    /// Whether a file was named.
+    pub named: bool,
+}
+
+impl fmt::Display for NotLoaded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.named {
+            let (path, why) = &self.tried[0];
+            return write!(f, "{} cannot be loaded: {why}", path.display());
+        }
+        write!(f, "libdrd and libdhd were not found; looked in")?;
+        for (i, (path, why)) in self.tried.iter().enumerate() {
+            let comma = if i > 0 { "," } else { "" };
+            write!(f, "{comma} {} ({why})", path.display())?;
+        }
+        Ok(())
+    }
+}
+
+impl NotLoaded {
+    /// How to mend it.
+    #[must_use]
+    pub fn fix(&self) -> &'static str {
+        if self.tried.iter().any(|(_, why)| why.contains("usb")) {
+            return "install libusb 1.0, which the library needs (Debian, Ubuntu: apt install libusb-1.0-0)";
+        }
+        "install Force Dimension's SDK (forcedimension.com/software/sdk) and set FDSDK to its folder, or name the library by --library FILE"
+    }
+}
+
+impl Search {
+    /// A file that the user named, by option; otherwise by `TOUCHSTONE_DHD`; otherwise where the SDK is or is installed to.
+    #[must_use]
+    pub fn new(named: Option<&Path>) -> Self {
+        let set = |name| env::var_os(name).filter(|text| !text.is_empty());
+        let file = named
+            .map(Path::to_owned)
+            .or_else(|| set(ENVIRONMENT[0]).map(PathBuf::from));
+        if file.is_some() {
+            return Self {
+                file,
+                ..Self::default()
+            };
+        }
+        let mut folders = Vec::new();
+        for sdk in ENVIRONMENT[1..].iter().filter_map(|name| set(name)) {
+            let sdk = PathBuf::from(sdk);
+            folders.extend(children(&sdk.join("lib").join("release"), &platform()));
+            folders.extend([sdk.join("lib"), sdk.join("bin"), sdk]);
+        }
+        if let Some(home) = set("HOME") {
+            folders.push(PathBuf::from(home).join(".local").join("lib"));
+        }
+        if cfg!(unix) {
+            folders.push("/usr/local/lib".into());
+        }
+        for root in [set("LOCALAPPDATA"), set("ProgramFiles")]
+            .into_iter()
+            .flatten()
+        {
+            let vendor = PathBuf::from(root).join("Force Dimension");
+            folders.extend(
+                children(&vendor, "sdk-")
+                    .into_iter()
+                    .map(|sdk| sdk.join("bin")),
+            );
+        }
+        Self {
+            file: None,
+            folders,
+            system: true,
+        }
+    }
+
+    /// The first library that loads.
+    ///
+    /// # Errors
+    /// None does: all places, and why.
+    pub fn load(&self) -> Result<Dhd, NotLoaded> {
+        let mut tried = Vec::new();
+        if let Some(file) = &self.file {
+            // A bare name would be looked up by the system's loader, not here.
+            let here = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+            return Dhd::load(&here).map_err(|why| NotLoaded {
+                tried: vec![(file.clone(), why)],
+                named: true,
+            });
+        }
+        for folder in &self.folders {
+            let found = libraries(folder);
+            if found.is_empty() {
+                tried.push((folder.clone(), "not there".to_owned()));
+            }
+            for library in found {
+                match Dhd::load(&library) {
+                    Ok(dhd) => return Ok(dhd),
+                    Err(why) => tried.push((library, why)),
+                }
+            }
+        }
+        for name in NAMES.iter().filter(|_| self.system) {
+            match Dhd::load(Path::new(name)) {
+                Ok(dhd) => return Ok(dhd),
+                // What the loader says of a name that it does not know is the same for all.
+                Err(why) if why.contains("usb") => tried.push((name.into(), why)),
+                Err(_) => {}
+            }
+        }
+        if self.system {
+            tried.push(("the system's libraries".into(), "not there".to_owned()));
+        }
+        Err(NotLoaded {
+            tried,
+            named: false,
+        })
+    }
+}
+
+/// As in the names of the SDK's folders.
+fn platform() -> String {
+    let system = if cfg!(target_os = "macos") {
+        "mac"
+    } else {
+        "lin"
+    };
+    let machine = match env::consts::ARCH {
+        "aarch64" if cfg!(target_os = "macos") => "arm64",
+        machine => machine,
+    };
+    format!("{system}-{machine}-")
+}
+
+/// Folders of a folder whose names begin so, the last in the alphabet first.
+fn children(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    let mut found = named(folder, |name| name.starts_with(prefix));
+    found.retain(|path| path.is_dir());
+    found
+}
+
+/// The libraries in a folder: the larger one first, newer versions first.
+fn libraries(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for (start, part) in VERSIONED {
+        found.extend(named(folder, |name| {
+            name.starts_with(start) && name.contains(part)
+        }));
+    }
+    for name in NAMES {
+        let path = folder.join(name);
+        if path.is_file() && !found.contains(&path) {
+            found.push(path);
+        }
+    }
+    found
+}
+
+fn named(folder: &Path, wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut found: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| {
+            path.file_name()
+                .and_then(|name| name.to_str())
+                .is_some_and(&wanted)
+        })
+        .collect();
+    found.sort_by_key(|path| std::cmp::Reverse(numbers(path)));
+    found
+}
+
+/// The numbers in a name, so that 3.17.6 comes after 3.9.1.
+fn numbers(path: &Path) -> (Vec<u32>, PathBuf) {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let numbers = name.split(|letter: char| !letter.is_ascii_digit());
+    (
+        numbers.filter_map(|digits| digits.parse().ok()).collect(),
+        path.to_owned(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn newer_versions_come_first() {
+        let key = |name: &str| numbers(Path::new(name)).0;
+        assert!(key("libdrd.so.3.17.6") > key("libdrd.so.3.9.1"));
+        assert!(key("sdk-3.17.6") > key("sdk-3.16.1"));
+    }
+
+    #[test]
+    fn what_is_not_there_is_said_with_every_place_and_a_remedy() {
+        let search = Search {
+            folders: vec!["/nowhere/a".into(), "/nowhere/b".into()],
+            ..Search::default()
+        };
+        let missing = search.load().expect_err("no library");
+        let said = missing.to_string();
+        assert!(
+            said.contains("/nowhere/a (not there), /nowhere/b"),
+            "{said}"
+        );
+        assert!(missing.fix().contains("FDSDK") && missing.fix().contains("--library"));
+        let named = Search::new(Some(Path::new("/nowhere/libdrd.so")));
+        let missing = named.load().expect_err("no library");
+        assert!(missing.named && missing.tried.len() == 1);
+        assert!(
+            missing
+                .to_string()
+                .starts_with("/nowhere/libdrd.so cannot be loaded")
+        );
+    }
+}

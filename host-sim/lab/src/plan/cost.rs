@@ -1,0 +1,111 @@
+//! What a tick costs: by the ladder of counted instructions, and by the clock.
+
+use std::collections::BTreeMap;
+
+use touchstone_control::{Choice as _, LawKind};
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::run::effects::Effect;
+use touchstone_sim::scene::Scene;
+
+use crate::accuracy::clock::{Spread, Work, race};
+
+/// Counted by `cargo xtask bench --ladder --write`.
+const COUNTED: &str = include_str!("ladder.txt");
+/// Repeats of a timed run.
+const REPEATS: u32 = 15;
+
+/// Counted instructions a tick by configuration.
+pub struct Ladder {
+    counted: BTreeMap<&'static str, f64>,
+}
+
+impl Ladder {
+    /// The one that was counted last.
+    pub fn known() -> Self {
+        let counted = COUNTED
+            .lines()
+            .filter_map(|line| line.rsplit_once(' '))
+            .filter_map(|(name, count)| Some((name, count.parse().ok()?)))
+            .collect();
+        Self { counted }
+    }
+
+    fn beyond_bare(&self, name: &str) -> Option<f64> {
+        Some(self.counted.get(name)? - self.counted.get("bare")?)
+    }
+
+    /// What an effect adds alone.
+    pub fn alone(&self, name: &str) -> Option<f64> {
+        self.beyond_bare(&format!("with:{name}"))
+    }
+
+    fn together(&self, a: &str, b: &str) -> Option<f64> {
+        self.beyond_bare(&format!("with:{a}+{b}"))
+            .or_else(|| self.beyond_bare(&format!("with:{b}+{a}")))
+    }
+
+    /// The bare loop, the law, each effect, and what each pair adds beyond both.
+    pub fn predicted(&self, scene: &Scene, names: &[&str]) -> Option<f64> {
+        let mut sum = *self.counted.get("bare")?;
+        if scene.law.kind != LawKind::Spring {
+            sum += self.beyond_bare(&format!("law:{}", scene.law.kind.word()))?;
+        }
+        if scene.law.states.word() == "estimated" {
+            sum += self.beyond_bare("set:law.states=estimated")?;
+        }
+        if scene.law.guard.on {
+            sum += self.beyond_bare("set:law.guard.on=true")?;
+        }
+        for (at, name) in names.iter().enumerate() {
+            let alone = self.alone(name)?;
+            sum += alone;
+            for other in &names[at + 1..] {
+                // A pair that no scene can have adds nothing.
+                if let Some(both) = self.together(name, other) {
+                    sum += both - alone - self.alone(other)?;
+                }
+            }
+        }
+        Some(sum)
+    }
+}
+
+/// Time of a tick, and what it is shorter by without each effect, ns.
+///
+/// # Errors
+/// What a run of the scene would be refused for.
+pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64>>)> {
+    run::simulate(scene, None)?;
+    let without: Vec<Option<Scene>> = named
+        .iter()
+        .map(|effect| scene.with(effect.remove).ok())
+        .map(|scene| scene.filter(|scene| run::simulate(scene, None).is_ok()))
+        .collect();
+    let ticks = scene.timing.ticks() as f64;
+    let scenes: Vec<&Scene> = std::iter::once(scene)
+        .chain(without.iter().flatten())
+        .collect();
+    let mut work: Vec<Work<'_>> = scenes
+        .iter()
+        .map(|scene| -> Work<'_> {
+            // Each has been run once: it is not refused.
+            Box::new(move || f64::from(u8::from(run::simulate(scene, None).is_ok())))
+        })
+        .collect();
+    let mut spreads = race(&mut work, ticks, REPEATS, || {}).into_iter();
+    let whole = spreads.next().unwrap_or(Spread {
+        least_ns: f64::NAN,
+        lower_quartile_ns: f64::NAN,
+        median_ns: f64::NAN,
+        upper_quartile_ns: f64::NAN,
+    });
+    let saved = without
+        .iter()
+        .map(|scene| {
+            scene.as_ref()?;
+            Some(whole.least_ns - spreads.next()?.least_ns)
+        })
+        .collect();
+    Ok((whole, saved))
+}

@@ -1,0 +1,190 @@
+//! Effects that a scene does not name, each tried at its typical magnitude: which of them would change what the scene shows?
+
+use serde::Serialize;
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::run::effects::{EFFECTS, Effect, exclude_each_other};
+use touchstone_sim::run::record::Summary;
+use touchstone_sim::scene::Scene;
+
+/// An output that an effect moves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Moved {
+    /// The output, as it is named in the results.
+    pub output: &'static str,
+    /// Without the effect; `None` where the run has none.
+    pub without: Option<f64>,
+    /// With it.
+    pub with: Option<f64>,
+}
+
+/// An effect that the scene does not name.
+#[derive(Debug, Clone, Serialize)]
+pub struct Omitted {
+    /// Its name.
+    pub name: &'static str,
+    /// The field or table that would name it.
+    pub field: &'static str,
+    /// The magnitude at which it was tried.
+    pub typical: &'static str,
+    /// Who says that this is typical.
+    pub source: &'static str,
+    /// Verdict with it, where that is another.
+    pub verdict: Option<&'static str>,
+    /// Outputs that it moves by more than the tolerance.
+    pub moves: Vec<Moved>,
+    /// Why it was not tried.
+    pub not_tried: Option<String>,
+}
+
+/// An output, and a change of it that nobody would care for.
+struct Output {
+    name: &'static str,
+    of: fn(&Summary) -> Option<f64>,
+    /// In the output's unit, for a count of so many radians.
+    floor: fn(f64) -> f64,
+}
+
+/// Torques below a thousandth of the thesis' press, N·m.
+const TORQUE_N_M: f64 = 1e-4;
+/// Energies that lift a grain of a milligram by a hundredth of a millimetre, and what a sum of many ticks rounds to, J.
+const ENERGY_J: f64 = 1e-7;
+
+const OUTPUTS: &[Output] = &[
+    Output {
+        name: "k_displayed",
+        of: |summary| summary.k_displayed,
+        floor: |_| 0.0,
+    },
+    Output {
+        name: "peak_penetration_ratio",
+        of: |summary| summary.peak_penetration_ratio,
+        floor: |_| 0.0,
+    },
+    Output {
+        name: "penetration_max",
+        of: |summary| Some(summary.penetration_max),
+        floor: |count| count,
+    },
+    Output {
+        name: "limit_cycle_peak_to_peak",
+        of: |summary| summary.limit_cycle_peak_to_peak,
+        floor: |count| count,
+    },
+    Output {
+        name: "force_max",
+        of: |summary| Some(summary.force_max),
+        floor: |_| TORQUE_N_M,
+    },
+    Output {
+        name: "ripple_rms_n_m",
+        of: |summary| summary.ripple_rms_n_m,
+        floor: |_| TORQUE_N_M,
+    },
+    Output {
+        name: "energy_out",
+        of: |summary| Some(summary.energy_out),
+        floor: |_| ENERGY_J,
+    },
+    Output {
+        name: "energy_out_worst_window_j",
+        of: |summary| Some(summary.energy_out_worst_window_j),
+        floor: |_| ENERGY_J,
+    },
+    Output {
+        name: "release_speed_rad_per_s",
+        of: |summary| summary.release_speed_rad_per_s,
+        floor: |_| 0.0,
+    },
+];
+
+/// How far the start is moved to see what of an output is the loop's own sensitivity, rad: far below everything that a scene is about.
+const NUDGE_RAD: f64 = 1e-9;
+
+/// Tries every effect that the scene does not name.
+///
+/// # Errors
+/// What a run of the scene would be refused for.
+pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
+    let plain = run::run(scene, false)?.summary;
+    let nudged = scene.with(|scene| {
+        if let Some(angle) = &mut scene.device.initial_angle_rad {
+            *angle += NUDGE_RAD;
+        } else {
+            scene.wall.surface_rad += NUDGE_RAD;
+        }
+    })?;
+    let nudged = run::run(&nudged, false)?.summary;
+    let count = scene
+        .encoder
+        .as_ref()
+        .map_or(std::f64::consts::TAU / 40_000.0, |encoder| {
+            encoder.step_rad()
+        });
+    let named = |effect: &Effect| (effect.is_named)(scene);
+    Ok(EFFECTS
+        .iter()
+        .filter(|effect| !named(effect))
+        .filter(|effect| {
+            let excluded = |other: &Effect| named(other) && exclude_each_other(effect, other);
+            !EFFECTS.iter().any(excluded)
+        })
+        .map(|effect| {
+            let mut found = Omitted {
+                name: effect.name,
+                field: effect.field,
+                typical: effect.typical,
+                source: effect.source,
+                verdict: None,
+                moves: Vec::new(),
+                not_tried: None,
+            };
+            if effect.of_hand && scene.operator.hand().is_none() {
+                found.not_tried = Some("nobody holds the device".to_owned());
+                return found;
+            }
+            match scene
+                .with(effect.add)
+                .and_then(|scene| run::run(&scene, false))
+            {
+                Err(error) => found.not_tried = Some(error.to_string()),
+                Ok(run) => {
+                    let with = run.summary;
+                    found.verdict = (with.verdict != plain.verdict).then(|| with.verdict.name());
+                    found.moves = OUTPUTS
+                        .iter()
+                        .filter_map(|output| {
+                            moved(output, [&plain, &nudged, &with], tolerance, count)
+                        })
+                        .collect();
+                }
+            }
+            found
+        })
+        .collect())
+}
+
+/// The output, if the effect moves it: by more than the tolerance, by more than anybody would care for, and by more than three times
+/// what a hair's nudge of the start does.
+fn moved(
+    output: &Output,
+    [plain, nudged, with]: [&Summary; 3],
+    tolerance: f64,
+    count: f64,
+) -> Option<Moved> {
+    let [without, own, with] = [plain, nudged, with].map(|summary| (output.of)(summary));
+    let told = Moved {
+        output: output.name,
+        without,
+        with,
+    };
+    let (Some(a), Some(b)) = (without, with) else {
+        return (without.is_some() != with.is_some()).then_some(told);
+    };
+    let by_itself = own.map_or(0.0, |own| (own - a).abs());
+    let least = (tolerance * a.abs().max(b.abs()))
+        .max((output.floor)(count))
+        .max(3.0 * by_itself);
+    // A run that left all numbers has moved.
+    ((b - a).abs() > least || !(b - a).is_finite()).then_some(told)
+}

@@ -1,0 +1,133 @@
+//! The JSON schema of a plan. `docs/schema/plan.schema.json` is its text.
+
+use serde_json::{Value, json};
+
+use crate::report::plain_schema::{array, document, object};
+
+/// The schema.
+#[must_use]
+pub fn schema() -> Value {
+    let program = object(
+        &[
+            ("name", "string", "the program"),
+            ("version", "string", "its version"),
+            ("commit", "string?", "commit that it was built from"),
+            (
+                "modified",
+                "boolean",
+                "whether its sources differed from the commit",
+            ),
+        ],
+        &[],
+    );
+    let eigenvalue = object(
+        &[
+            (
+                "re_per_s",
+                "number",
+                "real part: growth where positive; 1/s",
+            ),
+            (
+                "im_rad_per_s",
+                "number",
+                "imaginary part, not negative; rad/s",
+            ),
+            (
+                "frequency_hz",
+                "number?",
+                "frequency of a swinging pair; Hz",
+            ),
+        ],
+        &[],
+    );
+    let named = object(
+        &[
+            ("name", "string", "an effect"),
+            ("place", "string", "where it stands in the loop"),
+            (
+                "instructions",
+                "number?",
+                "instructions a tick that it adds alone, by the ladder",
+            ),
+            (
+                "ns",
+                "number?",
+                "time of a tick with it less that without it; ns",
+            ),
+        ],
+        &[],
+    );
+    let moved = object(
+        &[
+            ("output", "string", "an output, as the results name it"),
+            (
+                "without",
+                "number?",
+                "without the effect, in the results' unit",
+            ),
+            ("with", "number?", "with it"),
+        ],
+        &[],
+    );
+    let omitted = object(
+        &[
+            ("name", "string", "an effect that the scene does not name"),
+            ("field", "string", "the field or table that would"),
+            ("typical", "string", "the magnitude at which it was tried"),
+            ("source", "string", "who says that this is typical"),
+            (
+                "verdict",
+                "string?",
+                "the verdict with it, where that is another",
+            ),
+            ("not_tried", "string?", "why it was not tried"),
+        ],
+        &[("moves", array(moved))],
+    );
+    let mut measured = object(
+        &[
+            ("least_ns", "number", "least of the repeats; ns a tick"),
+            ("lower_quartile_ns", "number", "lower quartile; ns"),
+            ("median_ns", "number", "median; ns"),
+            ("upper_quartile_ns", "number", "upper quartile; ns"),
+        ],
+        &[],
+    );
+    measured["type"] = json!(["object", "null"]);
+    let words = || json!({"type": "array", "items": {"type": "string"}});
+    document(
+        "A plan of Touchstone",
+        "What `touchstone plan --json` prints.",
+        object(
+            &[
+                ("schema_version", "integer", "version of this layout"),
+                ("scene", "string", "the scene"),
+                ("tier", "string", "how the plant crosses a tick"),
+                (
+                    "substeps",
+                    "integer",
+                    "substeps of a tick; 1 for an exact step",
+                ),
+                (
+                    "predicted_instructions",
+                    "number?",
+                    "instructions a tick by the ladder",
+                ),
+                (
+                    "tolerance",
+                    "number",
+                    "share by which an output may move before it is told",
+                ),
+            ],
+            &[
+                ("program", program),
+                ("states", words()),
+                ("eigenvalues", array(eigenvalue)),
+                ("reasons", words()),
+                ("effects", array(named)),
+                ("measured", measured),
+                ("omitted", array(omitted)),
+            ],
+        ),
+    )
+}

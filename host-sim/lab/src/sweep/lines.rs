@@ -1,0 +1,188 @@
+//! What theory says of the plane of a map: lines on which the wall's stiffness reaches a bound, and the certificate's boundary.
+
+use super::grid::{Grid, Scenes};
+use crate::certify::{self, hands::Family};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use touchstone_sim::scene::Scene;
+
+/// Nodes of a line on either axis; between them its place is found by bisection.
+const NODES: usize = 49;
+/// The same of the certificate, whose every node is a computation of milliseconds.
+const NODES_OF_CERTIFICATE: usize = 33;
+/// Halvings of an edge that a line crosses.
+const HALVINGS: u32 = 20;
+const HALVINGS_OF_CERTIFICATE: u32 = 6;
+
+/// A line in the plane, on the axes' own scales.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// Style of its stroke.
+    pub role: &'static str,
+    /// What it is.
+    pub name: &'static str,
+    /// Its pieces.
+    pub pieces: Vec<[(f64, f64); 2]>,
+}
+
+/// A bound of the stiffness: how it is drawn and named, and what it is in a scene.
+type Bound = (&'static str, &'static str, fn(&Scene) -> Option<f64>);
+
+/// Time by which a held force is late, s: half a period and the computational delay.
+fn late_s(scene: &Scene) -> f64 {
+    0.5 * scene.timing.period_s() + scene.timing.computational_delay_s
+}
+
+/// Bounds of a wall that is a spring; for other laws they say where a spring would end.
+const BOUNDS: [Bound; 3] = [
+    // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is what the law counts on, thesis §5.1.
+    ("kc", "k_c = c_i/(T/2 + t_d)", |scene| {
+        Some(scene.law.device_damping_n_m_s_per_rad / late_s(scene))
+    }),
+    ("law-b", "(b + b_pad)/(T/2 + t_d)", |scene| {
+        let pad = scene
+            .operator
+            .hand()
+            .map_or(0.0, |hand| hand.pad_damping_n_m_s_per_rad);
+        Some((scene.device.damping_n_m_s_per_rad + pad) / late_s(scene))
+    }),
+    // Abbott and Okamura 2005: dry friction against the work of a count's rounding.
+    ("law-a", "2 F_k/count", |scene| {
+        let friction = scene.device.friction.as_ref()?.kinetic_n_m;
+        Some(2.0 * friction / scene.encoder.as_ref()?.step_rad())
+    }),
+];
+
+/// All that apply: those that cross the plane.
+#[must_use]
+pub fn all(grid: &Grid, certificate: bool) -> Vec<Line> {
+    if grid.x.numbers().is_none() || grid.y.numbers().is_none() {
+        return Vec::new();
+    }
+    let mut lines: Vec<Line> = Vec::new();
+    for (role, name, bound) in BOUNDS {
+        let excess = |scene: &Scene| {
+            bound(scene)
+                .filter(|bound| *bound > 0.0)
+                .map(|bound| (scene.wall.k_desired_n_m_per_rad / bound).ln())
+        };
+        let pieces = traced(grid, NODES, HALVINGS, &excess);
+        // Two bounds may be one: a law that counts on what is there.
+        let known = lines.iter().any(|line| near(&line.pieces, &pieces));
+        if !pieces.is_empty() && !known {
+            lines.push(Line { role, name, pieces });
+        }
+    }
+    if certificate {
+        let asked = certify::Options {
+            family: Family::Own,
+            margins: false,
+            current_loop_hz: None,
+        };
+        let stable = |scene: &Scene| {
+            let said = certify::certify(scene, &asked).ok()?;
+            Some(if said.verdict == certify::Verdict::Stable {
+                -1.0
+            } else {
+                1.0
+            })
+        };
+        let pieces = traced(grid, NODES_OF_CERTIFICATE, HALVINGS_OF_CERTIFICATE, &stable);
+        if !pieces.is_empty() {
+            lines.push(Line {
+                role: "law-g",
+                name: "certified stable within",
+                pieces,
+            });
+        }
+    }
+    lines
+}
+
+/// Whether two lines are the same to rounding.
+fn near(a: &[[(f64, f64); 2]], b: &[[(f64, f64); 2]]) -> bool {
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs()).max(1e-30);
+    a.len() == b.len()
+        && a.iter()
+            .flatten()
+            .zip(b.iter().flatten())
+            .all(|(a, b)| close(a.0, b.0) && close(a.1, b.1))
+}
+
+/// Where a function of the scene changes its sign: marching squares over a grid of nodes, each crossing of an edge bisected.
+fn traced(
+    grid: &Grid,
+    nodes: usize,
+    halvings: u32,
+    value: &(dyn Fn(&Scene) -> Option<f64> + Sync),
+) -> Vec<[(f64, f64); 2]> {
+    let (x, y) = (grid.x.span(), grid.y.span());
+    if x.0 == x.1 || y.0 == y.1 {
+        return Vec::new();
+    }
+    let share = |index: usize| index as f64 / (nodes - 1) as f64;
+    let place = |column: f64, row: f64| (x.0 + (x.1 - x.0) * column, y.0 + (y.1 - y.0) * row);
+    let at = |scenes: &mut Scenes<'_>, (x, y): (f64, f64)| {
+        let scene = scenes.between(grid.x.unscaled(x), grid.y.unscaled(y))?;
+        value(&scene).filter(|value| value.is_finite())
+    };
+    let values: Vec<Option<f64>> = (0..nodes * nodes)
+        .into_par_iter()
+        .map_init(
+            || grid.scenes(),
+            |scenes, node| at(scenes, place(share(node % nodes), share(node / nodes))),
+        )
+        .collect();
+    let inside = |node: usize| values[node].map(|value| value < 0.0);
+    // Every edge once, by its two nodes.
+    let mut edges: Vec<[usize; 2]> = Vec::new();
+    for node in 0..nodes * nodes {
+        if node % nodes + 1 < nodes {
+            edges.push([node, node + 1]);
+        }
+        if node / nodes + 1 < nodes {
+            edges.push([node, node + nodes]);
+        }
+    }
+    let crossed: HashMap<[usize; 2], (f64, f64)> = edges
+        .into_par_iter()
+        .filter(|[a, b]| matches!((inside(*a), inside(*b)), (Some(a), Some(b)) if a != b))
+        .map_init(
+            || grid.scenes(),
+            |scenes, [a, b]| {
+                let node = |node: usize| place(share(node % nodes), share(node / nodes));
+                let (mut near, mut far) = (node(a), node(b));
+                let begins = inside(a) == Some(true);
+                for _ in 0..halvings {
+                    let middle = (0.5 * (near.0 + far.0), 0.5 * (near.1 + far.1));
+                    let same = at(scenes, middle).map_or(begins, |value| value < 0.0) == begins;
+                    if same {
+                        near = middle;
+                    } else {
+                        far = middle;
+                    }
+                }
+                ([a, b], (0.5 * (near.0 + far.0), 0.5 * (near.1 + far.1)))
+            },
+        )
+        .collect();
+    let mut pieces = Vec::new();
+    for row in 0..nodes - 1 {
+        for column in 0..nodes - 1 {
+            let corner = row * nodes + column;
+            let around = [
+                [corner, corner + 1],
+                [corner + 1, corner + 1 + nodes],
+                [corner + nodes, corner + nodes + 1],
+                [corner, corner + nodes],
+            ];
+            let ends: Vec<(f64, f64)> = around
+                .iter()
+                .filter_map(|edge| crossed.get(edge).copied())
+                .collect();
+            // Two ends or, at a saddle, four.
+            pieces.extend(ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
+        }
+    }
+    pieces
+}

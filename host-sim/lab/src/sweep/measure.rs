@@ -1,0 +1,127 @@
+//! What of a run is kept for each cell: the verdict always, and of the summary's measures those that were asked for.
+
+use crate::report::measures::MEASURES;
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::run::record::{Run, Summary};
+use touchstone_sim::run::verdict::WORDS;
+use touchstone_sim::scene::nearest;
+
+/// Name of the verdict among the measures.
+pub const VERDICT: &str = "verdict";
+/// In the place of a verdict: a scene that contradicts itself, or that its law refuses.
+pub const REFUSED: &str = "refused";
+
+/// A number of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Measure {
+    /// Its name, a field of `results.json`.
+    pub name: &'static str,
+    /// For people.
+    pub words: &'static str,
+    /// SI unit; `1` is a plain number.
+    pub unit: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Its value; `None` where it does not apply.
+    pub of: fn(&Summary) -> Option<f64>,
+}
+
+/// All of them.
+#[must_use]
+pub fn measures() -> Vec<Measure> {
+    let mut all: Vec<Measure> = MEASURES
+        .iter()
+        .map(|measure| Measure {
+            name: measure.field,
+            words: measure.words,
+            unit: measure.unit,
+            meaning: measure.meaning,
+            of: measure.value,
+        })
+        .collect();
+    all.push(Measure {
+        name: "dynamic_stiffness_modulus",
+        words: "dynamic stiffness",
+        unit: "N·m/rad",
+        meaning: "amplitude of the force over that of the penetration of a hand that moves in a rhythm inside the wall",
+        of: |s| s.dynamic_stiffness.first().map(|it| it.modulus_n_m_per_rad),
+    });
+    all.push(Measure {
+        name: "dynamic_stiffness_phase_deg",
+        words: "phase of the dynamic stiffness",
+        unit: "°",
+        meaning: "lead of the force over the penetration of that hand; a force that lags is negative damping",
+        of: |s| s.dynamic_stiffness.first().map(|it| it.phase_deg),
+    });
+    all
+}
+
+/// The measures of these names, the verdict left out; each once.
+///
+/// # Errors
+/// [`Error::Option`] for a name that there is none of.
+pub fn named(names: &[String]) -> Result<Vec<Measure>> {
+    let all = measures();
+    let mut found: Vec<Measure> = Vec::new();
+    for name in names.iter().filter(|name| *name != VERDICT) {
+        let Some(measure) = all.iter().find(|measure| measure.name == name) else {
+            let known: Vec<&str> = all.iter().map(|measure| measure.name).collect();
+            return Err(Error::Option {
+                option: format!("--measure {name}"),
+                problem: "a run has no such measure".to_owned(),
+                fix: match nearest(name, &known) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => format!("give {VERDICT} or some of {}", known.join(", ")),
+                },
+            });
+        };
+        if found.iter().all(|other| other.name != measure.name) {
+            found.push(*measure);
+        }
+    }
+    Ok(found)
+}
+
+/// Words that a cell may have in the place of a verdict, from good to bad.
+#[must_use]
+pub fn verdicts() -> Vec<&'static str> {
+    WORDS
+        .iter()
+        .map(|(word, _)| *word)
+        .chain([REFUSED])
+        .collect()
+}
+
+/// What is kept of a cell: a line of the table.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Row(
+    /// Number of the cell.
+    pub u64,
+    /// The value of x.
+    pub String,
+    /// The value of y.
+    pub String,
+    /// The verdict, or [`REFUSED`].
+    pub String,
+    /// The measures; what does not apply or is not finite is empty.
+    pub Vec<Option<f64>>,
+);
+
+impl Row {
+    /// Of a run, or of none.
+    #[must_use]
+    pub fn of(cell: u64, [x, y]: [String; 2], run: Option<&Run>, measures: &[Measure]) -> Self {
+        let verdict = run.map_or(REFUSED, |run| run.summary.verdict_name());
+        let value = |measure: &Measure| {
+            run.and_then(|run| (measure.of)(&run.summary))
+                .filter(|value| value.is_finite())
+        };
+        Self(
+            cell,
+            x,
+            y,
+            verdict.to_owned(),
+            measures.iter().map(value).collect(),
+        )
+    }
+}

@@ -1,0 +1,309 @@
+//! Any two settings of a scene against any measure of its run: a map, cell by cell.
+//!
+//! [`axis`] and [`grid`] make the scenes of the cells, [`measure`] says what is kept of each run, [`store`] keeps the cells in a
+//! folder, so that a sweep that was ended goes on and shards come together, [`lines`] computes what theory says of the same plane,
+//! [`map`] draws both, and [`output`] writes it all. A cell depends on nothing but its scene: whatever the threads, the shards and
+//! the interruptions, the bytes are the same.
+
+pub mod axis;
+pub mod grid;
+pub mod lines;
+pub mod map;
+pub mod measure;
+pub mod output;
+pub mod store;
+#[cfg(test)]
+mod tests;
+
+use crate::report::ProgramVersion;
+use crate::report::origin::{SCHEMA_VERSION, sha256};
+use axis::Axis;
+use grid::Grid;
+use measure::{Measure, Row};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use store::{Shard, Store};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::run;
+use touchstone_sim::scene::{MotionSpec, Scene};
+
+/// How long a piece of work lasts between two writes: what an interruption loses.
+const PIECE: Duration = Duration::from_millis(500);
+
+/// What is asked for.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// The cells.
+    pub grid: Grid,
+    /// What is kept of each beside its verdict.
+    pub measures: Vec<Measure>,
+    /// The program that runs them.
+    pub program: ProgramVersion,
+    /// The command that makes the whole again, without words that say where, in which part and how.
+    pub command: String,
+    /// Files that the scene reads, with their hashes.
+    inputs: Vec<Value>,
+}
+
+impl Sweep {
+    /// Puts a sweep together; `x` and `y` as on the command line.
+    ///
+    /// # Errors
+    /// An axis that is none of the scene's, an unknown measure, a recording that cannot be read.
+    pub fn new(
+        scene: &Scene,
+        [x, y]: [&str; 2],
+        measures: &[String],
+        program: ProgramVersion,
+        command: &str,
+    ) -> Result<Self> {
+        let x = Axis::parse("--x", x, scene)?;
+        let y = Axis::parse("--y", y, scene)?;
+        let mut inputs = Vec::new();
+        if let MotionSpec::Recorded(recorded) = &scene.operator.motion {
+            let content = std::fs::read(&recorded.file).map_err(|error| Error::Io {
+                path: recorded.file.clone(),
+                problem: error.to_string(),
+                fix: "give a recording that can be read".to_owned(),
+            })?;
+            inputs.push(
+                json!({"path": recorded.file, "sha256": sha256(&content), "bytes": content.len()}),
+            );
+        }
+        Ok(Self {
+            grid: Grid::of(scene, x, y)?,
+            measures: measure::named(measures)?,
+            program,
+            command: command.to_owned(),
+            inputs,
+        })
+    }
+
+    /// Everything that decides about the cells, and the command.
+    #[must_use]
+    pub fn plan(&self) -> Value {
+        let axis =
+            |axis: &Axis| json!({"field": axis.field.path, "log": axis.log, "values": axis.values});
+        json!({
+            "schema_version": SCHEMA_VERSION,
+            "program": self.program,
+            "command": self.command,
+            "scene": self.grid.base,
+            "inputs": self.inputs,
+            "x": axis(&self.grid.x),
+            "y": axis(&self.grid.y),
+            "measures": self.measures.iter().map(|measure| measure.name).collect::<Vec<_>>(),
+        })
+    }
+
+    /// Names of the columns of the cells.
+    #[must_use]
+    pub fn header(&self) -> Vec<String> {
+        let mut names = vec![
+            "cell".to_owned(),
+            self.grid.x.field.path.to_owned(),
+            self.grid.y.field.path.to_owned(),
+            measure::VERDICT.to_owned(),
+        ];
+        names.extend(self.measures.iter().map(|measure| measure.name.to_owned()));
+        names
+    }
+
+    /// One cell, and why it was refused, if it was.
+    pub fn cell(&self, scenes: &mut grid::Scenes<'_>, cell: u64) -> (Row, Option<Error>) {
+        let (column, row) = self.grid.place(cell);
+        let place = [self.grid.x.text(column), self.grid.y.text(row)];
+        match scenes
+            .of_cell(cell)
+            .and_then(|scene| run::run(&scene, false))
+        {
+            Ok(run) => (Row::of(cell, place, Some(&run), &self.measures), None),
+            Err(error) => (Row::of(cell, place, None, &self.measures), Some(error)),
+        }
+    }
+
+    /// Computes what is missing of a shard, as many cells at a time as there are threads; tells how many cells of the shard are done.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn fill(
+        &self,
+        store: &mut Store,
+        shard: Shard,
+        mut told: impl FnMut(u64),
+    ) -> Result<Filled> {
+        let own: Vec<u64> = (0..self.grid.cells())
+            .filter(|cell| shard.has(*cell))
+            .collect();
+        let todo: Vec<u64> = own
+            .iter()
+            .copied()
+            .filter(|cell| !store.cells.contains_key(cell))
+            .collect();
+        let mut filled = Filled {
+            before: (own.len() - todo.len()) as u64,
+            computed: 0,
+            refusal: None,
+        };
+        told(filled.before);
+        let mut piece = 4 * rayon::current_num_threads();
+        let mut rest = &todo[..];
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at(piece.min(rest.len()));
+            let begun = Instant::now();
+            let done: Vec<(Row, Option<Error>)> = now
+                .par_iter()
+                .map_init(
+                    || self.grid.scenes(),
+                    |scenes, cell| self.cell(scenes, *cell),
+                )
+                .collect();
+            let mut rows = Vec::with_capacity(done.len());
+            for (row, refusal) in done {
+                if let Some(error) = refusal {
+                    let cell = row.0;
+                    filled.refusal.get_or_insert((cell, error));
+                }
+                rows.push(row);
+            }
+            store.keep(rows)?;
+            filled.computed += now.len() as u64;
+            told(filled.before + filled.computed);
+            rest = later;
+            // Towards the time that a piece is to take, by a factor of four at most.
+            let took = begun.elapsed().as_secs_f64().max(1e-6);
+            let factor = (PIECE.as_secs_f64() / took).clamp(0.25, 4.0);
+            piece = ((piece as f64 * factor) as usize).max(rayon::current_num_threads());
+        }
+        Ok(filled)
+    }
+}
+
+/// What a call of [`Sweep::fill`] did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filled {
+    /// Cells that were there.
+    pub before: u64,
+    /// Cells that were computed.
+    pub computed: u64,
+    /// The first cell that was refused in this call, and why.
+    pub refusal: Option<(u64, Error)>,
+}
+
+/// A sweep whose cells are in folders, put together again from what the first says of it, and its cells.
+///
+/// # Errors
+/// A folder without a sweep; folders of different sweeps, or of another program; cells that no folder has.
+pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, store::Cells)> {
+    let mut first: Option<(Value, &Path)> = None;
+    let mut cells = store::Cells::new();
+    for folder in folders {
+        let refuse = |problem: String, fix: &str| {
+            Err(Error::Io {
+                path: folder.clone(),
+                problem,
+                fix: fix.to_owned(),
+            })
+        };
+        let Some(plan) = store::plan_of(folder)? else {
+            return refuse(
+                "holds no sweep".to_owned(),
+                "give folders that `touchstone sweep … --out` made",
+            );
+        };
+        match &first {
+            None => first = Some((plan, folder)),
+            Some((other, place)) if !store::same(other, &plan) => {
+                return refuse(
+                    format!(
+                        "is of another sweep than {}: {}",
+                        place.display(),
+                        store::difference(other, &plan)
+                    ),
+                    "give the shards of one sweep",
+                );
+            }
+            Some(_) => {}
+        }
+        cells.extend(store::read_all(folder)?);
+    }
+    let Some((plan, place)) = first else {
+        return Err(Error::Option {
+            option: "merge".to_owned(),
+            problem: "no folders".to_owned(),
+            fix: "give the folders of the shards".to_owned(),
+        });
+    };
+    let sweep = Sweep::of_plan(&plan, place, program)?;
+    let missing = sweep.grid.cells() - (cells.len() as u64).min(sweep.grid.cells());
+    if missing > 0 {
+        return Err(Error::Io {
+            path: place.to_owned(),
+            problem: format!(
+                "{missing} of {} cells are in none of these folders",
+                sweep.grid.cells()
+            ),
+            fix: "let every shard come to its end, and name all their folders".to_owned(),
+        });
+    }
+    Ok((sweep, cells))
+}
+
+impl Sweep {
+    fn of_plan(plan: &Value, place: &Path, program: ProgramVersion) -> Result<Self> {
+        let wrong = |problem: String| Error::Io {
+            path: place.join(store::PLAN),
+            problem,
+            fix: "run the shards again with this program".to_owned(),
+        };
+        let scene: Scene = serde_json::from_value(plan["scene"].clone())
+            .map_err(|error| wrong(error.to_string()))?;
+        let axis = |name: &str| -> Result<Axis> {
+            let of = &plan[name];
+            let texts = of["values"].as_array().map(|values| {
+                let text = |value: &Value| {
+                    value
+                        .as_str()
+                        .map_or_else(|| value.to_string(), str::to_owned)
+                };
+                values.iter().map(text).collect::<Vec<_>>().join(",")
+            });
+            let text = format!(
+                "{}={}",
+                of["field"].as_str().unwrap_or_default(),
+                texts.unwrap_or_default()
+            );
+            let mut axis = Axis::parse(&format!("--{name}"), &text, &scene)?;
+            axis.log = of["log"].as_bool().unwrap_or_default();
+            Ok(axis)
+        };
+        let names: Vec<String> =
+            serde_json::from_value(plan["measures"].clone()).unwrap_or_default();
+        let sweep = Self {
+            grid: Grid::of(&scene, axis("x")?, axis("y")?)?,
+            measures: measure::named(&names)?,
+            program,
+            command: plan["command"].as_str().unwrap_or_default().to_owned(),
+            inputs: plan["inputs"].as_array().cloned().unwrap_or_default(),
+        };
+        let difference = store::difference(plan, &sweep.plan());
+        if difference.is_empty() {
+            Ok(sweep)
+        } else {
+            Err(wrong(format!("was made by another program: {difference}")))
+        }
+    }
+}
+
+/// Lets so many threads compute from now on.
+///
+/// # Errors
+/// Where they cannot be had, or others compute already.
+pub fn use_threads(threads: usize) -> std::result::Result<(), String> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|error| error.to_string())
+}

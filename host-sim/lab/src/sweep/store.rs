@@ -1,0 +1,195 @@
+//! The folder of a map while it is made: what is asked for, and the cells that are done.
+//!
+//! `sweep.json` says what the cells are; it is there before the first. `journal.csv` gets the cells as they are done and goes when
+//! `cells.csv` has all of them in order. So a folder holds the cells that it ever had, and nothing is computed a second time.
+
+use super::Sweep;
+use super::measure::Row;
+use crate::journal::{self, Journal};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use touchstone_sim::error::{Error, Result};
+
+/// What is asked for.
+pub const PLAN: &str = "sweep.json";
+/// Cells in order.
+pub const CELLS: &str = "cells.csv";
+const JOURNAL: &str = "journal.csv";
+
+/// Some of the cells: those whose number leaves this remainder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1 to [`Shard::of`].
+    pub index: u64,
+    /// In how many parts.
+    pub of: u64,
+}
+
+impl Shard {
+    /// All cells.
+    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
+
+    /// Whether a cell belongs to it. Neighbours go to different shards, so that all shards take the same time.
+    #[must_use]
+    pub fn has(self, cell: u64) -> bool {
+        cell % self.of == self.index - 1
+    }
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        text.split_once('/')
+            .and_then(|(index, of)| {
+                let (index, of) = (index.parse().ok()?, of.parse().ok()?);
+                (1..=of).contains(&index).then_some(Shard { index, of })
+            })
+            .ok_or_else(|| format!("is {text}; write I/N with I from 1 to N, such as 1/8"))
+    }
+}
+
+/// Cells by their numbers.
+pub type Cells = BTreeMap<u64, Row>;
+
+/// The folder.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    journal: Journal,
+    header: Vec<String>,
+    /// The cells that are done.
+    pub cells: Cells,
+}
+
+impl Store {
+    /// Opens the folder for a sweep, with what is done of it. With `force`, what belongs to another sweep is taken away.
+    ///
+    /// # Errors
+    /// A folder of another sweep, or one in which a program is at work; a folder that cannot be written.
+    pub fn open(folder: &Path, sweep: &Sweep, force: bool) -> Result<Self> {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        let (plan, asked) = (folder.join(PLAN), sweep.plan());
+        let mut known = plan_of(folder)?;
+        if let Some(other) = &known
+            && !same(other, &asked)
+        {
+            if !force {
+                return Err(Error::Io {
+                    path: folder.to_owned(),
+                    problem: format!("holds another sweep: {}", difference(other, &asked)),
+                    fix: "give --out another folder, or --force to begin anew".to_owned(),
+                });
+            }
+            for file in [JOURNAL, CELLS] {
+                let _ = std::fs::remove_file(folder.join(file));
+            }
+            known = None;
+        }
+        if known.is_none() {
+            std::fs::write(&plan, format!("{asked:#}\n"))
+                .map_err(|error| unwritable(&plan, &error))?;
+        }
+        let (journal, rows) = Journal::open(&folder.join(JOURNAL))?;
+        let mut cells = if known.is_some() {
+            read_cells(folder)?
+        } else {
+            Cells::new()
+        };
+        cells.extend(rows.into_iter().map(|row: Row| (row.0, row)));
+        Ok(Self {
+            folder: folder.to_owned(),
+            journal,
+            header: sweep.header(),
+            cells,
+        })
+    }
+
+    /// Keeps cells that are done.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(&mut self, rows: Vec<Row>) -> Result<()> {
+        let header: Vec<&str> = self.header.iter().map(String::as_str).collect();
+        self.journal.append(Some(&header), &rows)?;
+        self.cells.extend(rows.into_iter().map(|row| (row.0, row)));
+        Ok(())
+    }
+
+    /// Takes the journal away: [`CELLS`] has every row of it.
+    pub fn close(self) -> Cells {
+        drop(self.journal);
+        // One that stays holds nothing that is not known.
+        let _ = std::fs::remove_file(self.folder.join(JOURNAL));
+        self.cells
+    }
+}
+
+/// The cells in a folder that nobody is to write.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn read_all(folder: &Path) -> Result<Cells> {
+    let mut cells = read_cells(folder)?;
+    let rows: Vec<Row> = journal::read(&folder.join(JOURNAL))?;
+    cells.extend(rows.into_iter().map(|row| (row.0, row)));
+    Ok(cells)
+}
+
+fn read_cells(folder: &Path) -> Result<Cells> {
+    let rows: Vec<Row> = journal::read(&folder.join(CELLS))?;
+    Ok(rows.into_iter().map(|row| (row.0, row)).collect())
+}
+
+/// What a folder's cells are; `None` where there are none.
+///
+/// # Errors
+/// A file that is no plan.
+pub fn plan_of(folder: &Path) -> Result<Option<Value>> {
+    let path = folder.join(PLAN);
+    match std::fs::read(&path) {
+        Ok(text) => serde_json::from_slice(&text)
+            .map(Some)
+            .map_err(|error| Error::Io {
+                path,
+                problem: format!("is no plan of a sweep: {error}"),
+                fix: "give --out another folder, or remove the file".to_owned(),
+            }),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(unwritable(&path, &error)),
+    }
+}
+
+/// Whether two plans have the same cells: everything but the words of the command.
+#[must_use]
+pub fn same(a: &Value, b: &Value) -> bool {
+    difference(a, b).is_empty()
+}
+
+/// What differs between two plans, in a word or two.
+#[must_use]
+pub fn difference(a: &Value, b: &Value) -> String {
+    [
+        ("schema_version", "form of the files"),
+        ("program", "program"),
+        ("scene", "scene"),
+        ("inputs", "files that the scene reads"),
+        ("x", "x"),
+        ("y", "y"),
+        ("measures", "measures"),
+    ]
+    .iter()
+    .filter(|(key, _)| a[*key] != b[*key])
+    .map(|(_, words)| *words)
+    .collect::<Vec<_>>()
+    .join(", ")
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Error {
+    Error::Io {
+        path: path.to_owned(),
+        problem: error.to_string(),
+        fix: "give --out another folder".to_owned(),
+    }
+}

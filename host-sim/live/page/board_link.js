@@ -1,0 +1,35 @@
+// The one socket to the program: what comes over it, what is asked, and when nothing comes any more.
+const content = JSON.parse(document.getElementById("content").textContent);
+const $ = (id) => document.getElementById(id);
+const AGAIN_MS = 1000, SILENT_MS = 500;
+
+/** Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
+class ProgramLink {
+  constructor(on) {
+    this.on = on;
+    this.heard = performance.now();
+    this.open();
+  }
+  open() {
+    const socket = new WebSocket(content.socket);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => { this.heard = performance.now(); this.on.open(); };
+    socket.onmessage = ({ data }) => {
+      this.heard = performance.now();
+      if (typeof data === "string") { this.on.words(JSON.parse(data)); return; }
+      const numbers = new Float64Array(data);
+      // Acknowledged when it is taken, so that a page that hangs is noticed by the program.
+      this.on.rows(numbers.subarray(1));
+      this.send({ seen: numbers[0] });
+    };
+    socket.onclose = () => { this.on.closed(); setTimeout(() => this.open(), AGAIN_MS); };
+  }
+  /** Whether it went out. */
+  send(order) {
+    if (this.socket.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(order));
+    return true;
+  }
+  get silent() { return performance.now() - this.heard > SILENT_MS; }
+}

@@ -1,0 +1,175 @@
+//! A mesh: triangles with their planes, in a tree of boxes.
+
+use parry3d_f64::math::Vector;
+use parry3d_f64::shape::TriMesh;
+use std::path::Path;
+use touchstone_sim::error::{Error, Result};
+
+/// Why triangles are no mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MeshError {
+    /// No triangle has an area.
+    NoArea,
+    /// A triangle names a vertex that there is not, or one that is no number.
+    Vertex {
+        /// The triangle, from 0.
+        triangle: usize,
+    },
+}
+
+impl std::fmt::Display for MeshError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NoArea => f.write_str("no triangle has an area"),
+            Self::Vertex { triangle } => write!(f, "triangle {triangle} has a vertex that is none"),
+        }
+    }
+}
+
+impl std::error::Error for MeshError {}
+
+/// A triangle with what a proxy asks of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Face {
+    /// Its corners, counter-clockwise from outside, m.
+    pub corners: [Vector; 3],
+    /// Outwards, of length 1.
+    pub normal: Vector,
+    /// For each edge the direction inwards in the triangle's plane, of length 1.
+    pub inwards: [Vector; 3],
+}
+
+/// A triangle mesh. Its front faces, those whose corners run counter-clockwise, are outside; it need not be closed.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    pub(crate) tree: TriMesh,
+    pub(crate) faces: Vec<Face>,
+    size_m: f64,
+    left_out: usize,
+}
+
+impl Mesh {
+    /// From vertices in metres and triangles of their numbers. Triangles without an area are left out.
+    ///
+    /// # Errors
+    /// Nothing is left, or a triangle names what is no vertex.
+    pub fn new(
+        vertices: &[Vector],
+        triangles: &[[u32; 3]],
+    ) -> std::result::Result<Self, MeshError> {
+        let (mut faces, mut kept) = (Vec::new(), Vec::new());
+        for (number, triangle) in triangles.iter().enumerate() {
+            let mut corners = [Vector::ZERO; 3];
+            for (corner, &index) in corners.iter_mut().zip(triangle) {
+                *corner = vertices
+                    .get(index as usize)
+                    .copied()
+                    .filter(|vertex| vertex.is_finite())
+                    .ok_or(MeshError::Vertex { triangle: number })?;
+            }
+            if let Some(face) = Face::new(corners) {
+                faces.push(face);
+                kept.push(*triangle);
+            }
+        }
+        let left_out = triangles.len() - faces.len();
+        let tree = TriMesh::new(vertices.to_vec(), kept).map_err(|_| MeshError::NoArea)?;
+        let size_m = tree.local_aabb().extents().length();
+        Ok(Self {
+            tree,
+            faces,
+            size_m,
+            left_out,
+        })
+    }
+
+    /// From an STL file, text or binary. STL has no unit: `unit_m` is how many metres its 1 is, 0.001 for millimetres.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no STL, or holds no triangle with an area.
+    pub fn read_stl(path: &Path, unit_m: f64) -> Result<Self> {
+        let wrong = |problem: String, fix: &str| Error::Io {
+            path: path.to_owned(),
+            problem,
+            fix: fix.to_owned(),
+        };
+        let mut file = std::fs::File::open(path)
+            .map(std::io::BufReader::new)
+            .map_err(|error| wrong(error.to_string(), "give an STL file"))?;
+        let stl = stl_io::read_stl(&mut file)
+            .map_err(|error| wrong(format!("no STL: {error}"), "export the object as STL"))?;
+        let vertices: Vec<Vector> = stl
+            .vertices
+            .iter()
+            .map(|vertex| unit_m * Vector::from_array(vertex.0.map(f64::from)))
+            .collect();
+        let triangles: Vec<[u32; 3]> = stl
+            .faces
+            .iter()
+            .map(|face| {
+                face.vertices
+                    .map(|index| u32::try_from(index).unwrap_or(u32::MAX))
+            })
+            .collect();
+        Self::new(&vertices, &triangles).map_err(|error| {
+            wrong(
+                error.to_string(),
+                "export the object as a mesh of triangles",
+            )
+        })
+    }
+
+    /// Triangles with an area.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Triangles that had none.
+    #[must_use]
+    pub const fn left_out(&self) -> usize {
+        self.left_out
+    }
+
+    /// The diagonal of the box around it, m.
+    #[must_use]
+    pub const fn size_m(&self) -> f64 {
+        self.size_m
+    }
+}
+
+impl Face {
+    /// `None` where the corners lie on a line, to rounding.
+    fn new(corners: [Vector; 3]) -> Option<Self> {
+        let [a, b, c] = corners;
+        let edges = [b - a, c - b, a - c];
+        let across = edges[0].cross(edges[1]);
+        let longest = edges
+            .iter()
+            .map(|edge| edge.length_squared())
+            .fold(0.0, f64::max);
+        // A height below 1e-9 of the longest edge: the normal is that of rounding.
+        if across.length() <= 1e-9 * longest {
+            return None;
+        }
+        let normal = across.normalize();
+        Some(Self {
+            corners,
+            normal,
+            inwards: edges.map(|edge| normal.cross(edge).normalize()),
+        })
+    }
+
+    /// Height of a point above its plane, m.
+    pub fn height(&self, point: Vector) -> f64 {
+        self.normal.dot(point - self.corners[0])
+    }
+
+    /// Whether a point lies over it, or beside it by no more than `beside_m`.
+    pub fn is_below(&self, point: Vector, beside_m: f64) -> bool {
+        self.corners
+            .iter()
+            .zip(&self.inwards)
+            .all(|(corner, inwards)| inwards.dot(point - *corner) >= -beside_m)
+    }
+}

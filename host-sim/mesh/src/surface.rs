@@ -1,0 +1,94 @@
+//! A mesh with its proxy, as the control crate's objects are.
+
+use crate::mesh::Mesh;
+use crate::proxy::Proxy;
+use parry3d_f64::math::Vector as Place;
+use parry3d_f64::query::{Ray, RayCast as _};
+use std::cell::Cell;
+use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
+use touchstone_control::{Position, Reported};
+
+/// A mesh that a [`touchstone_control::space::SpaceWall`] can be of, with the rule of the closest surface point: that point is the proxy,
+/// which remembers where it was. Lengths come in the device's unit.
+#[derive(Debug, Clone)]
+pub struct MeshSurface<'m> {
+    mesh: &'m Mesh,
+    metre: f64,
+    /// An object is asked through a shared reference; the proxy is its memory.
+    proxy: Cell<Option<Proxy>>,
+}
+
+impl<'m> MeshSurface<'m> {
+    /// An object on which no hand was seen yet.
+    #[must_use]
+    pub fn new(mesh: &'m Mesh, unit: LengthUnit) -> Self {
+        Self {
+            mesh,
+            metre: f64::from(unit.per_metre()),
+            proxy: Cell::new(None),
+        }
+    }
+
+    /// Where the proxy is, m; `None` before the first tick.
+    #[must_use]
+    pub fn proxy_m(&self) -> Option<[f64; 3]> {
+        self.proxy.get().map(|proxy| proxy.at().to_array())
+    }
+
+    fn place<N: Spatial + Reported>(&self, at: Vector<Position<N>>) -> Place {
+        Place::from_array(at.0.map(|x| N::signal_to_f64(x.0) / self.metre))
+    }
+
+    fn length<N: Spatial + Reported>(&self, metres: f64) -> Position<N> {
+        Position(N::signal_from_f64(metres * self.metre))
+    }
+}
+
+/// A direction for the format: scaled to a length that it holds with all digits, then normalised there.
+fn direction<N: Spatial + Reported>(way: Place) -> Option<Direction<N>> {
+    let largest = way.abs().max_element();
+    (largest > 0.0).then_some(())?;
+    let parts = (way / largest).to_array();
+    Direction::of(Vector(parts.map(|part| Position(N::signal_from_f64(part)))))
+}
+
+impl<N: Spatial + Reported> Surface<N> for MeshSurface<'_> {
+    fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N> {
+        let hand = self.place(at);
+        let mut proxy = self
+            .proxy
+            .get()
+            .unwrap_or_else(|| Proxy::new(self.mesh, hand));
+        let point = proxy.follow(self.mesh, hand);
+        self.proxy.set(Some(proxy));
+        let way = point - hand;
+        let depth = way.length();
+        // Nothing in the way: outside, as far as the surface is.
+        if depth == 0.0 {
+            return Nearest {
+                normal: *side,
+                depth: -self.length::<N>(proxy.clearance(self.mesh)),
+            };
+        }
+        Nearest {
+            normal: direction(way).unwrap_or(*side),
+            depth: self.length(depth),
+        }
+    }
+
+    fn exit(
+        &self,
+        at: Vector<Position<N>>,
+        along: &Direction<N>,
+        _: &Direction<N>,
+    ) -> Option<Position<N>> {
+        let way = Place::from_array(along.0.map(N::signal_to_f64));
+        let ray = Ray::new(self.place(at), way);
+        self.mesh
+            .tree
+            .cast_local_ray(&ray, self.mesh.size_m(), false)
+            .map(|share| self.length(share * way.length()))
+    }
+
+    fn ways(&self, _: &mut dyn FnMut(Direction<N>)) {}
+}

@@ -1,0 +1,173 @@
+//! Ticks and commands that do not come in time.
+
+use std::collections::VecDeque;
+
+use touchstone_world::plant::{Kinematics as _, Stepper};
+
+use super::crossing::{Crossing, Flow, step_with_flow};
+use super::noise::Stream;
+
+/// A period in parts; lateness is rounded to them. A power of two, so that one stepper is a whole period.
+pub const PARTS: u32 = 1 << DOUBLINGS;
+const DOUBLINGS: u32 = 10;
+
+/// Every tick comes late by up to `jitter`, and every command later than its delay by up to `spread`, each equally likely anywhere
+/// in between, to the nearest part of a period. Commands keep their order.
+///
+/// A tick is the time from one sample to the next, so it is longer or shorter than a period; records give the time at which it
+/// should have been, and the hand's rest point is that of the same time.
+#[derive(Debug, Clone)]
+pub struct Irregular<S> {
+    /// The plant over 1, 2, 4, … parts.
+    steppers: Vec<S>,
+    /// Commands on their way: parts from the present sample, and torque. The oldest first.
+    queue: VecDeque<(u64, f64)>,
+    acting_n_m: f64,
+    delay: u64,
+    jitter: u64,
+    spread: u64,
+    jitters: Stream,
+    latencies: Stream,
+    /// How late the present sample is.
+    late: u64,
+    changed_at_rad: Option<f64>,
+}
+
+/// Times of an irregular crossing, as parts of a period.
+#[derive(Debug, Clone, Copy)]
+pub struct Lateness {
+    /// From sample to command, at least.
+    pub delay: u64,
+    /// Largest lateness of a sample.
+    pub jitter: u64,
+    /// Largest further lateness of a command.
+    pub spread: u64,
+}
+
+impl<S: Stepper> Irregular<S> {
+    /// Prepares steps; `plant` makes a stepper for an interval, s.
+    ///
+    /// # Errors
+    /// Whatever `plant` refuses.
+    pub fn new<E>(
+        plant: impl Fn(f64) -> Result<S, E>,
+        period_s: f64,
+        lateness: Lateness,
+        streams: [Stream; 2],
+    ) -> Result<Self, E> {
+        let part = |doublings: u32| period_s / f64::from(PARTS >> doublings);
+        let steppers = (0..=DOUBLINGS)
+            .map(|doublings| plant(part(doublings)))
+            .collect::<Result<_, E>>()?;
+        let longest = lateness.delay + lateness.spread + lateness.jitter;
+        let [jitters, latencies] = streams;
+        Ok(Self {
+            steppers,
+            // Room for all commands that can be on their way, so that no tick needs more.
+            queue: VecDeque::with_capacity((longest / u64::from(PARTS)) as usize + 4),
+            acting_n_m: 0.0,
+            delay: lateness.delay,
+            jitter: lateness.jitter,
+            spread: lateness.spread,
+            jitters,
+            latencies,
+            late: 0,
+            changed_at_rad: None,
+        })
+    }
+
+    /// The same, and where the device is when the torque changes is measured.
+    #[must_use]
+    pub fn measured(self, start_rad: f64) -> Self {
+        Self {
+            changed_at_rad: Some(start_rad),
+            ..self
+        }
+    }
+
+    /// So many parts at random, 0 to `most`.
+    fn drawn(stream: &mut Stream, most: u64) -> u64 {
+        (stream.uniform() * (most + 1) as f64) as u64
+    }
+
+    /// Takes a command; gives the parts until the next sample.
+    fn take(&mut self, torque_n_m: f64) -> u64 {
+        let after = self.delay + Self::drawn(&mut self.latencies, self.spread);
+        let latest = self.queue.back().map_or(0, |&(at, _)| at);
+        self.queue.push_back((after.max(latest), torque_n_m));
+        let late = Self::drawn(&mut self.jitters, self.jitter);
+        let parts = u64::from(PARTS) + late - self.late;
+        self.late = late;
+        parts
+    }
+
+    /// Crosses a tick: `step` is called for every stretch under one torque that one stepper crosses.
+    #[inline(always)]
+    fn tick(
+        &mut self,
+        state: &mut S::State,
+        torque_n_m: f64,
+        mut step: impl FnMut(&S, &mut S::State, f64),
+    ) {
+        let parts = self.take(torque_n_m);
+        let mut now = 0;
+        loop {
+            while let Some(&(at, torque)) = self.queue.front()
+                && at <= now
+            {
+                self.acting_n_m = torque;
+                self.queue.pop_front();
+                if let Some(changed) = &mut self.changed_at_rad {
+                    *changed = state.position();
+                }
+            }
+            if now >= parts {
+                break;
+            }
+            let until = self.queue.front().map_or(parts, |&(at, _)| at.min(parts));
+            while now < until {
+                let doublings = (until - now).ilog2().min(DOUBLINGS);
+                step(&self.steppers[doublings as usize], state, self.acting_n_m);
+                now += 1 << doublings;
+            }
+        }
+        for (at, _) in &mut self.queue {
+            *at -= parts;
+        }
+    }
+}
+
+impl<S: Stepper> Crossing for Irregular<S> {
+    type State = S::State;
+
+    fn cross(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) {
+        self.tick(state, torque_n_m, |plant, state, torque| {
+            plant.step(state, torque, rest_rad);
+        });
+    }
+
+    fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
+        let mut sum = Flow::default();
+        let mut impulse = 0.0;
+        let mut time_s = 0.0;
+        self.tick(state, torque_n_m, |plant, state, torque| {
+            let flow = step_with_flow(plant, state, torque, rest_rad);
+            impulse += flow.torque_n_m * plant.interval_s();
+            time_s += plant.interval_s();
+            sum.motor_j += flow.motor_j;
+            sum.device_loss_j += flow.device_loss_j;
+            sum.stored_j += flow.stored_j;
+        });
+        // Two samples at one time: nothing moved, and the mean of nothing is what acts.
+        sum.torque_n_m = if time_s > 0.0 {
+            impulse / time_s
+        } else {
+            self.acting_n_m
+        };
+        sum
+    }
+
+    fn changed_at_rad(&self) -> Option<f64> {
+        self.changed_at_rad
+    }
+}

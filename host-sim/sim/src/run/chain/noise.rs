@@ -1,0 +1,161 @@
+//! Errors of sensors: white noise, an error that comes back every turn, what a current sensor makes of the torque.
+
+use super::stage::Stage;
+
+/// Numbers without an order that anybody could see, by seed and by what they are for: a stream that a scene does not ask for takes
+/// nothing from the others. The same on every machine.
+///
+/// Steele, Lea and Flood's SplitMix64 (OOPSLA 2014): a counter, and a function that mixes its bits.
+#[derive(Debug, Clone, Copy)]
+pub struct Stream {
+    counter: u64,
+    spare: Option<f64>,
+}
+
+/// What a stream is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Channel {
+    /// Noise of the position sensor.
+    Sensor = 1,
+    /// Noise of the current sensor.
+    Current = 2,
+    /// Lateness of ticks.
+    Jitter = 3,
+    /// Lateness of commands.
+    Latency = 4,
+    /// Ticks that are lost.
+    Lost = 5,
+}
+
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+fn mixed(x: u64) -> u64 {
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+impl Stream {
+    /// The stream of a seed for a purpose.
+    #[must_use]
+    pub fn new(seed: u32, channel: Channel) -> Self {
+        Self {
+            counter: mixed(u64::from(seed).wrapping_mul(GOLDEN) ^ mixed(channel as u64)),
+            spare: None,
+        }
+    }
+
+    /// From 0 to below 1, each of the `2^53` equally likely.
+    #[inline(always)]
+    pub fn uniform(&mut self) -> f64 {
+        self.counter = self.counter.wrapping_add(GOLDEN);
+        (mixed(self.counter) >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+    }
+
+    /// Normally distributed, mean 0, variance 1 (Box and Muller): two at a time, the second kept.
+    pub fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        // Above 0, so that the logarithm is finite.
+        let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.uniform()));
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * self.uniform());
+        self.spare = Some(radius * sin);
+        radius * cos
+    }
+}
+
+/// White noise on the angle, before it is counted.
+#[derive(Debug, Clone, Copy)]
+pub struct Noisy {
+    /// Root of the mean square, rad.
+    pub rms_rad: f64,
+    /// Where it comes from.
+    pub stream: Stream,
+}
+
+impl Stage for Noisy {
+    fn angle_rad(&mut self, angle_rad: f64) -> f64 {
+        angle_rad + self.rms_rad * self.stream.normal()
+    }
+}
+
+/// An error that goes with the angle, as a disc or a magnet out of the axis makes it: `A sin(n x + phi)`.
+#[derive(Debug, Clone, Copy)]
+pub struct Eccentric {
+    /// `A`, rad.
+    pub amplitude_rad: f64,
+    /// `n`.
+    pub per_rev: f64,
+    /// `phi`, rad.
+    pub phase_rad: f64,
+}
+
+impl Stage for Eccentric {
+    fn angle_rad(&mut self, angle_rad: f64) -> f64 {
+        angle_rad + self.amplitude_rad * libm::sin(self.per_rev * angle_rad + self.phase_rad)
+    }
+}
+
+/// A current loop that holds the current at its command as its sensor sees it: the sensor's error is in the torque, and nobody in
+/// the device knows it. Quantisation is an error that is equally likely anywhere within half a step (Widrow, IRE Trans. Circuit
+/// Theory 3(4) 266, 1956), as it is where the loop runs many times a tick and its current ripples by more than a step.
+#[derive(Debug, Clone, Copy)]
+pub struct CurrentError {
+    /// Root of the noise's mean square, as torque, N·m.
+    pub rms_n_m: f64,
+    /// The sensor's step, as torque, N·m.
+    pub step_n_m: f64,
+    /// Where both come from.
+    pub stream: Stream,
+}
+
+impl Stage for CurrentError {
+    const TOLD: bool = false;
+
+    fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
+        let noise = self.rms_n_m * self.stream.normal();
+        torque_n_m + noise + self.step_n_m * (self.stream.uniform() - 0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_of_other_purposes_and_seeds_are_others() {
+        let first = |seed, channel| Stream::new(seed, channel).uniform();
+        let mut all: Vec<u64> = [Channel::Sensor, Channel::Current, Channel::Lost]
+            .into_iter()
+            .flat_map(|channel| (0..20).map(move |seed| first(seed, channel).to_bits()))
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 60);
+        assert_eq!(first(7, Channel::Sensor), first(7, Channel::Sensor));
+    }
+
+    /// Moments within five standard deviations of what that many independent numbers would have.
+    #[test]
+    fn normal_numbers_have_the_moments_of_the_normal_distribution() {
+        let count = 200_000;
+        let mut stream = Stream::new(3, Channel::Sensor);
+        let numbers: Vec<f64> = (0..count).map(|_| stream.normal()).collect();
+        let n = f64::from(count);
+        let moment = |power: i32| numbers.iter().map(|x| x.powi(power)).sum::<f64>() / n;
+        // Variances of the sample moments: 1, 2, 15 and 96 over n.
+        for (power, expected, variance) in
+            [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)]
+        {
+            let found = moment(power);
+            let spread = (variance / n).sqrt();
+            assert!((found - expected).abs() < 5.0 * spread, "{power}: {found}");
+        }
+        // White: neighbours, and the two of a pair, are not correlated.
+        for lag in 1..=8 {
+            let sum: f64 = numbers.windows(lag + 1).map(|w| w[0] * w[lag]).sum();
+            assert!((sum / n).abs() < 5.0 / n.sqrt(), "lag {lag}: {}", sum / n);
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! A hand that trembles, and one whose muscles answer late.
+
+use std::collections::VecDeque;
+
+use touchstone_world::plant::Kinematics;
+
+use super::crossing::{Crossing, Flow};
+
+/// What a tick changes about the rest point of the hand, before plant and hand cross it.
+pub trait Unsteady<S> {
+    /// The rest point of this tick, rad.
+    fn rest_rad(&mut self, state: &S, rest_rad: f64) -> f64;
+}
+
+/// A crossing with an unsteady hand.
+pub struct Handled<S, U> {
+    inner: Box<dyn Crossing<State = S>>,
+    hand: U,
+}
+
+impl<S: Kinematics + 'static, U: Unsteady<S> + 'static> Handled<S, U> {
+    /// Puts a hand's unsteadiness before what there is so far.
+    #[must_use]
+    pub fn before(inner: Box<dyn Crossing<State = S>>, hand: U) -> Box<dyn Crossing<State = S>> {
+        Box::new(Self { inner, hand })
+    }
+}
+
+impl<S: Kinematics, U: Unsteady<S>> Crossing for Handled<S, U> {
+    type State = S;
+
+    fn cross(&mut self, state: &mut S, torque_n_m: f64, rest_rad: f64) {
+        let rest_rad = self.hand.rest_rad(state, rest_rad);
+        self.inner.cross(state, torque_n_m, rest_rad);
+    }
+
+    fn cross_with_flow(&mut self, state: &mut S, torque_n_m: f64, rest_rad: f64) -> Flow {
+        let rest_rad = self.hand.rest_rad(state, rest_rad);
+        self.inner.cross_with_flow(state, torque_n_m, rest_rad)
+    }
+
+    fn changed_at_rad(&self) -> Option<f64> {
+        self.inner.changed_at_rad()
+    }
+}
+
+/// Tremor: the rest point swings by itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Tremor {
+    /// Amplitude of the rest point, rad.
+    pub amplitude_rad: f64,
+    /// Radians of the swing in a tick.
+    pub per_tick_rad: f64,
+    /// Ticks so far.
+    pub tick: u64,
+}
+
+impl<S> Unsteady<S> for Tremor {
+    fn rest_rad(&mut self, _: &S, rest_rad: f64) -> f64 {
+        let swing = libm::sin(self.tick as f64 * self.per_tick_rad);
+        self.tick += 1;
+        rest_rad + self.amplitude_rad * swing
+    }
+}
+
+/// A reflex: muscles that answer what stretched them some time ago with a stiffness of their own. The rest point moves so that the
+/// hand's spring gives that torque: `k_h dr = -k_r (x_h - r)`, both of back then.
+#[derive(Debug, Clone)]
+pub struct Reflex {
+    /// `k_r/k_h`.
+    gain: f64,
+    /// Stretches on their way, rad; the oldest first. At the start nothing was stretched.
+    stretches: VecDeque<f64>,
+}
+
+impl Reflex {
+    /// After so many whole ticks.
+    #[must_use]
+    pub fn new(gain: f64, ticks: usize) -> Self {
+        let mut stretches = VecDeque::with_capacity(ticks + 1);
+        stretches.resize(ticks, 0.0);
+        Self { gain, stretches }
+    }
+}
+
+impl<S: Kinematics> Unsteady<S> for Reflex {
+    fn rest_rad(&mut self, state: &S, rest_rad: f64) -> f64 {
+        self.stretches.push_back(state.hand_position() - rest_rad);
+        let stretch = self.stretches.pop_front().unwrap_or(0.0);
+        rest_rad - self.gain * stretch
+    }
+}

@@ -1,0 +1,237 @@
+//! The drive train of a scene: whether it needs one, in how many substeps, and why.
+
+use touchstone_world::plant::train::{
+    Current, DriveTrain, Friction, Harmonic, Links, LuGre, Shaft, Sliding, TrainState, Transmission,
+};
+
+use super::mechanics::{Mechanics, Standing};
+use super::plan;
+use crate::error::Result;
+use crate::scene::{Integrator, Scene};
+
+/// Everything at the shaft and beyond that the plants without a train do not have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Train {
+    /// What is linear.
+    pub links: Links,
+    /// What is not.
+    pub shaft: Shaft,
+    /// Substeps of a period.
+    pub substeps: u32,
+    /// Why so many, one a line; empty where one is enough.
+    pub reasons: Vec<String>,
+}
+
+/// Fastest motion that cogging is resolved for, rad/s: beyond what a hand does with a knob.
+const FAST_RAD_PER_S: f64 = 10.0;
+/// Most substeps that a scene gets unasked.
+const MOST: f64 = 4096.0;
+
+impl Train {
+    /// The train of a scene; `None` where a plant without one is enough.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Option<Self> {
+        let device = &scene.device;
+        let harmonics = harmonics(scene);
+        let falls = device
+            .friction
+            .as_ref()
+            .is_some_and(|it| it.stribeck_rad_per_s.is_some() && it.static_n_m() > it.kinetic_n_m);
+        let has_bristles = device
+            .friction
+            .as_ref()
+            .is_some_and(|it| it.bristle_stiffness_n_m_per_rad.is_some());
+        let needed = device.current_loop.is_some()
+            || device.transmission.is_some()
+            || has_bristles
+            || falls
+            || !harmonics.is_empty();
+        needed.then(|| {
+            let links = links(scene);
+            let shaft = Shaft {
+                friction: friction(scene),
+                harmonics,
+            };
+            let (substeps, reasons) = substeps(scene, &links, &shaft);
+            Self {
+                links,
+                shaft,
+                substeps,
+                reasons,
+            }
+        })
+    }
+
+    /// The train as the mechanics of a run.
+    ///
+    /// # Errors
+    /// A plant that cannot be built, at its place in the scene; an integrator that steps over no train.
+    pub fn mechanics(&self, scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
+        if let Some(plant) = &scene.plant
+            && plant.integrator != Integrator::Exact
+        {
+            return Err(scene.error(
+                "plant.integrator",
+                "no integrator knows a current loop, a transmission, cogging, imbalance, falling friction or bristles",
+                "leave those out, or give plant.integrator = \"exact\"",
+            ));
+        }
+        match self.links.states() {
+            2 => self.made::<2, 6>(scene, from),
+            3 => self.made::<3, 7>(scene, from),
+            4 => self.made::<4, 8>(scene, from),
+            5 => self.made::<5, 9>(scene, from),
+            6 => self.made::<6, 10>(scene, from),
+            _ => self.made::<7, 11>(scene, from),
+        }
+    }
+
+    fn made<const N: usize, const K: usize>(
+        &self,
+        scene: &Scene,
+        from: Standing,
+    ) -> Result<Box<dyn Mechanics>> {
+        let device = [from.angle_rad, from.velocity_rad_per_s];
+        let hand = match self.links.hand {
+            Some(_) => [from.hand_rad, from.hand_velocity_rad_per_s],
+            None => device,
+        };
+        // The parts of a tick share its substeps by their lengths.
+        let per_s = f64::from(self.substeps) / scene.timing.period_s();
+        let substeps = |interval_s: f64| (interval_s * per_s).ceil().max(1.0) as u32;
+        plan::crossed_apart(
+            scene,
+            |h| DriveTrain::<N, K>::new(&self.links, &self.shaft, h, substeps(h)),
+            TrainState::moving(device, hand),
+        )
+    }
+}
+
+/// What is linear of any scene's device and hand, whether its run needs a train or not.
+#[must_use]
+pub fn links(scene: &Scene) -> Links {
+    let device = &scene.device;
+    Links {
+        device: touchstone_world::plant::Device {
+            friction: None,
+            ..plan::device(scene)
+        },
+        current: device.current_loop.as_ref().map(|current| Current {
+            bandwidth_hz: current.bandwidth_hz,
+            back_emf: current.back_emf_n_m_s_per_rad,
+        }),
+        transmission: device.transmission.as_ref().map(|it| Transmission {
+            stiffness: it.spring_n_m_per_rad,
+            damping: it.damper_n_m_s_per_rad,
+            knob_inertia: it.knob_share * device.inertia_kg_m2,
+            gap: it.play_rad,
+        }),
+        hand: plan::hand(scene),
+    }
+}
+
+fn harmonics(scene: &Scene) -> Vec<Harmonic> {
+    let cogging = scene.device.cogging.as_ref().map(|it| Harmonic {
+        amplitude: it.torque_n_m,
+        per_rev: f64::from(it.periods_per_rev),
+        phase: it.phase_rad,
+    });
+    let imbalance = scene.device.imbalance.as_ref().map(|it| Harmonic {
+        amplitude: it.torque_n_m,
+        per_rev: 1.0,
+        phase: it.phase_rad,
+    });
+    [cogging, imbalance]
+        .into_iter()
+        .flatten()
+        .filter(|harmonic| harmonic.amplitude > 0.0)
+        .collect()
+}
+
+fn friction(scene: &Scene) -> Friction {
+    let Some(friction) = &scene.device.friction else {
+        return Friction::None;
+    };
+    let asymmetry = friction.asymmetry_n_m.unwrap_or(0.0);
+    let directions = [asymmetry, -asymmetry].map(|more| Sliding {
+        kinetic: friction.kinetic_n_m + more,
+        breakaway: friction.static_n_m() + more,
+    });
+    let stribeck = friction.stribeck_rad_per_s;
+    match friction.bristle_stiffness_n_m_per_rad {
+        None => Friction::Dry {
+            directions,
+            stribeck,
+        },
+        Some(stiffness) => Friction::Bristles(LuGre {
+            stiffness,
+            damping: friction
+                .bristle_damping_n_m_s_per_rad
+                .unwrap_or_else(|| libm::sqrt(stiffness * scene.device.inertia_kg_m2)),
+            directions,
+            stribeck,
+        }),
+    }
+}
+
+/// How many substeps, and why.
+fn substeps(scene: &Scene, links: &Links, shaft: &Shaft) -> (u32, Vec<String>) {
+    let gap = links.transmission.filter(|it| it.gap > 0.0);
+    if shaft.is_smooth() && gap.is_none() {
+        return (1, Vec::new());
+    }
+    if let Some(plant) = &scene.plant {
+        let reason = format!("{} substeps, as plant.substeps says", plant.substeps);
+        return (plant.substeps, vec![reason]);
+    }
+    let period = scene.timing.period_s();
+    let knob = links.transmission.map_or(0.0, |it| it.knob_inertia);
+    let motor = links.device.inertia - knob;
+    let mut wishes: Vec<(f64, String)> = Vec::new();
+    match shaft.friction {
+        Friction::None => {}
+        Friction::Dry { .. } => wishes.push((
+            32.0,
+            "friction beside it is set-valued at the end of each: 32".to_owned(),
+        )),
+        Friction::Bristles(lugre) => {
+            let rate = libm::sqrt(lugre.stiffness / motor);
+            let reason = format!("bristles of friction at {rate:.0} 1/s, a tenth of a radian each");
+            wishes.push((10.0 * rate * period, reason));
+        }
+    }
+    for harmonic in &shaft.harmonics {
+        let what = if harmonic.per_rev == 1.0 {
+            "one period a turn"
+        } else {
+            "device.cogging"
+        };
+        let own = libm::sqrt(harmonic.amplitude * harmonic.per_rev / motor);
+        let reason =
+            format!("{what}: an oscillation at {own:.0} 1/s, a twentieth of a radian each");
+        wishes.push((20.0 * own * period, reason));
+        let passing = harmonic.per_rev * FAST_RAD_PER_S;
+        let reason = format!("{what}: passed at {FAST_RAD_PER_S} rad/s, a fifth of a radian each");
+        wishes.push((5.0 * passing * period, reason));
+    }
+    if let Some(transmission) = gap {
+        let rate = libm::sqrt(transmission.stiffness * (1.0 / motor + 1.0 / knob));
+        let reason = format!(
+            "device.transmission: contact across the play at {rate:.0} 1/s, a twentieth of a radian each"
+        );
+        wishes.push((20.0 * rate * period, reason));
+    }
+    let wanted = wishes.iter().map(|(count, _)| *count).fold(4.0, f64::max);
+    let count = wanted.min(MOST).ceil();
+    let mut reasons: Vec<String> = wishes
+        .into_iter()
+        .filter(|(count, _)| *count == wanted)
+        .map(|(_, reason)| reason)
+        .collect();
+    if wanted > MOST {
+        reasons.push(format!(
+            "{wanted:.0} would be needed, {MOST} are taken: plant.substeps gives more"
+        ));
+    }
+    (count as u32, reasons)
+}

@@ -1,0 +1,199 @@
+//! Effects beyond a first model of a device, its sensors and its hand, each absent unless a scene names it.
+//!
+//! A table alone asks for its effect at a typical magnitude: what a default is taken from stands in
+//! [`crate::run::effects::EFFECTS`].
+
+use serde::{Deserialize, Serialize};
+
+/// Errors of the position sensor, beside its counts.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorErrors {
+    /// White noise. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<SensorNoise>,
+    /// An error that comes back every turn. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub periodic: Option<PeriodicError>,
+}
+
+/// White noise of the position sensor, before its value is counted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorNoise {
+    /// Root of its mean square, rad, 0 or more. Default 5.2e-4.
+    pub rms_rad: f64,
+}
+
+impl Default for SensorNoise {
+    fn default() -> Self {
+        SensorNoise { rms_rad: 5.2e-4 }
+    }
+}
+
+/// What a disc or a magnet out of the axis does: `A sin(n x + phase)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PeriodicError {
+    /// Its amplitude, rad, 0 or more. Default 8.7e-3.
+    pub amplitude_rad: f64,
+    /// Periods in one turn, 1 to 100,000. Default 1.
+    pub periods_per_rev: u32,
+    /// Its phase at angle 0, rad. Default 0.
+    pub phase_rad: f64,
+}
+
+impl Default for PeriodicError {
+    fn default() -> Self {
+        PeriodicError {
+            amplitude_rad: 8.7e-3,
+            periods_per_rev: 1,
+            phase_rad: 0.0,
+        }
+    }
+}
+
+/// Cogging: magnets that prefer some angles, a torque `-A sin(n x + phase)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Cogging {
+    /// Its amplitude, N·m, 0 or more. Default 1e-3.
+    pub torque_n_m: f64,
+    /// Periods in one turn, 1 to 100,000. Default 84.
+    pub periods_per_rev: u32,
+    /// Its phase at angle 0, rad. Default 0.
+    pub phase_rad: f64,
+}
+
+impl Default for Cogging {
+    fn default() -> Self {
+        Cogging {
+            torque_n_m: 1e-3,
+            // The least common multiple of 12 slots and 14 poles.
+            periods_per_rev: 84,
+            phase_rad: 0.0,
+        }
+    }
+}
+
+/// A knob whose weight is out of its axis, or one that gravity pulls: a torque `-A sin(x + phase)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Imbalance {
+    /// Weight times its distance from the axis, N·m, 0 or more. Default 1e-3.
+    pub torque_n_m: f64,
+    /// Angle of the weight from its lowest point at angle 0, rad. Default 0.
+    pub phase_rad: f64,
+}
+
+impl Default for Imbalance {
+    fn default() -> Self {
+        Imbalance {
+            torque_n_m: 1e-3,
+            phase_rad: 0.0,
+        }
+    }
+}
+
+/// Errors of the current sensor, which a current loop hands on to the torque; both times the torque constant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CurrentSensor {
+    /// Root of the noise's mean square, N·m, 0 or more. Default 8.7e-4.
+    pub noise_rms_n_m: f64,
+    /// The converter's step, N·m, 0 or more. Default 8.7e-4.
+    pub step_n_m: f64,
+}
+
+impl Default for CurrentSensor {
+    fn default() -> Self {
+        CurrentSensor {
+            noise_rms_n_m: 8.7e-4,
+            step_n_m: 8.7e-4,
+        }
+    }
+}
+
+/// A torque that follows its command with one pole: a current loop, or windings at a voltage.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CurrentLoop {
+    /// Bandwidth, Hz, above 0; of windings at a voltage `R/(2π L)`. Default 600.
+    pub bandwidth_hz: f64,
+    /// Damping by the motor's own voltage, N·m·s/rad, 0 or more: `k_t²/R` of windings at a voltage, 0 with a current loop.
+    /// Default 0.
+    pub back_emf_n_m_s_per_rad: f64,
+}
+
+impl Default for CurrentLoop {
+    fn default() -> Self {
+        CurrentLoop {
+            // The firmware's own default.
+            bandwidth_hz: 600.0,
+            back_emf_n_m_s_per_rad: 0.0,
+        }
+    }
+}
+
+/// A transmission that gives, between the motor, at which the encoder sits, and the knob.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Transmission {
+    /// Its stiffness, N·m/rad, above 0. Default 20.
+    pub spring_n_m_per_rad: f64,
+    /// Its damping, N·m·s/rad, 0 or more. Default 1e-3.
+    pub damper_n_m_s_per_rad: f64,
+    /// Share of the device's inertia that is the knob's, 0.001 to 0.999. Default 0.3.
+    pub knob_share: f64,
+    /// Play in all, rad, 0 or more. Default 0.
+    pub play_rad: f64,
+}
+
+impl Default for Transmission {
+    fn default() -> Self {
+        Transmission {
+            spring_n_m_per_rad: 20.0,
+            damper_n_m_s_per_rad: 1e-3,
+            knob_share: 0.3,
+            play_rad: 0.0,
+        }
+    }
+}
+
+/// A hand that trembles: its rest point swings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HandTremor {
+    /// Amplitude of the rest point, rad, 0 or more. Default 0.02.
+    pub amplitude_rad: f64,
+    /// Its rate, Hz, above 0, at most 30. Default 9.
+    pub frequency_hz: f64,
+}
+
+impl Default for HandTremor {
+    fn default() -> Self {
+        HandTremor {
+            amplitude_rad: 0.02,
+            frequency_hz: 9.0,
+        }
+    }
+}
+
+/// Muscles that answer a stretch late.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HandReflex {
+    /// From stretch to torque, s, 0 to 1; rounded to ticks. Default 0.05.
+    pub delay_s: f64,
+    /// Torque by stretch, N·m/rad, 0 or more. Default 0.0225.
+    pub muscle_stiffness_n_m_per_rad: f64,
+}
+
+impl Default for HandReflex {
+    fn default() -> Self {
+        HandReflex {
+            delay_s: 0.05,
+            muscle_stiffness_n_m_per_rad: 0.0225,
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! LuGre friction over a substep.
+
+use super::shaft::{LuGre, level};
+
+/// Advances the bristles; gives their mean torque against the positive direction, N·m.
+///
+/// With the rate `a = s0 |v|/g` frozen, `z' = v - a z` is solved exactly for the substep's mean velocity, and the torque is found
+/// together with that velocity: stiff bristles and fast sliding need no short substeps to be stable. The rate is that of the mean
+/// velocity, of which a first pass with the velocity at the start gives the value.
+#[inline(always)]
+pub(super) fn advance(
+    lugre: &LuGre,
+    [before, free]: [f64; 2],
+    response: f64,
+    bristle: &mut f64,
+    substep_s: f64,
+) -> f64 {
+    let first = solve(lugre, before, [before, free], response, *bristle, substep_s);
+    let second = solve(
+        lugre,
+        first.mean_v,
+        [before, free],
+        response,
+        *bristle,
+        substep_s,
+    );
+    *bristle = second.bristle;
+    second.torque
+}
+
+struct Solved {
+    torque: f64,
+    mean_v: f64,
+    bristle: f64,
+}
+
+#[inline(always)]
+fn solve(
+    lugre: &LuGre,
+    rate_v: f64,
+    [before, free]: [f64; 2],
+    response: f64,
+    bristle: f64,
+    substep_s: f64,
+) -> Solved {
+    let sliding = &lugre.directions[usize::from(rate_v < 0.0)];
+    let g = level(sliding, lugre.stribeck, rate_v);
+    let turns = lugre.stiffness * rate_v.abs() * substep_s / g;
+    let left = libm::exp(-turns);
+    // Time for which the mean velocity stretches the bristles, s: `h (1 - e^{-ah})/(ah)`.
+    let stretch_s = if turns > 1e-8 {
+        -substep_s * libm::expm1(-turns) / turns
+    } else {
+        substep_s
+    };
+    // z at the end is `left z + stretch v`; the torque is that of the mean deflection and of its mean rate, `held + per_v v`.
+    let rate = lugre.damping / substep_s;
+    let held = bristle * (0.5 * lugre.stiffness * (1.0 + left) - rate * (1.0 - left));
+    let per_v = stretch_s * (0.5 * lugre.stiffness + rate);
+    let free_mean = 0.5 * (before + free);
+    let torque = (held + per_v * free_mean) / (1.0 + 0.5 * per_v * response);
+    let mean_v = free_mean - 0.5 * response * torque;
+    Solved {
+        torque,
+        mean_v,
+        bristle: left * bristle + stretch_s * mean_v,
+    }
+}

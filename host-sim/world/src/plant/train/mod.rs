@@ -1,0 +1,237 @@
+//! A drive train: the device behind its current, with a compliant transmission to the knob and a hand, as far as a scene names
+//! them, and with torques at its shaft that are not linear.
+//!
+//! ```text
+//!  u -> [ current ] -> tau                 k_t, c_t, gap                pad
+//!                       |                       |                        |
+//!  friction, cogging, [ motor J_m, x ] ----/\/\/--[]---- [ knob J_k ] --/\/\/--[]-- [ hand J_h ] --/\/\/-- r
+//!  imbalance --------------/
+//! ```
+//!
+//! Everything linear is one exact matrix step, as in the plants beside this module. What is not linear ([`Shaft`], and the gap of
+//! a transmission) is a torque that is held during a substep: taken at the substep's middle, or, where it is friction, set-valued
+//! at its end. So a train without such a torque needs no substeps at all, and one with it keeps its linear part, however stiff,
+//! exact.
+
+mod bristles;
+mod links;
+mod shaft;
+mod state;
+
+pub use links::{Current, Links, Transmission};
+pub use shaft::{Friction, Harmonic, LuGre, Shaft, Sliding};
+pub use state::TrainState;
+
+use super::device::{Invalid, not_negative};
+use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral};
+use super::stepper::{Loss, Port, Stepper};
+use links::{GAP, REST, SHAFT, TORQUE};
+
+/// A drive train with `N` linear states, prepared for intervals of one length. `K` is `N + 4`: the states and what is held during a
+/// substep, see [`links`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriveTrain<const N: usize, const K: usize> {
+    links: Links,
+    shaft: Shaft,
+    /// Increment of the states over a substep for each entry of the drive.
+    step: [[f64; N]; K],
+    device_loss: [[f64; K]; K],
+    hand_loss: [[f64; K]; K],
+    /// Quadratic form of the motor's work on the shaft, where its torque is a state.
+    motor_work: Option<[[f64; K]; K]>,
+    substeps: u32,
+    substep_s: f64,
+    interval_s: f64,
+}
+
+impl<const N: usize, const K: usize> DriveTrain<N, K> {
+    /// Prepares intervals of `interval_s` seconds (zero or more) in so many substeps; one is enough for a train without torques that
+    /// are not linear, and is what such a train gets.
+    ///
+    /// # Errors
+    /// [`Invalid`] when something is out of range, or when the links do not have `N` states.
+    pub fn new(
+        links: &Links,
+        shaft: &Shaft,
+        interval_s: f64,
+        substeps: u32,
+    ) -> Result<Self, Invalid> {
+        not_negative("interval_s", interval_s)?;
+        let substeps = if shaft.is_smooth() && links.gap() == 0.0 {
+            1
+        } else {
+            substeps.max(1)
+        };
+        let substep_s = interval_s / f64::from(substeps);
+        let made = links::assemble::<N, K>(links)?;
+        let rows = made.matrix.fixed_rows::<N>(0).into_owned();
+        let integral = |form| columns(&quadratic_integral(&made.matrix, form, substep_s));
+        Ok(Self {
+            links: *links,
+            shaft: shaft.clone(),
+            step: columns(&(rows * flow_integral(&made.matrix, substep_s))),
+            device_loss: integral(&made.device_loss),
+            hand_loss: integral(&made.hand_loss),
+            motor_work: links.current.map(|_| integral(&made.motor_power)),
+            substeps,
+            substep_s,
+            interval_s,
+        })
+    }
+
+    /// What the motion depends on: the state with angles counted from the device's own, so that turning the whole scene changes
+    /// nothing, and what is held.
+    #[inline(always)]
+    fn drive(&self, z: &[f64; N], torque: f64, rest: f64) -> [f64; K] {
+        let x = z[0];
+        let mut drive = [0.0; K];
+        drive[..N].copy_from_slice(z);
+        let mut angle = 0;
+        while angle + 1 < N {
+            drive[angle] -= x;
+            angle += 2;
+        }
+        drive[N + TORQUE] = torque;
+        drive[N + REST] = rest - x;
+        drive
+    }
+
+    #[inline(always)]
+    fn advance<const ACCOUNT: bool>(
+        &self,
+        state: &mut TrainState<N>,
+        torque: f64,
+        rest: f64,
+    ) -> Port {
+        let mut port = Port::default();
+        if self.interval_s == 0.0 {
+            return port;
+        }
+        let (start, before_j) = if ACCOUNT {
+            (*state, self.stored_beside_motion_j(state))
+        } else {
+            (*state, 0.0)
+        };
+        for _ in 0..self.substeps {
+            self.substep::<ACCOUNT>(state, torque, rest, &mut port);
+        }
+        if ACCOUNT {
+            port.force = self.mean_torque(&start, state, torque);
+            if self.motor_work.is_none() {
+                port.work_j = torque * (state.z[0] - start.z[0]);
+            }
+            port.stored_j = self.stored_beside_motion_j(state) - before_j;
+        }
+        port
+    }
+
+    #[inline(always)]
+    fn substep<const ACCOUNT: bool>(
+        &self,
+        state: &mut TrainState<N>,
+        torque: f64,
+        rest: f64,
+        port: &mut Port,
+    ) {
+        let [x, v] = [state.z[0], state.z[1]];
+        let mut drive = self.drive(&state.z, torque, rest);
+        drive[N + SHAFT] = self.shaft.turned_by(x + 0.5 * self.substep_s * v);
+        if let Some(transmission) = self.links.transmission.filter(|it| it.gap > 0.0) {
+            let twist = -drive[2] + 0.5 * self.substep_s * (v - drive[3]);
+            drive[N + GAP] = transmission.free_play_torque(twist);
+        }
+        let mut increment = apply(&self.step, &drive);
+        let response = &self.step[N + SHAFT];
+        let bristle = state.bristle;
+        let opposed = self.shaft.opposed_by(
+            [v, v + increment[1]],
+            response[1],
+            &mut state.bristle,
+            self.substep_s,
+        );
+        if let Some(opposed) = opposed {
+            for (change, per_torque) in increment.iter_mut().zip(response) {
+                *change -= opposed.torque * per_torque;
+            }
+            drive[N + SHAFT] -= opposed.torque;
+        }
+        for (entry, change) in state.z.iter_mut().zip(increment) {
+            *entry += change;
+        }
+        if opposed.is_some_and(|opposed| opposed.rests) {
+            state.z[1] = 0.0;
+            if v == 0.0 {
+                state.z[0] = x;
+            }
+        }
+        if ACCOUNT {
+            let friction_j = opposed.map_or(0.0, |opposed| opposed.torque * (state.z[0] - x));
+            let bristles_j =
+                self.shaft.bristle_energy_j(state.bristle) - self.shaft.bristle_energy_j(bristle);
+            port.loss.device_j += quadratic(&self.device_loss, &drive) + friction_j - bristles_j;
+            port.loss.hand_j += quadratic(&self.hand_loss, &drive);
+            if let Some(work) = &self.motor_work {
+                port.work_j += quadratic(work, &drive);
+            }
+        }
+    }
+
+    /// Mean of the motor's torque over the interval, N·m.
+    fn mean_torque(&self, start: &TrainState<N>, end: &TrainState<N>, torque: f64) -> f64 {
+        self.links.current.map_or(torque, |current| {
+            // The integral of `tau' = omega (u - tau - D v)`.
+            let lag = (end.z[N - 1] - start.z[N - 1]) / current.rate();
+            torque - (lag + current.back_emf * (end.z[0] - start.z[0])) / self.interval_s
+        })
+    }
+
+    /// Energy that the device holds beside the motion of its shaft's whole inertia, J: in springs, in the knob that turns otherwise,
+    /// in gravity and magnets.
+    fn stored_beside_motion_j(&self, state: &TrainState<N>) -> f64 {
+        let v = state.z[1];
+        let transmission_j = self.links.transmission.map_or(0.0, |transmission| {
+            let (twist, knob_v) = (state.z[0] - state.z[2], state.z[3]);
+            transmission.spring_energy_j(twist)
+                + 0.5 * transmission.knob_inertia * (knob_v * knob_v - v * v)
+        });
+        transmission_j
+            + self.shaft.potential_j(state.z[0])
+            + self.shaft.bristle_energy_j(state.bristle)
+    }
+}
+
+impl<const N: usize, const K: usize> Stepper for DriveTrain<N, K> {
+    type State = TrainState<N>;
+
+    fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    fn step(&self, state: &mut TrainState<N>, force: f64, rest: f64) {
+        self.advance::<false>(state, force, rest);
+    }
+
+    fn step_with_loss(&self, state: &mut TrainState<N>, force: f64, rest: f64) -> Loss {
+        self.step_with_port(state, force, rest).loss
+    }
+
+    fn step_with_port(&self, state: &mut TrainState<N>, force: f64, rest: f64) -> Port {
+        self.advance::<true>(state, force, rest)
+    }
+
+    fn stored_energy_j(&self, state: &TrainState<N>, rest: f64) -> f64 {
+        let v = state.z[1];
+        let hand_j = self.links.hand.map_or(0.0, |hand| {
+            let [x_h, v_h] = state.hand();
+            let [x_d, _] = if self.links.transmission.is_some() {
+                [state.z[2], state.z[3]]
+            } else {
+                [state.z[0], v]
+            };
+            0.5 * (hand.inertia * v_h * v_h
+                + hand.pad_stiffness * (x_h - x_d) * (x_h - x_d)
+                + hand.stiffness * (rest - x_h) * (rest - x_h))
+        });
+        0.5 * self.links.device.inertia * v * v + self.stored_beside_motion_j(state) + hand_j
+    }
+}

@@ -1,0 +1,190 @@
+//! Torques at the motor's shaft that are not linear: friction of several kinds, cogging, imbalance.
+
+use super::bristles;
+
+/// A torque that goes with the angle, `-A sin(n x + phi)`: cogging has `n` periods a turn, a weight out of the axis has one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Harmonic {
+    /// `A`, N·m.
+    pub amplitude: f64,
+    /// `n`, above zero.
+    pub per_rev: f64,
+    /// `phi`, rad.
+    pub phase: f64,
+}
+
+impl Harmonic {
+    #[inline(always)]
+    fn torque(&self, angle: f64) -> f64 {
+        -self.amplitude * libm::sin(self.per_rev * angle + self.phase)
+    }
+
+    /// Its potential, J.
+    fn potential_j(&self, angle: f64) -> f64 {
+        -self.amplitude / self.per_rev * libm::cos(self.per_rev * angle + self.phase)
+    }
+}
+
+/// Dry friction in one direction of motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sliding {
+    /// In motion, N·m; zero or more.
+    pub kinetic: f64,
+    /// Largest at rest, N·m; at least the kinetic one.
+    pub breakaway: f64,
+}
+
+/// LuGre friction (Canudas de Wit, Olsson, Åström and Lischinsky, IEEE TAC 40(3) 419, 1995): bristles with a deflection `z`,
+/// `z' = v - s0 |v| z / g(v)` and `F = s0 z + s1 z'`, with `g` as [`Friction::Dry`]'s level. Its viscous part is the device's
+/// damping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LuGre {
+    /// Stiffness of the bristles `s0`, N·m/rad; above zero.
+    pub stiffness: f64,
+    /// Damping of the bristles `s1`, N·m·s/rad; zero or more.
+    pub damping: f64,
+    /// `g` for fast motion, above zero, and for slow; in positive and in negative motion.
+    pub directions: [Sliding; 2],
+    /// Velocity at which `g` has come down to `1/e` of the way, rad/s, above zero; absent: it is that of fast motion.
+    pub stribeck: Option<f64>,
+}
+
+/// Friction at the shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Friction {
+    /// None.
+    #[default]
+    None,
+    /// Set-valued at rest; in motion `kinetic + (breakaway - kinetic) exp(-(v/stribeck)^2)`, or `kinetic` alone.
+    Dry {
+        /// For positive and for negative motion.
+        directions: [Sliding; 2],
+        /// Stribeck's velocity, rad/s; absent: the break-away torque is for rest alone.
+        stribeck: Option<f64>,
+    },
+    /// By bristles.
+    Bristles(LuGre),
+}
+
+/// What acts at the shaft.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Shaft {
+    /// Its friction.
+    pub friction: Friction,
+    /// Torques that go with its angle.
+    pub harmonics: Vec<Harmonic>,
+}
+
+/// What friction does during a substep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Opposed {
+    /// Against the positive direction, N·m.
+    pub torque: f64,
+    /// Whether the shaft is at rest at the substep's end.
+    pub rests: bool,
+}
+
+/// Stribeck's curve.
+#[inline(always)]
+pub(super) fn level(sliding: &Sliding, stribeck: Option<f64>, velocity: f64) -> f64 {
+    let Some(stribeck) = stribeck else {
+        return sliding.kinetic;
+    };
+    let share = velocity / stribeck;
+    sliding.kinetic + (sliding.breakaway - sliding.kinetic) * libm::exp(-share * share)
+}
+
+impl Shaft {
+    /// Whether nothing acts that is not linear.
+    #[must_use]
+    pub fn is_smooth(&self) -> bool {
+        self.friction == Friction::None && self.harmonics.is_empty()
+    }
+
+    /// Torque of cogging and imbalance at an angle, N·m along the positive direction.
+    #[inline(always)]
+    pub(super) fn turned_by(&self, angle: f64) -> f64 {
+        self.harmonics
+            .iter()
+            .map(|harmonic| harmonic.torque(angle))
+            .sum()
+    }
+
+    /// Potential of cogging and imbalance, J.
+    pub(super) fn potential_j(&self, angle: f64) -> f64 {
+        self.harmonics
+            .iter()
+            .map(|harmonic| harmonic.potential_j(angle))
+            .sum()
+    }
+
+    /// Energy in the bristles, J.
+    pub(super) fn bristle_energy_j(&self, bristle: f64) -> f64 {
+        match &self.friction {
+            Friction::Bristles(lugre) => 0.5 * lugre.stiffness * bristle * bristle,
+            Friction::None | Friction::Dry { .. } => 0.0,
+        }
+    }
+
+    /// Friction over a substep that begins and, without friction, would end with these velocities; `response` is the change of the
+    /// latter by a held torque.
+    #[inline(always)]
+    pub(super) fn opposed_by(
+        &self,
+        velocities: [f64; 2],
+        response: f64,
+        bristle: &mut f64,
+        substep_s: f64,
+    ) -> Option<Opposed> {
+        match &self.friction {
+            Friction::None => None,
+            Friction::Dry {
+                directions,
+                stribeck,
+            } => Some(dry(directions, *stribeck, velocities, response)),
+            Friction::Bristles(lugre) => Some(Opposed {
+                torque: bristles::advance(lugre, velocities, response, bristle, substep_s),
+                rests: false,
+            }),
+        }
+    }
+}
+
+/// The torque for which the velocity at the substep's end and the torque agree (Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto,
+/// IEEE T-RO 22(6) 1176, 2006), with an exact response of the velocity.
+#[inline(always)]
+fn dry(
+    directions: &[Sliding; 2],
+    stribeck: Option<f64>,
+    [before, free]: [f64; 2],
+    response: f64,
+) -> Opposed {
+    let stopping = free / response;
+    let sliding = &directions[usize::from(stopping < 0.0)];
+    let slides = |torque: f64| Opposed {
+        torque: torque.copysign(stopping),
+        rests: false,
+    };
+    // Whoever turns round comes to rest on the way, and has to break away again.
+    if before * free <= 0.0 && stopping.abs() <= sliding.breakaway {
+        return Opposed {
+            torque: stopping,
+            rests: true,
+        };
+    }
+    // The level at the substep's mean velocity, of which the level at its start gives the end.
+    let first = level(sliding, stribeck, before).copysign(stopping);
+    let torque = level(
+        sliding,
+        stribeck,
+        before - 0.5 * response * first + 0.5 * (free - before),
+    );
+    if stopping.abs() <= torque {
+        Opposed {
+            torque: stopping,
+            rests: true,
+        }
+    } else {
+        slides(torque)
+    }
+}

@@ -1,0 +1,90 @@
+(** The guards that ship: the coefficients that [Guard::new] makes of the default settings (compared by proofs/tests/spec_guard.rs),
+    at four delays, cover the device that the settings describe; and what the theorem comes to for them, in microjoules.
+
+    45 mJ, 0.5 mW, 80 % of 4e-4 N m s/rad, 60 rad/s, 1 kHz, 40,000 counts. *)
+
+Require Import ZArith QArith Qabs Qminmax Lqa List.
+From Touchstone Require Import Guard Port GuardLosesNothing.
+Open Scope Q_scope.
+
+Definition shipped (late_ stray_ in_flight_ overrun_ : Z) : guard := {|
+  capacity := 12666373931008;
+  refill := 140705792;
+  damping := 1310;
+  furthest := 1006632;
+  count := 2638;
+  late := late_;
+  stray := stray_;
+  slack := 1322;
+  per_reach := 67910;
+  in_flight := in_flight_;
+  overrun := overrun_
+|}.
+
+(* as shipped, and with a delay of 0.1, 0.5 and 1 ms *)
+Definition at_once : guard := shipped 0 0 1319 13107205.
+Definition tenth : guard := shipped 1677722 1179672 102246 14417926.
+Definition half : guard := shipped 8388609 3276823 505953 19660808.
+Definition whole : guard := shipped 16777216 24 1010587 26214409.
+
+(** 0.06 rad in a tick; a count of 2 pi/40,000 and a quantum of rounding at either end; 0.32 N m/rad over a tick. *)
+Definition knob (s : Q) : device := {|
+  c := 32 # 100;
+  s := s;
+  d := (6 # 100) * inject_Z (2 ^ 24);
+  delta := 26375 # 10;
+  kappa := s * (1 - s) / (4 * (32 # 100))
+|}.
+
+Ltac by_numbers := constructor; repeat split; vm_compute; discriminate.
+
+Theorem at_once_covers : covers at_once (knob 0). Proof. by_numbers. Qed.
+Theorem tenth_covers : covers tenth (knob (1 # 10)). Proof. by_numbers. Qed.
+Theorem half_covers : covers half (knob (1 # 2)). Proof. by_numbers. Qed.
+Theorem whole_covers : covers whole (knob 1). Proof. by_numbers. Qed.
+
+(** A quantum of energy is 2^-48 J. *)
+Definition microjoules (quanta : Q) : Q := quanta * 1000000 / inject_Z (2 ^ 48).
+
+Lemma constant (G : guard) : (capacity G = 12666373931008)%Z -> (per_reach G = 67910)%Z -> (refill G = 140705792)%Z ->
+  microjoules (capacity G + largest G * ((26375 # 10) * (1 # 2))) <= 45059 /\ microjoules (refill G) <= 1 # 2.
+Proof.
+  intros E1 E2 E3. unfold largest, largest_force. rewrite E1, E2, E3.
+  split; vm_compute; discriminate.
+Qed.
+
+(** In a window of [n] ticks any hand gets out at most 45.059 mJ + n 0.0005 mJ: with any law before the guard, at any of these
+    delays, whatever was before. *)
+Theorem shipped_window (G : guard) (D : device) (error0 : Q) (before window : list event) (early rest damped : Q) :
+  In (G, D) ((at_once, knob 0) :: (tenth, knob (1 # 10)) :: (half, knob (1 # 2)) :: (whole, knob 1) :: nil) ->
+  Qabs error0 <= delta D * (1 # 2) ->
+  let begin := run G (power_up G error0) before in
+  let w := run G begin window in
+  all_may_precede G D (power_up G error0) before ->
+  all_possible G D begin window ->
+  Qabs early <= s D * d D -> Qabs rest <= (1 - s D) * d D -> 0 <= damped ->
+  let port_took := taken w - taken begin + older (memory_of w) * early + force (memory_of w) * rest + damped in
+  microjoules (- port_took) <= 45059 + (1 # 2) * inject_Z (Z.of_nat (length window)).
+Proof.
+  intros H E0 begin w Hb Hw He Hr Hd port_took.
+  assert (K : covers G D /\ delta D = 26375 # 10 /\ capacity G = 12666373931008%Z /\ per_reach G = 67910%Z
+              /\ refill G = 140705792%Z).
+  { destruct H as [H|[H|[H|[H|[]]]]]; injection H as <- <-; (split; [|repeat split]).
+    - exact at_once_covers.
+    - exact tenth_covers.
+    - exact half_covers.
+    - exact whole_covers. }
+  destruct K as (K & Ed & E1 & E2 & E3).
+  pose proof (any_window_by_settings G D K error0 before window early rest damped E0 Hb Hw He Hr Hd) as B.
+  cbn zeta in B. fold begin w port_took in B.
+  destruct (constant G E1 E2 E3) as [C1 C2]. rewrite Ed in B.
+  set (n := inject_Z (Z.of_nat (length window))) in *.
+  assert (N : 0 <= n) by (unfold n; change 0 with (inject_Z 0); rewrite <- Zle_Qle; apply Zle_0_nat).
+  unfold microjoules in *.
+  set (A := capacity G + largest G * ((26375 # 10) * (1 # 2))) in *.
+  set (R := inject_Z (refill G)) in *.
+  assert (T : (1000000 / inject_Z (2 ^ 48)) * - port_took <= (1000000 / inject_Z (2 ^ 48)) * (A + R * n)).
+  { assert (0 <= 1000000 / inject_Z (2 ^ 48)) by (vm_compute; discriminate). unfold A. nra. }
+  assert (T2 : R * 1000000 / inject_Z (2 ^ 48) * n <= (1 # 2) * n) by nra.
+  unfold Qdiv in *. lra.
+Qed.

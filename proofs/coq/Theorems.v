@@ -1,0 +1,12 @@
+(** What is claimed, and that nothing is assumed for it: the gate counts the answers. *)
+
+From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass.
+
+Print Assumptions change_of_force.
+Print Assumptions any_window.
+Print Assumptions any_window_by_settings.
+Print Assumptions shipped_window.
+Print Assumptions thesis_sum_is_never_negative.
+Print Assumptions fba_is_passive.
+Print Assumptions contact_gives_at_most_the_loan.
+Print Assumptions given_at_most.

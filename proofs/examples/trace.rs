@@ -1,0 +1,136 @@
+//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce: of the guard, of TDPA and of FBA,
+//! of each its coefficients, and of each tick what came in, and memory and answer after it.
+//! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
+
+use std::io::{BufWriter, Result, Write};
+use touchstone_control::law::{Law as _, Sample};
+use touchstone_control::{
+    AnyLaw, ChangeOfForce, Fixed32, Force, Guard, LawKind, ObserverForm, Position,
+};
+use touchstone_proofs::spec::hands::{
+    Hand, Random, any_law, any_settings, bits, memory, moved, specified,
+};
+
+fn main() -> Result<()> {
+    let ticks = std::env::args().nth(1).and_then(|text| text.parse().ok());
+    let ticks: u64 = ticks.unwrap_or(20_000);
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    guards(&mut out, ticks)?;
+    for kind in [LawKind::Tdpa, LawKind::Fba] {
+        laws(&mut out, kind, ticks / 4)?;
+    }
+    out.flush()
+}
+
+/// TDPA or FBA, over contacts of every kind.
+fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
+    let mut random = Random(5);
+    let mut ticks = 0;
+    while ticks < wanted_ticks {
+        let Ok(mut law) = AnyLaw::<Fixed32>::new(&any_law(&mut random, kind)) else {
+            continue;
+        };
+        match &law {
+            AnyLaw::Tdpa(it, _) => {
+                let exact = u8::from(it.observer == ObserverForm::Exact);
+                let [k, c] = [it.desired, it.device_damping].map(|k| k.0.to_bits());
+                writeln!(out, "tdpa {k} {exact} {c} {}", it.limit.0.to_bits())?;
+            }
+            AnyLaw::Fba(it, _) => {
+                let [k, c] = [it.desired, it.device_damping].map(|k| k.0.to_bits());
+                writeln!(out, "fba {k} {c} {}", it.limit.0.to_bits())?;
+            }
+            _ => {}
+        }
+        let mut hand = Hand::any(&mut random);
+        let mut force = 0;
+        for tick in 0..200 {
+            ticks += 1;
+            let (e, moved) = hand.moves(&mut random, tick, force);
+            let sample = Sample {
+                e: Position(e),
+                moved: Position(moved),
+            };
+            let (shown, energy) = match &mut law {
+                AnyLaw::Tdpa(it, state) => (it.tick(state, sample), state.energy),
+                AnyLaw::Fba(it, state) => (it.tick(state, sample), state.energy),
+                _ => continue,
+            };
+            force = i128::from(shown.0.to_bits());
+            writeln!(
+                out,
+                "law {} {} {force} {}",
+                e.to_bits(),
+                moved.to_bits(),
+                energy.0.to_bits()
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
+    let mut random = Random(3);
+    let mut ticks = 0;
+    while ticks < wanted_ticks {
+        let (settings, device) = any_settings(&mut random);
+        let Ok(law) = Guard::<Fixed32>::new(&settings, &device) else {
+            continue;
+        };
+        let g = specified(&law);
+        let coefficients = [
+            g.capacity,
+            g.refill,
+            g.damping,
+            g.furthest,
+            g.count,
+            g.late,
+            g.stray,
+            g.slack,
+            g.per_reach,
+            g.in_flight,
+            g.overrun,
+        ];
+        write!(out, "guard")?;
+        for value in coefficients {
+            write!(out, " {value}")?;
+        }
+        writeln!(out)?;
+        let mut state = law.full();
+        let habit = random.any() >> 16;
+        for tick in 0..200 {
+            ticks += 1;
+            let furthest = i64::from(law.furthest.0.to_bits());
+            let moved = bits(moved(&mut random, habit, tick, &memory(&state), furthest));
+            let wanted = bits(random.signed(31));
+            let before_change = if settings.change == ChangeOfForce::Measured {
+                bits(random.signed(31 - habit % 12))
+            } else {
+                bits(0)
+            };
+            let told = bits(random.signed(31));
+            let answer = law.tick_with_change(
+                &mut state,
+                Position(moved),
+                Position(before_change),
+                Force(wanted),
+            );
+            let (after, fine) = (memory(&state), answer.is_ok());
+            law.commanded(&mut state, Force(told));
+            let force = memory(&state).force;
+            writeln!(
+                out,
+                "tick {} {} {} {} {} {} {} {} {force}",
+                moved.to_bits(),
+                before_change.to_bits(),
+                wanted.to_bits(),
+                told.to_bits(),
+                after.account,
+                after.force,
+                after.older,
+                u8::from(fine),
+            )?;
+        }
+    }
+    Ok(())
+}

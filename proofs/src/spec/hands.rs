@@ -1,0 +1,282 @@
+//! Guards, hands and laws for whoever compares the guard with its specification: any settings, hostile motions, any wanted force.
+
+use super::guard::{Guard as Specified, Memory};
+use fixed::types::I8F24;
+use touchstone_control::{
+    ChangeOfForce, FilterSettings, FirstContact, Fixed32, Guard, GuardSettings, GuardState,
+    GuardedDevice, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings, Si,
+};
+
+/// Seeded numbers.
+pub struct Random(pub u64);
+impl Random {
+    /// Any 64 bits.
+    pub fn any(&mut self) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 ^ self.0 >> 31
+    }
+    /// Below a bound.
+    pub fn below(&mut self, bound: u64) -> u64 {
+        (self.any() >> 8) % bound
+    }
+    /// Of any size up to so many bits, either sign.
+    pub fn signed(&mut self, bits: u64) -> i64 {
+        let size = (self.any() >> 1 >> (63 - bits) >> self.below(bits)).cast_signed();
+        if self.any() & 4096 == 0 { size } else { -size }
+    }
+    /// Of `-size..=size`.
+    pub fn within(&mut self, size: i64) -> i64 {
+        (self.any() >> 20).cast_signed() % (2 * size + 1) - size
+    }
+    /// A setting of at most 2^bits, of any size.
+    pub fn setting(&mut self, bits: u64) -> Si {
+        Si::from_bits((self.any() >> (31 - bits) >> self.below(12) >> 1).cast_signed())
+    }
+}
+
+/// Any settings with any device; not all are accepted.
+pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
+    let rate_hz = [5, 20, 100, 500, 1000, 2000, 4000, 10_000][random.below(8) as usize];
+    let tick = Si::ONE / Si::from_num(rate_hz);
+    let share = |random: &mut Random| {
+        let eighths = Si::from_num(random.below(9)) / 8;
+        if random.below(2) == 0 {
+            eighths
+        } else {
+            Si::from_bits(random.below(1 << 32).cast_signed())
+        }
+    };
+    let delay = tick * share(random);
+    let settings = GuardSettings {
+        on: true,
+        capacity: random.setting(4),
+        refill: random.setting(0),
+        share_of_damping: Si::from_bits(random.below((1 << 32) + 1).cast_signed()),
+        overspeed: random.setting(7),
+        delay: if random.below(3) == 0 {
+            Si::ZERO
+        } else {
+            delay
+        },
+        lag: if random.below(2) == 0 {
+            Si::ZERO
+        } else {
+            (tick - delay) * share(random)
+        },
+        change: if random.below(4) == 0 {
+            ChangeOfForce::Measured
+        } else {
+            ChangeOfForce::Estimated
+        },
+        damping: random.setting(0),
+    };
+    let device = GuardedDevice {
+        rate_hz,
+        force_limit: random.setting(6),
+        count: Si::from_bits(random.below(429_496_730).cast_signed() >> random.below(20)),
+    };
+    (settings, device)
+}
+
+/// A guard's coefficients as the specification has them.
+#[must_use]
+pub fn specified(law: &Guard<Fixed32>) -> Specified {
+    let signal = |x: I8F24| i128::from(x.to_bits());
+    Specified {
+        capacity: i128::from(law.capacity.0.to_bits()),
+        refill: i128::from(law.refill.0.to_bits()),
+        damping: i128::from(law.damping.0.to_bits()),
+        furthest: signal(law.furthest.0),
+        count: signal(law.count.0),
+        late: signal(law.late.0),
+        stray: signal(law.stray.0),
+        slack: signal(law.slack.0),
+        per_reach: i128::from(law.per_reach.0.to_bits()),
+        in_flight: signal(law.in_flight.0),
+        overrun: signal(law.overrun.0),
+    }
+}
+
+/// Its memory.
+#[must_use]
+pub fn memory(state: &GuardState<Fixed32>) -> Memory {
+    Memory {
+        account: i128::from(state.account.0.to_bits()),
+        force: i128::from(state.force.0.to_bits()),
+        older: i128::from(state.older.0.to_bits()),
+    }
+}
+
+/// The signal of so many quanta, at most the end of the format.
+#[must_use]
+pub fn bits(x: i64) -> I8F24 {
+    I8F24::from_bits(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
+}
+
+/// How a hand moves at a tick: one of several habits.
+pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthest: i64) -> i64 {
+    let speed = furthest >> (habit / 8 % 12);
+    match habit % 8 {
+        0 => random.signed(31),
+        1 => random.within(speed + 1),
+        // Out where the force is high, in where it is low.
+        2 => {
+            if state.force.abs() > state.older.abs() {
+                -speed
+            } else {
+                speed
+            }
+        }
+        // With the force, against it.
+        3 => -(state.force.signum() as i64) * speed,
+        4 => state.force.signum() as i64 * speed,
+        5 => {
+            if (tick / (1 + habit / 96)).is_multiple_of(2) {
+                speed
+            } else {
+                -speed
+            }
+        }
+        6 => 0,
+        _ => {
+            if tick.is_multiple_of(97) {
+                furthest + random.within(3)
+            } else {
+                random.within(speed + 1)
+            }
+        }
+    }
+}
+
+/// Around a default, or of any size.
+fn near(random: &mut Random, default: &str) -> Si {
+    let default = Si::from_str(default).expect("a number");
+    match random.below(4) {
+        0 => Si::ZERO,
+        1 => default,
+        2 => Si::from_bits((random.any() >> 16 >> random.below(40)).cast_signed()),
+        _ => default * Si::from_num(random.below(64)) / 8,
+    }
+}
+
+/// Any settings of a law; not all are accepted.
+pub fn any_law(random: &mut Random, law: LawKind) -> Settings {
+    let one_of_two = |random: &mut Random| random.below(2) == 0;
+    Settings {
+        law,
+        rate_hz: [100, 1000, 1000, 4000][random.below(4) as usize],
+        k_desired: near(random, "5"),
+        k_soft: near(random, "4.9"),
+        device_damping: near(random, "0.0005"),
+        virtual_damping: near(random, "0.0076"),
+        observer: if one_of_two(random) {
+            ObserverForm::Exact
+        } else {
+            ObserverForm::Thesis
+        },
+        count_device_damping: one_of_two(random),
+        regulate: [Regulate::Hip, Regulate::Mass, Regulate::MassCompensated]
+            [random.below(3) as usize],
+        offset_update: [
+            OffsetUpdate::EveryTick,
+            OffsetUpdate::Inward,
+            OffsetUpdate::TurnInward,
+        ][random.below(3) as usize],
+        ideal_step: if one_of_two(random) {
+            IdealStep::Force
+        } else {
+            IdealStep::Position
+        },
+        first_contact: if one_of_two(random) {
+            FirstContact::KeepForce
+        } else {
+            FirstContact::ZeroOffset
+        },
+        step_of_ideal: near(random, "0.21"),
+        limit_of_force: near(random, "0.41"),
+        limit_of_penetration: near(random, "0.4"),
+        energy_credit: near(random, "0.02"),
+        force_limit: near(random, "0.5"),
+        filter: FilterSettings {
+            mass: near(random, "0.00000068"),
+            stiffness: near(random, "29.6"),
+            damping: near(random, "0.00655"),
+            ground_damping: near(random, "0.00356"),
+        },
+        ..Settings::default()
+    }
+}
+
+/// Penetration and displacement of the next tick: a press and its release, trembling at the surface, jumps, and now and then a displacement
+/// that does not belong to it, as an estimator can tell one.
+pub struct Hand {
+    habit: u64,
+    at: i64,
+}
+impl Hand {
+    /// Just outside the wall, with any habit.
+    pub fn any(random: &mut Random) -> Self {
+        Self {
+            habit: random.any() >> 20,
+            at: -1000,
+        }
+    }
+
+    /// The next tick.
+    pub fn moves(&mut self, random: &mut Random, tick: u64, force: i128) -> (I8F24, I8F24) {
+        let before = self.at;
+        let speed = 1_i64 << (self.habit / 8 % 22);
+        let step = match self.habit % 8 {
+            0 => random.within(speed),
+            1 => {
+                if tick % 200 < 60 {
+                    speed
+                } else if tick % 200 < 120 {
+                    -speed / 3
+                } else {
+                    random.within(speed / 4 + 1)
+                }
+            }
+            2 => {
+                if force > 1 << 20 {
+                    -speed
+                } else {
+                    speed
+                }
+            }
+            3 => {
+                if tick % 4 < 2 {
+                    speed
+                } else {
+                    -speed
+                }
+            }
+            4 => random.signed(31) - self.at,
+            5 => {
+                if tick % 100 < 50 {
+                    speed
+                } else {
+                    -speed - 1
+                }
+            }
+            6 => random.within(3),
+            _ => {
+                if self.at > speed * 20 {
+                    -speed * 7
+                } else {
+                    random.within(speed) + speed / 8
+                }
+            }
+        };
+        self.at = (self.at + step).clamp(-(1 << 31), (1 << 31) - 1);
+        let moved = if random.below(16) == 0 {
+            random.signed(31)
+        } else {
+            self.at - before
+        };
+        (bits(self.at), bits(moved))
+    }
+}

@@ -1,0 +1,260 @@
+//! A whole knob behind a socket, in real time: the drive around the simulated motor, spoken to as a board is spoken to.
+//!
+//! For the desktop's programs, without a board. What may happen to a cable or a board is done to it by a word ([`ServedKnob::suffer`]).
+
+use crate::knob::{Knob, Tamper};
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::wire::checked;
+use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
+use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
+use touchstone_protocol::settings::SettingsError;
+use touchstone_protocol::{
+    Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
+    PROTOCOL_VERSION, Phase, ResetReason, RingChunk, State, Telemetry, stored,
+};
+use touchstone_world::motor::GIMBAL;
+
+const BOARD: Board = Board::NucleoG474re;
+/// A hand that presses into the wall and comes out takes so long, s.
+const PRESS_S: f64 = 2.0;
+
+/// A supply that may rise.
+#[derive(Debug, Clone, Copy)]
+pub struct Supply(f64);
+
+impl Tamper for Supply {
+    fn bus_v(&mut self, _tick: u32) -> f64 {
+        self.0
+    }
+}
+
+/// The knob with what stands around it.
+pub struct ServedKnob {
+    knob: Knob<Supply>,
+    settings: DeviceSettings,
+    decimation: u16,
+    /// Records that are dropped from now on.
+    gap: u32,
+    dropped: u32,
+    armed_s: f64,
+    /// Where it stood when it was armed, and how far the surface was.
+    start_rad: f64,
+    outside_rad: f64,
+    /// The cable is in.
+    plugged: bool,
+    noise: usize,
+}
+
+impl ServedKnob {
+    /// With the board's defaults.
+    #[must_use]
+    pub fn new() -> Self {
+        let settings = DeviceSettings::defaults(BOARD);
+        Self {
+            knob: Knob::new(&settings, GIMBAL, 0.0, Supply(24.0)),
+            settings,
+            decimation: 1,
+            gap: 0,
+            dropped: 0,
+            armed_s: 0.0,
+            start_rad: 0.0,
+            outside_rad: 0.0,
+            plugged: true,
+            noise: 0,
+        }
+    }
+
+    /// What happens to it: `gap N` drops N records, `noise N` sends N bytes that mean nothing, `volts V` changes its supply, `pull` and
+    /// `plug` are the cable's.
+    pub fn suffer(&mut self, what: &str) {
+        let (word, number) = what.trim().split_once(' ').unwrap_or((what.trim(), "0"));
+        let number: f64 = number.parse().unwrap_or(0.0);
+        match word {
+            "gap" => self.gap = number as u32,
+            "noise" => self.noise = number as usize,
+            "volts" => self.knob.tamper.0 = number,
+            "pull" => self.plugged = false,
+            "plug" => self.plugged = true,
+            _ => eprintln!("{what}: no such thing"),
+        }
+    }
+
+    /// One control tick, with the hand that presses while the device is armed; the telemetry record that is due.
+    fn next_record(&mut self) -> Option<Telemetry> {
+        let rate_hz = f64::from(self.settings.timing.rate_hz);
+        if self.knob.device.state() == State::Armed {
+            self.armed_s += 1.0 / rate_hz;
+            // From where it was armed to a part of a radian beyond the surface, and back.
+            let share = (1.0 - (std::f64::consts::TAU * self.armed_s / PRESS_S).cos()) / 2.0;
+            self.knob.rest_rad = self.start_rad + (self.outside_rad + 0.3) * share;
+        } else {
+            self.armed_s = 0.0;
+            self.start_rad = self.knob.rig.now().angle_rad;
+            self.outside_rad = -self.knob.record.penetration.0.to_num::<f64>();
+            self.knob.rest_rad = self.start_rad;
+        }
+        let record = self.knob.tick();
+        if self.decimation == 0 || !record.tick.is_multiple_of(u32::from(self.decimation)) {
+            return None;
+        }
+        if self.gap > 0 {
+            self.gap -= 1;
+            self.dropped += 1;
+            return None;
+        }
+        Some(Telemetry::from(&record))
+    }
+
+    /// Asks the device with its next tick; whether that had an effect.
+    fn give(&mut self, command: Command) -> bool {
+        self.knob.ask(command);
+        self.knob.tick();
+        let output = self.knob.output;
+        output.and_then(|output| output.accepted).unwrap_or(false)
+    }
+}
+
+impl Default for ServedKnob {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Backend for ServedKnob {
+    fn identity(&self) -> Identity {
+        Identity {
+            protocol_version: PROTOCOL_VERSION,
+            settings_version: stored::LAYOUT_VERSION,
+            firmware_version: "simulated".try_into().unwrap_or_default(),
+            board: BOARD,
+            unique_id: [0; 12],
+            reset_reason: ResetReason::PowerOn,
+            build_hash: 0,
+        }
+    }
+    fn phase(&self) -> Phase {
+        self.knob.device.state().into()
+    }
+    fn fault(&self) -> Option<Fault> {
+        self.knob.device.fault().map(Fault::from)
+    }
+    fn tick(&self) -> u32 {
+        self.knob.record.tick
+    }
+    fn counters(&self) -> Counters {
+        Counters {
+            telemetry_dropped: self.dropped,
+            ticks: self.knob.record.tick,
+            ..Counters::default()
+        }
+    }
+    fn ring(&self, _first: u16) -> Option<RingChunk> {
+        None
+    }
+    fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
+        checked(settings, BOARD)
+    }
+    fn use_settings(&mut self, settings: &DeviceSettings) {
+        // They were checked.
+        if self.knob.device.configure(settings, &IHM08M1).is_ok() {
+            self.settings = settings.clone();
+        }
+    }
+    fn save(&mut self, _image: &[u8]) -> Result<(), FlashError> {
+        Ok(())
+    }
+    fn command(&mut self, command: DeviceCommand) -> Option<bool> {
+        let asked = match command {
+            DeviceCommand::Calibrate => Command::Calibrate,
+            DeviceCommand::Arm => Command::Arm,
+            DeviceCommand::Disarm => Command::Disarm,
+            DeviceCommand::Stop => Command::Stop,
+            DeviceCommand::Zero => return Some(self.knob.device.zero_here()),
+            DeviceCommand::Reboot => return Some(false),
+        };
+        Some(self.give(asked))
+    }
+    fn telemetry(&mut self, decimation: u16) {
+        self.decimation = decimation;
+    }
+}
+
+/// Serves one connection after the other, for ever; ends when nobody can say any more what happens to it.
+///
+/// # Errors
+/// The listener fails.
+pub fn serve(listener: &TcpListener, happens: &Receiver<String>) -> std::io::Result<()> {
+    listener.set_nonblocking(true)?;
+    let mut knob = ServedKnob::new();
+    let mut session = Session::new(DeviceSettings::defaults(BOARD), true);
+    let mut line: Option<(TcpStream, Decoder)> = None;
+    let begun = Instant::now();
+    let mut ran_s = 0.0;
+    loop {
+        match happens.try_recv() {
+            Ok(what) => knob.suffer(&what),
+            Err(std::sync::mpsc::TryRecvError::Disconnected) => return Ok(()),
+            Err(std::sync::mpsc::TryRecvError::Empty) => {}
+        }
+        if let Ok((stream, _)) = listener.accept() {
+            stream.set_nonblocking(true)?;
+            stream.set_nodelay(true)?;
+            line = Some((stream, Decoder::new()));
+        }
+        if !knob.plugged {
+            line = None;
+        }
+        let mut out = Vec::new();
+        if let Some((stream, decoder)) = &mut line {
+            let mut bytes = [0; 1024];
+            let count = match stream.read(&mut bytes) {
+                Ok(0) => None,
+                Ok(count) => Some(count),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => Some(0),
+                Err(_) => None,
+            };
+            for &byte in bytes.get(..count.unwrap_or(0)).unwrap_or_default() {
+                let errors = decoder.errors();
+                if let Some(Ok(payload)) = decoder.push(byte)
+                    && let Answered::Now(answer) =
+                        session.answer_payload(payload, errors, &mut knob)
+                {
+                    out.extend(framed(&answer));
+                }
+            }
+            if count.is_none() {
+                line = None;
+            }
+        }
+        out.extend((0..std::mem::take(&mut knob.noise)).map(|i| ((i * 7919) >> 3) as u8));
+        let rate_hz = f64::from(knob.settings.timing.rate_hz);
+        let now_s = begun.elapsed().as_secs_f64();
+        // A machine that cannot keep up runs slower, and does not choke on what it missed.
+        if now_s - ran_s > 0.25 {
+            ran_s = now_s - 0.02;
+        }
+        while ran_s < now_s {
+            ran_s += 1.0 / rate_hz;
+            if let Some(record) = knob.next_record() {
+                out.extend(framed(&FromDevice::Telemetry(record)));
+            }
+        }
+        if let Some((stream, _)) = &mut line {
+            // What the line cannot take is lost, as on a serial port.
+            match stream.write(&out) {
+                Err(error) if error.kind() != ErrorKind::WouldBlock => line = None,
+                _ => {}
+            }
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn framed(message: &FromDevice) -> Vec<u8> {
+    let mut buffer = [0; FRAME_MAX];
+    frame::encode(message, &mut buffer).map_or_else(|_| Vec::new(), <[u8]>::to_vec)
+}

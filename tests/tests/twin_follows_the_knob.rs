@@ -1,0 +1,117 @@
+//! The model beside a device computes its force to the bit from what telemetry tells, whatever the law remembers; and says nothing
+//! where it cannot know.
+
+use touchstone_control::Si;
+use touchstone_drive::DeviceSettings;
+use touchstone_drive::twin::Twin;
+use touchstone_protocol::{Board, Command, Limit, Limits, Phase, Telemetry};
+use touchstone_tests::knob::honest;
+
+fn shipped(guard: bool) -> DeviceSettings {
+    let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+    settings.wall.surface_rad = Si::lit("0.3");
+    settings.limits.fade_in_s = Si::lit("0.05");
+    settings.law.guard.on = guard;
+    settings
+}
+
+/// Arms twice, presses twice a time; every record, as telemetry tells it.
+fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
+    let mut knob = honest(settings).armed();
+    let start = knob.rig.now().angle_rad;
+    let mut all = vec![Telemetry::from(&knob.record)];
+    for tick in 0..6_000 {
+        let into = f64::from(tick % 1_500) / 1_500.0;
+        knob.rest_rad = start + 0.8 * (1.0 - (std::f64::consts::TAU * into).cos()) / 2.0;
+        match tick {
+            2_900 => knob.ask(Command::Disarm),
+            2_990 => knob.ask(Command::Arm),
+            _ => {}
+        }
+        all.push(Telemetry::from(&knob.tick()));
+    }
+    all
+}
+
+#[test]
+fn every_force_is_the_models_to_the_bit() {
+    for guard in [false, true] {
+        let settings = shipped(guard);
+        let mut twin = Twin::new(&settings, Board::NucleoG474re).unwrap();
+        let mut all = records(&settings);
+        // The page is open before the device is armed.
+        let ready = Telemetry {
+            tick: all[0].tick - 1,
+            phase: Phase::Ready,
+            ..all[0]
+        };
+        all.insert(0, ready);
+        let (mut judged, mut pushed, mut held_back) = (0, 0, 0);
+        for record in &all {
+            let model = twin.tick(record);
+            assert_eq!(model.is_some(), record.phase == Phase::Armed, "{record:?}");
+            if let Some(force) = model {
+                assert_eq!(force, record.force_n_m, "guard {guard}: {record:?}");
+                judged += 1;
+                pushed += u32::from(force != 0);
+                held_back += u32::from(Limits::from_wire(record.limits).has(Limit::FadeIn));
+            }
+        }
+        assert!(
+            judged > 5_000 && pushed > 1_000 && held_back >= 100,
+            "{judged} {pushed} {held_back}"
+        );
+    }
+}
+
+#[test]
+fn what_is_missing_is_not_guessed_and_found_in_again() {
+    let settings = shipped(false);
+    let mut all = records(&settings);
+    let lost = 700..720;
+    let resumed = all[lost.end].tick;
+    all.drain(lost);
+    let mut twin = Twin::new(&settings, Board::NucleoG474re).unwrap();
+    let mut silent = 0;
+    let mut worst: f64 = 0.0;
+    let mut judged = 0;
+    for record in &all {
+        let model = twin.tick(record);
+        match model {
+            Some(force) if record.tick >= resumed => {
+                judged += 1;
+                worst = worst.max((force - record.force_n_m).to_num::<f64>().abs());
+            }
+            None if record.tick >= resumed && record.phase == Phase::Armed => silent += 1,
+            _ => {}
+        }
+    }
+    // The rest of the press in which it was lost, and the ticks outside in which it finds in.
+    assert!(
+        (500..2_300).contains(&silent),
+        "{silent} ticks without a model"
+    );
+    assert!(judged > 1_000, "{judged}");
+    // After the second arming it knows all again; between the two its estimator has forgotten what it missed.
+    assert!(worst < 1e-5, "{worst} N·m");
+}
+
+#[test]
+fn another_stiffness_is_seen() {
+    let settings = shipped(false);
+    let mut other = settings.clone();
+    other.wall.k_desired_n_m_per_rad = settings.wall.k_desired_n_m_per_rad * Si::lit("0.99");
+    let all = records(&settings);
+    let mut twin = Twin::new(&other, Board::NucleoG474re).unwrap();
+    let before = Telemetry {
+        tick: all[0].tick - 1,
+        phase: Phase::Ready,
+        ..all[0]
+    };
+    twin.tick(&before);
+    let differing = all.iter().filter(|record| {
+        twin.tick(record)
+            .is_some_and(|force| force != record.force_n_m)
+    });
+    assert!(differing.count() > 1_000);
+}

@@ -1,0 +1,207 @@
+//! `cargo xtask bench --ladder [--write]`: what every effect of a scene costs alone and in pairs, instructions a tick.
+//!
+//! One process runs all configurations, few ticks and then more of each, and callgrind writes down its count at every call of the
+//! example's `mark`. With `--write` the counts go to `host-sim/lab/src/plan/ladder.txt`, from which `touchstone plan` predicts, and as
+//! a table into `docs/effects.md`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::bench::{built, instructions, per_tick};
+use crate::outcome::Outcome;
+use crate::{packages, shell};
+
+/// Long enough for what happens once in a hundred ticks to happen often.
+const TICKS: [u64; 2] = [1_000, 5_000];
+/// Where the table stands in `docs/effects.md`.
+const BEGIN: &str = "<!-- ladder: begin, written by `cargo xtask bench --ladder --write` -->\n";
+const END: &str = "<!-- ladder: end -->\n";
+/// Instructions that an effect at amplitude zero may cost. Nothing but ticks is counted; what is left is the rounding of a table.
+const NOTHING: f64 = 0.01;
+
+type Costs = BTreeMap<String, f64>;
+
+pub fn run(words: &[String]) -> Outcome {
+    let write = match words {
+        [] => false,
+        [word] if word == "--write" => true,
+        _ => return Outcome::Usage("cargo xtask bench --ladder [--write]".into()),
+    };
+    if let Some(missing) = packages::missing_valgrind() {
+        return missing;
+    }
+    climb(write).unwrap_or_else(|failed| failed)
+}
+
+fn climb(write: bool) -> Result<Outcome, Outcome> {
+    let binary = built("tick_cost")?;
+    let names = shell::capture(shell::program(&binary).arg("--ladder"))
+        .ok_or_else(|| Outcome::Failed("tick_cost does not name its ladder".into()))?;
+    let names: Vec<&str> = names.lines().collect();
+    let costs = counted(&binary, &names)?;
+    let table = table(&names, &costs);
+    print!("{table}");
+    let bare = costs["bare"];
+    for (name, cost) in costs.iter().filter(|(name, _)| name.starts_with("silent:")) {
+        // An effect of the hand needs one.
+        let costs_nothing = [bare, costs["with:hand"]]
+            .iter()
+            .any(|without| (cost - without).abs() <= NOTHING);
+        if !costs_nothing {
+            return Err(Outcome::Failed(format!(
+                "{name} costs {:.1} instructions a tick",
+                cost - bare
+            )));
+        }
+    }
+    if write {
+        let lines: Vec<String> = names
+            .iter()
+            .map(|name| format!("{name} {:.1}\n", costs[*name]))
+            .collect();
+        put(
+            &shell::root().join("host-sim/lab/src/plan/ladder.txt"),
+            &lines.concat(),
+        )?;
+        let page = shell::root().join("docs/effects.md");
+        let text = std::fs::read_to_string(&page).map_err(|error| failed(&page, &error))?;
+        let replaced = between(&text, &table).ok_or_else(|| {
+            Outcome::Failed(format!("{}: no place for the table", page.display()))
+        })?;
+        put(&page, &replaced)?;
+    }
+    let most = costs.values().copied().fold(0.0, f64::max);
+    Ok(Outcome::Ok(format!(
+        "{bare:.1} to {most:.1} instructions per tick, {} configurations",
+        names.len()
+    )))
+}
+
+fn failed(path: &Path, error: &std::io::Error) -> Outcome {
+    Outcome::Failed(format!("{}: {error}", path.display()))
+}
+
+fn put(path: &Path, text: &str) -> Result<(), Outcome> {
+    std::fs::write(path, text).map_err(|error| failed(path, &error))
+}
+
+/// The page with another table.
+fn between(page: &str, table: &str) -> Option<String> {
+    let (before, rest) = page.split_once(BEGIN)?;
+    let (_, after) = rest.split_once(END)?;
+    Some(format!("{before}{BEGIN}{table}{END}{after}"))
+}
+
+/// Instructions a tick of every configuration.
+fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
+    let folder = shell::target("bench/ladder");
+    // Old counts must not stand in for ones that failed.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, &error))?;
+    let out = folder.join("count");
+    let mut command = shell::program("valgrind");
+    command
+        .args([
+            "--quiet",
+            "--tool=callgrind",
+            "--dump-before=*tick_cost*mark*",
+        ])
+        .arg(format!("--callgrind-out-file={}", out.display()))
+        .arg(binary)
+        .arg("--ladder")
+        .args(TICKS.map(|ticks| ticks.to_string()));
+    if shell::capture(&mut command).is_none() {
+        return Err(Outcome::Failed("the ladder failed under valgrind".into()));
+    }
+    // The first count is of everything before the first mark.
+    let file = |number: usize| PathBuf::from(format!("{}.{number}", out.display()));
+    let count = |number: usize| -> Result<u64, Outcome> {
+        let path = file(number);
+        let text = std::fs::read_to_string(&path).map_err(|error| failed(&path, &error))?;
+        instructions(&text)
+            .ok_or_else(|| Outcome::Failed(format!("no totals in {}", path.display())))
+    };
+    let last = 3 * names.len();
+    if file(last + 1).is_file() || !file(last).is_file() {
+        return Err(Outcome::Failed(format!(
+            "callgrind did not write {last} counts"
+        )));
+    }
+    names
+        .iter()
+        .enumerate()
+        .map(|(at, name)| {
+            // The last of a configuration's three marks ends its ticks; what comes after is the next one's plan.
+            let counted = [count(3 * at + 2)?, count(3 * at + 3)?];
+            Ok(((*name).to_owned(), per_tick(TICKS, counted)))
+        })
+        .collect()
+}
+
+/// What each effect adds alone, and what two together add beyond that.
+fn table(names: &[&str], costs: &Costs) -> String {
+    let effects: Vec<&str> = names
+        .iter()
+        .filter_map(|name| name.strip_prefix("with:"))
+        .filter(|name| !name.contains('+'))
+        .collect();
+    let bare = costs["bare"];
+    let added = |name: &str| costs.get(&format!("with:{name}")).map(|cost| cost - bare);
+    let mut text = format!("\nWithout any: {bare:.1} instructions a tick.\n\n| effect | alone |");
+    for number in 1..=effects.len() {
+        let _ = write!(text, " {number} |");
+    }
+    text.push_str("\n|---|---:|");
+    text.push_str(&"---:|".repeat(effects.len()));
+    text.push('\n');
+    for (row, first) in effects.iter().enumerate() {
+        let alone = added(first).unwrap_or(f64::NAN);
+        let _ = write!(text, "| {} {first} | {alone:+.1} |", row + 1);
+        for second in &effects {
+            let pair =
+                added(&format!("{first}+{second}")).or_else(|| added(&format!("{second}+{first}")));
+            let beyond = pair
+                .zip(added(second))
+                .map(|(pair, other)| pair - alone - other);
+            match beyond {
+                Some(beyond) if first != second => {
+                    let _ = write!(text, " {beyond:+.0} |");
+                }
+                _ => text.push_str("  |"),
+            }
+        }
+        text.push('\n');
+    }
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_is_told_by_what_it_adds_beyond_both() {
+        let costs: Costs = [
+            ("bare", 50.0),
+            ("with:a", 60.0),
+            ("with:b", 75.0),
+            ("with:a+b", 90.0),
+        ]
+        .map(|(name, cost)| (name.to_owned(), cost))
+        .into();
+        let table = table(&["bare", "with:a", "with:b", "with:a+b"], &costs);
+        assert!(table.contains("Without any: 50.0 "), "{table}");
+        assert!(table.contains("| 1 a | +10.0 |  | +5 |\n"), "{table}");
+        assert!(table.contains("| 2 b | +25.0 | +5 |  |\n"), "{table}");
+    }
+
+    #[test]
+    fn a_table_takes_the_place_of_the_last_one() {
+        let page = format!("before\n{BEGIN}old\n{END}after\n");
+        let replaced = between(&page, "new\n").unwrap();
+        assert_eq!(replaced, format!("before\n{BEGIN}new\n{END}after\n"));
+        assert_eq!(between("no place", "new"), None);
+    }
+}

@@ -1,0 +1,276 @@
+//! The theorems over traces, `proofs/coq/`: compiled by Coq, what they assume counted, and the specification that they are about
+//! run beside the shipped code.
+//!
+//! Coq ends with 0 also for a proof that was admitted or rests on an axiom. So every claim is in `Theorems.v`, which asks for what
+//! each one assumes, and each answer must be that it assumes nothing.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use crate::changes;
+use crate::outcome::Outcome;
+use crate::shell;
+
+/// In the order in which each needs those before it.
+const FILES: [&str; 9] = [
+    "Guard",
+    "Port",
+    "GuardLosesNothing",
+    "Shipped",
+    "Laws",
+    "LawsArePassive",
+    "Mass",
+    "Theorems",
+    "Extract",
+];
+/// What the theorems are claimed in.
+const CLAIMS: &str = "Theorems.v";
+const SOURCES: &str = "proofs/coq";
+const MUTANTS: &str = "proofs/coq/mutants.toml";
+const INSTALL: &str = "Coq is not installed; install with `apt-get install --no-install-recommends coq` (1 GB on disk)";
+/// Ticks of the shipped code that the extracted specification repeats.
+const TICKS: &str = "700000";
+/// Words with which a file would claim what it does not prove.
+const UNPROVED: [&str; 8] = [
+    "Admitted",
+    "admit.",
+    "Axiom",
+    "Parameter",
+    "Conjecture",
+    "bypass_check",
+    "Unset Guard Checking",
+    "Unset Universe Checking",
+];
+
+/// Why a folder of theorems is not to be believed.
+#[derive(Debug, PartialEq)]
+struct Broken {
+    /// `Guard.v`.
+    file: String,
+    why: String,
+}
+
+pub fn is_there() -> bool {
+    shell::capture(Command::new("coqc").arg("--version")).is_some()
+}
+
+/// Compiles the theorems, asks what they assume, and runs the specification on the code's ticks.
+pub fn run() -> Outcome {
+    if !is_there() {
+        return Outcome::NotRun(INSTALL.into());
+    }
+    let folder = shell::target("coq");
+    let begun = Instant::now();
+    let claims = match fresh(&folder).and_then(|()| proved(&folder, true)) {
+        Ok(claims) => claims,
+        Err(Broken { file, why }) => return Outcome::Failed(format!("{SOURCES}/{file}: {why}")),
+    };
+    let took = begun.elapsed().as_secs_f64();
+    match compared(&folder) {
+        Ok(sentence) => Outcome::Ok(format!(
+            "{claims} theorems over traces proved, none assumes anything ({took:.0} s); {sentence}"
+        )),
+        Err(why) => Outcome::Failed(format!("the specification beside the code: {why}")),
+    }
+}
+
+fn broken(file: &str, why: impl ToString) -> Broken {
+    Broken {
+        file: file.into(),
+        why: why.to_string(),
+    }
+}
+
+/// A folder with the sources and nothing that was made of them.
+fn fresh(folder: &Path) -> Result<(), Broken> {
+    let said = |why: std::io::Error| broken("", format!("{}: {why}", folder.display()));
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).map_err(said)?;
+    }
+    std::fs::create_dir_all(folder).map_err(said)?;
+    let sources = shell::root().join(SOURCES);
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(&sources).map_err(said)? {
+        let path = entry.map_err(said)?.path();
+        let name = path.file_name().unwrap_or_default().to_owned();
+        std::fs::copy(&path, folder.join(&name)).map_err(said)?;
+        found.extend(name.to_string_lossy().strip_suffix(".v").map(str::to_owned));
+    }
+    // A file that nobody compiles would look like a proof.
+    match found.iter().find(|file| !FILES.contains(&file.as_str())) {
+        Some(file) => Err(broken(file, "is not in the list of files to compile")),
+        None => Ok(()),
+    }
+}
+
+/// Compiles all; how many claims there are, each of which assumes nothing.
+fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
+    let mut answers = String::new();
+    for name in FILES {
+        let file = format!("{name}.v");
+        let text = std::fs::read_to_string(folder.join(&file)).map_err(|why| broken(&file, why))?;
+        if let Some(word) = UNPROVED.iter().find(|word| text.contains(**word)) {
+            return Err(broken(&file, format!("has `{word}` in it")));
+        }
+        let begun = Instant::now();
+        let mut coqc = Command::new("coqc");
+        let done = coqc
+            .current_dir(folder)
+            .args(["-q", "-Q", ".", "Touchstone", &file])
+            .output()
+            .map_err(|why| broken(&file, why))?;
+        if !done.status.success() {
+            return Err(broken(&file, String::from_utf8_lossy(&done.stderr).trim()));
+        }
+        if show {
+            println!("{:>7.1} s  {SOURCES}/{file}", begun.elapsed().as_secs_f64());
+        }
+        if file == CLAIMS {
+            answers = String::from_utf8_lossy(&done.stdout).into_owned();
+            let asked = text.matches("\nPrint Assumptions ").count();
+            nothing_assumed(asked, &answers).map_err(|why| broken(CLAIMS, why))?;
+        }
+    }
+    Ok(answers.lines().count())
+}
+
+/// As many answers as questions, and each that nothing is assumed.
+fn nothing_assumed(asked: usize, answers: &str) -> Result<(), String> {
+    let other = answers
+        .lines()
+        .find(|line| *line != "Closed under the global context");
+    match other {
+        Some(line) => Err(format!("a theorem rests on more: {line}")),
+        None if asked == 0 || answers.lines().count() != asked => {
+            Err(format!("{asked} theorems, and not as many answers"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The extracted specification beside ticks of the code.
+fn compared(folder: &Path) -> Result<String, String> {
+    let mut build = Command::new("ocamlfind");
+    let sources = ["specified.mli", "specified.ml", "compare.ml"];
+    build
+        .current_dir(folder)
+        .args(["ocamlopt", "-package", "str"]);
+    let built = build.args(sources).args(["-o", "compare"]).output();
+    let built = built.map_err(|why| format!("ocamlfind: {why}"))?;
+    if !built.status.success() {
+        return Err(String::from_utf8_lossy(&built.stderr).trim().to_owned());
+    }
+    let mut trace = shell::cargo_locked("run");
+    trace.args([
+        "--release",
+        "-q",
+        "-p",
+        "touchstone-proofs",
+        "--example",
+        "trace",
+        "--",
+        TICKS,
+    ]);
+    let (output, input) = std::io::pipe().map_err(|why| why.to_string())?;
+    let mut writes = trace.stdout(input).spawn().map_err(|why| why.to_string())?;
+    // The command holds the end that is written to: without it, the reading ends when the program has.
+    drop(trace);
+    let reads = Command::new(folder.join("compare")).stdin(output).output();
+    let reads = reads.map_err(|why| why.to_string())?;
+    let said = String::from_utf8_lossy(&reads.stdout).trim().to_owned();
+    let wrote = writes.wait().map_err(|why| why.to_string())?;
+    if reads.status.success() && wrote.success() {
+        Ok(said)
+    } else {
+        Err(if said.is_empty() {
+            "the ticks could not be written".into()
+        } else {
+            said
+        })
+    }
+}
+
+/// Wrong changes of the specification and of the claims: of each, the file that it names must no longer be proved, and all before it
+/// must. A change that breaks its own file by not being a sentence of Coq is no catch.
+pub fn mutants() -> Outcome {
+    if !is_there() {
+        return Outcome::NotRun(INSTALL.into());
+    }
+    let list = match changes::list(MUTANTS) {
+        Ok(list) => list,
+        Err(outcome) => return outcome,
+    };
+    let folder: PathBuf = shell::target("coq-mutants");
+    let mut caught = 0;
+    for mutant in &list {
+        let (change, wanted) = (&mutant.changes[0], mutant.word("harness"));
+        let answer = refuted_in(&folder, change, wanted);
+        let word = match &answer {
+            Ok(()) => "caught".to_owned(),
+            Err(why) => format!("MISSED: {why}"),
+        };
+        caught += usize::from(answer.is_ok());
+        println!(
+            "{word}  {wanted}  `{}` -> `{}`",
+            change.find, change.replace
+        );
+    }
+    let text = format!(
+        "{caught} of {} wrong changes of the theorems caught",
+        list.len()
+    );
+    if caught == list.len() && caught > 0 {
+        Outcome::Ok(text)
+    } else {
+        Outcome::Failed(text)
+    }
+}
+
+fn refuted_in(folder: &Path, change: &changes::Change, wanted: &str) -> Result<(), String> {
+    fresh(folder).map_err(|it| it.why)?;
+    let name = Path::new(&change.file).file_name().unwrap_or_default();
+    let path = folder.join(name);
+    let text = std::fs::read_to_string(&path).map_err(|why| why.to_string())?;
+    if text.matches(&change.find).count() != 1 {
+        return Err(format!("{} does not have it once", change.file));
+    }
+    std::fs::write(&path, text.replace(&change.find, &change.replace))
+        .map_err(|why| why.to_string())?;
+    match proved(folder, false) {
+        Ok(_) => Err("everything is still proved".into()),
+        Err(Broken { file, why }) if file == wanted => {
+            let no_sentence = ["Syntax error", "was not found in the current environment"];
+            match no_sentence.iter().find(|word| why.contains(**word)) {
+                Some(word) => Err(format!("{word} in {file}")),
+                None => Ok(()),
+            }
+        }
+        Err(Broken { file, why }) => Err(format!("{file} broke: {why}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axiom_is_no_proof() {
+        let closed = "Closed under the global context\n";
+        assert_eq!(nothing_assumed(2, &closed.repeat(2)), Ok(()));
+        assert!(nothing_assumed(2, closed).is_err());
+        assert!(nothing_assumed(0, "").is_err());
+        let axioms = format!("{closed}Axioms:\nclassic : forall P : Prop, P \\/ ~ P\n");
+        assert!(nothing_assumed(2, &axioms).unwrap_err().contains("Axioms"));
+    }
+
+    #[test]
+    fn the_sources_are_all_in_the_list_and_admit_nothing() {
+        let folder = shell::target("coq-test");
+        fresh(&folder).expect("every file is compiled");
+        for name in FILES {
+            let text = std::fs::read_to_string(folder.join(format!("{name}.v"))).expect("readable");
+            assert!(UNPROVED.iter().all(|word| !text.contains(word)), "{name}");
+        }
+    }
+}
