@@ -225,7 +225,7 @@ fn talk(device: &Fake) {
     let columns = 16;
     let rows: Vec<&[f64]> = page.numbers.chunks_exact(columns).collect();
     assert!(
-        rows.len() > 200 && page.numbers.len() % columns == 0,
+        rows.len() > 200 && page.numbers.len().is_multiple_of(columns),
         "{}",
         rows.len()
     );
@@ -427,7 +427,7 @@ fn only_the_page_that_was_opened_gets_in() {
 
 /// Numbers that mean nothing.
 fn noise(count: usize) -> Vec<u8> {
-    (0..count).map(|i| (i * 7919 >> 3) as u8).collect()
+    (0..count).map(|i| ((i * 7919) >> 3) as u8).collect()
 }
 
 #[test]

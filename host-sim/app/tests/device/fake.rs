@@ -177,7 +177,7 @@ fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std
         if world.pulled {
             return Ok(());
         }
-        out.extend((0..std::mem::take(&mut world.noise)).map(|i| (i * 7919 >> 3) as u8));
+        out.extend((0..std::mem::take(&mut world.noise)).map(|i| ((i * 7919) >> 3) as u8));
         for &byte in &bytes[..count] {
             let errors = decoder.errors();
             if let Some(Ok(payload)) = decoder.push(byte) {
