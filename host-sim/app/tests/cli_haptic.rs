@@ -471,3 +471,57 @@ fn what_does_not_go_together_is_said() {
         failed(&common::run_in(&folder, arguments), 2, parts);
     }
 }
+
+/// A floor of two triangles pushes as the floor does; what is no mesh is refused before anything moves.
+#[test]
+fn a_mesh_from_a_file_is_an_object() {
+    let folder = common::folder("cli-haptic-mesh");
+    let facet = |[a, b, c]: [&str; 3]| {
+        format!(
+            "facet normal 0 0 1\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
+        )
+    };
+    let [a, b, c, d] = ["-60 -60 0", "60 -60 0", "60 60 0", "-60 60 0"];
+    let facets = [facet([a, b, c]), facet([a, c, d])].concat();
+    std::fs::write(
+        folder.join("floor.stl"),
+        format!("solid f\n{facets}endsolid f\n"),
+    )
+    .unwrap();
+    let force_max = |object: &str| {
+        let run = ["device", "run", object, "--device", "simulated", "--fast"];
+        let rest = [
+            "--seconds",
+            "2",
+            "--law",
+            "spring",
+            "--k-desired",
+            "2",
+            "--json",
+        ];
+        let said = done(&ran(&folder, "", &[&run[..], &rest[..]].concat()));
+        let value: serde_json::Value = serde_json::from_str(&said).unwrap();
+        value["force_max_n"].as_f64().unwrap()
+    };
+    let (floor, mesh) = (force_max("plane"), force_max("floor.stl"));
+    assert!(
+        floor > 1.0 && (mesh - floor).abs() < 1e-3,
+        "{floor} N, and {mesh} N"
+    );
+    failed(
+        &ran(
+            &folder,
+            "",
+            &[
+                "device",
+                "run",
+                "none.stl",
+                "--device",
+                "simulated",
+                "--fast",
+            ],
+        ),
+        2,
+        &["none.stl", "give an STL file"],
+    );
+}
