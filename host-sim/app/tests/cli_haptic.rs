@@ -160,6 +160,38 @@ fn a_wall_is_played_in_real_time_and_the_device_released() {
     );
 }
 
+/// Every tick of a run as CSV: its forces are those of the run, and its places those of the hand.
+#[test]
+fn a_run_is_kept_tick_by_tick() {
+    let folder = common::folder("haptic-trace");
+    let run = "device run plane --device simulated --fast --seconds 2 --csv run.csv --json";
+    let said = done(&ran(&folder, "", &run.split(' ').collect::<Vec<_>>()));
+    let results: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let mut file = csv::Reader::from_path(folder.join("run.csv")).unwrap();
+    assert_eq!(file.headers().unwrap().get(0), Some("time_s"));
+    let rows: Vec<Vec<f64>> = file
+        .records()
+        .map(|row| row.unwrap().iter().map(|x| x.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 8000);
+    assert_eq!(rows[7999][0], 7999.0 / 4000.0);
+    let longest = rows.iter().map(|row| row[4].hypot(row[5]).hypot(row[6]));
+    assert_eq!(
+        Some(longest.fold(0.0, f64::max)),
+        results["force_max_n"].as_f64()
+    );
+    // A floor pushes up, below its surface only.
+    assert!(
+        rows.iter()
+            .all(|row| row[6] >= 0.0 && (row[6] == 0.0 || row[3] < 0.0))
+    );
+    failed(
+        &ran(&folder, "", &["device", "run", "plane", "--csv", "run.csv"]),
+        2,
+        &["--seconds"],
+    );
+}
+
 /// Simulated and faster than real time: the same twice, and every law and object holds its device.
 #[test]
 fn a_simulated_device_plays_every_object_without_a_fault() {

@@ -1,17 +1,20 @@
 //! `touchstone device run`: a wall on a haptic device, in real time.
 
-use super::choice::{Model, Which};
+use super::choice::{HapticKind, WhichDevice};
+use super::trace::DeviceTrace;
 use crate::out::{json, print, say, tell};
 use crate::{interrupt, number};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 use touchstone_control::{Choice, GuardSettings, LawKind, Settings, Si};
 use touchstone_device::haptic::{DataSheet, HapticDevice};
 use touchstone_device::servo::{
-    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, SimulatedPace, Tick,
-    play, real_time,
+    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, ServoTick,
+    SimulatedPace, play, real_time,
 };
 use touchstone_device::{DeviceWall, WallSettings};
 use touchstone_lab::thesis::space::{self, Object};
@@ -20,7 +23,7 @@ use touchstone_world::plant::OMEGA3;
 
 /// What stands in the device's workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Scene {
+enum Obstacle {
     /// A floor through the centre.
     Plane,
     /// A slope through the centre, in none of the axes.
@@ -34,9 +37,9 @@ enum Scene {
 pub struct Options {
     /// The object.
     #[arg(value_enum)]
-    object: Scene,
+    object: Obstacle,
     #[command(flatten)]
-    which: Which,
+    which: WhichDevice,
     /// The law along the normal.
     #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: LawKind,
@@ -52,6 +55,9 @@ pub struct Options {
     /// Ends after so many seconds; without it, with Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
+    /// Keeps every tick as CSV; needs --seconds.
+    #[arg(long, value_name = "FILE", requires = "seconds")]
+    csv: Option<PathBuf>,
     /// Longest force, N; default and most: the device's.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
     force_limit_n: Option<f64>,
@@ -69,7 +75,7 @@ fn law(word: &str) -> LawKind {
     LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
-impl Scene {
+impl Obstacle {
     fn object(self) -> Object {
         match self {
             Self::Plane => Object::Horizontal,
@@ -110,7 +116,7 @@ fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) 
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    if options.fast && options.which.model() != Some(Model::Simulated) {
+    if options.fast && options.which.model() != Some(HapticKind::Simulated) {
         return Err(Error::Option {
             option: "--fast".into(),
             problem: "a real device has its own time".into(),
@@ -164,42 +170,31 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         force_n,
         ..ServoLimits::of(&sheet)
     };
-    let priority = (!options.fast).then(real_time);
-    let report = match (options.fast, sheet.sets_the_pace) {
-        (true, _) => played(
-            &mut device,
-            &mut wall,
-            &limits,
-            rate_hz,
-            SimulatedPace,
-            options,
-            &stop,
-        ),
-        (_, true) => {
-            let pace = DevicePace::new(rate_hz);
-            played(
-                &mut device,
-                &mut wall,
-                &limits,
-                rate_hz,
-                pace,
-                options,
-                &stop,
-            )
-        }
-        (_, false) => {
-            let pace = RealTime::new(rate_hz);
-            played(
-                &mut device,
-                &mut wall,
-                &limits,
-                rate_hz,
-                pace,
-                options,
-                &stop,
-            )
-        }
+    let mut pace: Box<dyn Pace> = match (options.fast, sheet.sets_the_pace) {
+        (true, _) => Box::new(SimulatedPace),
+        (false, true) => Box::new(DevicePace::new(rate_hz)),
+        (false, false) => Box::new(RealTime::new(rate_hz)),
     };
+    // By time, and in simulated time by ticks.
+    let most = options
+        .seconds
+        .map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
+    let mut trace = DeviceTrace::for_ticks(most.filter(|_| options.csv.is_some()).unwrap_or(0));
+    let priority = (!options.fast).then(real_time);
+    let begun = Instant::now();
+    let more = |tick: &ServoTick| {
+        trace.keep(tick);
+        let over = match (options.fast, options.seconds, most) {
+            (false, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,
+            (true, _, Some(most)) => tick.number + 1 >= most,
+            _ => false,
+        };
+        !over && !stop.load(Ordering::Relaxed)
+    };
+    let report = play(&mut device, &mut wall, &limits, rate_hz, &mut *pace, more);
+    if let Some(file) = &options.csv {
+        trace.write(file, rate_hz)?;
+    }
     let interrupted = stop.load(Ordering::Relaxed) && options.seconds.is_some();
     told(&sheet, &settings, &wall, priority.as_ref(), &report)?;
     if let Ending::Fault(fault) = &report.ending {
@@ -210,32 +205,6 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         true => ExitCode::from(interrupt::INTERRUPTED as u8),
         false => ExitCode::SUCCESS,
     })
-}
-
-fn played(
-    device: &mut Box<dyn HapticDevice>,
-    wall: &mut DeviceWall,
-    limits: &ServoLimits,
-    rate_hz: u32,
-    mut pace: impl Pace,
-    options: &Options,
-    stop: &AtomicBool,
-) -> ServoReport {
-    // By ticks and those that were missed, so that simulated seconds are seconds too.
-    let most = options
-        .seconds
-        .map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
-    let begun = std::time::Instant::now();
-    let real = !options.fast;
-    let more = |tick: &Tick| {
-        let over = match (real, options.seconds, most) {
-            (true, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,
-            (false, _, Some(most)) => tick.number + 1 >= most,
-            _ => false,
-        };
-        !over && !stop.load(Ordering::Relaxed)
-    };
-    play(device, wall, limits, rate_hz, &mut pace, more)
 }
 
 /// What was got of real time, in words.
