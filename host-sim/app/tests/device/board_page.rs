@@ -1,6 +1,6 @@
 //! `touchstone live --port`: who is let in, what is told and carried out, and that nobody's wall stays on.
 
-use crate::fake::{Fake, Trouble};
+use crate::fake::{Fake, Trouble, nonsense};
 use crate::program;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -425,22 +425,17 @@ fn only_the_page_that_was_opened_gets_in() {
     assert!(second.contains("409"), "{second}");
 }
 
-/// Numbers that mean nothing.
-fn noise(count: usize) -> Vec<u8> {
-    (0..count).map(|i| ((i * 7919) >> 3) as u8).collect()
-}
-
 #[test]
 fn a_hundred_thousand_bytes_of_nonsense_change_nothing() {
     let device = Fake::new();
     let served = Served::new(&device);
     // To the door, with and without the end of a head.
-    let answer = served.raw(&noise(100_000));
+    let answer = served.raw(&nonsense(100_000));
     assert!(
         answer.is_empty() || answer.starts_with("HTTP/1.1 400"),
         "{answer:.100}"
     );
-    let answer = served.raw(&[&noise(3000), b"\r\n\r\n".as_slice()].concat());
+    let answer = served.raw(&[&nonsense(3000), b"\r\n\r\n".as_slice()].concat());
     assert!(
         answer.is_empty() || answer.starts_with("HTTP/1.1 400"),
         "{answer:.100}"
@@ -448,14 +443,14 @@ fn a_hundred_thousand_bytes_of_nonsense_change_nothing() {
     // As a page's messages: all are answered, none is carried out.
     let mut page = served.page();
     page.arm();
-    for part in noise(20_000).chunks(500) {
+    for part in nonsense(20_000).chunks(500) {
         let text: String = part.iter().map(|byte| char::from(byte % 128)).collect();
         page.socket.send(Message::text(text)).unwrap();
         page.until(|words| words["type"] == "done" && !words["error"].is_null());
     }
     stands(&device, Phase::Armed);
     // Past the frames: the page is none, and the device is off.
-    page.socket.get_mut().write_all(&noise(100_000)).ok();
+    page.socket.get_mut().write_all(&nonsense(100_000)).ok();
     stands(&device, Phase::Ready);
     drop(page);
     // From the device.

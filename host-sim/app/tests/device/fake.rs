@@ -159,6 +159,11 @@ impl Fake {
     }
 }
 
+/// Bytes that mean nothing.
+pub fn nonsense(count: usize) -> Vec<u8> {
+    (0..count).map(|i| ((i * 7919) >> 3) as u8).collect()
+}
+
 /// Serves one connection until it ends.
 fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std::io::Result<()> {
     let mut decoder = Decoder::new();
@@ -177,7 +182,7 @@ fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std
         if world.pulled {
             return Ok(());
         }
-        out.extend((0..std::mem::take(&mut world.noise)).map(|i| ((i * 7919) >> 3) as u8));
+        out.extend(nonsense(std::mem::take(&mut world.noise)));
         for &byte in &bytes[..count] {
             let errors = decoder.errors();
             if let Some(Ok(payload)) = decoder.push(byte) {
