@@ -44,7 +44,6 @@ Record covers (G : guard) (D : device) : Prop := {
   (* what the new force may cost, with the one in flight *)
   reach_covers : per_reach G * ((1 - s D) * d D + in_flight G + delta D * (1 # 2)) <= gain_one * signal_one;
   (* the change of force: what strays, what is rounded, half a count *)
-  stray_is_covered : s D * (1 - s D) <= 4 * c D * kappa D;
   slack_covers :
     delta D * (1 # 2) + 1
     + Qabs (s D - late G / signal_one) * furthest G
@@ -58,7 +57,7 @@ Record covers (G : guard) (D : device) : Prop := {
 Record world : Set := { memory_of : memory; error : Q; taken : Q; ticks : nat }.
 
 Inductive event : Set :=
-| Tick (early rest damped_early damped_rest : Q)  (* what the device does until and after the force changes *)
+| Tick (early rest damped : Q)                    (* what the device does until and after the force changes *)
        (error' : Q) (moved : Z)                   (* the next sample: its error, and the displacement that it shows *)
        (wanted : Z)                               (* the force that the law wants: any *)
        (told : Z)                                 (* what came of the guarded force in the end: any *)
@@ -67,9 +66,8 @@ Inductive event : Set :=
 (** What a device that is covered can do, and a hand with it. The rest is free. *)
 Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
   match e with
-  | Tick early rest d1 d2 error' moved _ _ =>
-      part_of_tick (c D) (s D) early d1 /\ Qabs early <= s D * d D
-      /\ part_of_tick (c D) (1 - s D) rest d2 /\ Qabs rest <= (1 - s D) * d D
+  | Tick early rest damped error' moved _ _ =>
+      acts_late (c D) (s D) (d D) (kappa D) early rest damped
       /\ Qabs error' <= delta D * (1 # 2)
       /\ moved == early + rest + error w - error'
       /\ (Z.abs moved <= furthest G)%Z
@@ -80,17 +78,17 @@ Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
 (** What the port takes. A force begins to act at the share [s] of a tick: until then it is the older one. *)
 Definition port (m : memory) (e : event) : Q :=
   match e with
-  | Tick early rest d1 d2 _ _ _ _ => older m * early + force m * rest + d1 + d2
+  | Tick early rest damped _ _ _ _ => older m * early + force m * rest + damped
   | Away damped _ => damped
   end.
 
 Definition after (G : guard) (w : world) (e : event) : world :=
   {| memory_of :=
        match e with
-       | Tick _ _ _ _ _ moved wanted told => commanded (fst (tick G (memory_of w) moved 0 wanted)) told
+       | Tick _ _ _ _ moved wanted told => commanded (fst (tick G (memory_of w) moved 0 wanted)) told
        | Away _ _ => memory_of w
        end;
-     error := match e with Tick _ _ _ _ error' _ _ _ => error' | Away _ error' => error' end;
+     error := match e with Tick _ _ _ error' _ _ _ => error' | Away _ error' => error' end;
      taken := taken w + port (memory_of w) e;
      ticks := S (ticks w) |}.
 
@@ -266,8 +264,8 @@ Qed.
 (** * What an account is worth *)
 
 (** One tick of the world with the book's own sum: [u] is what the code booked under the old force, up to a quantum. *)
-Lemma books_of_a_tick (x u g a f1 f2 early rest d1 d2 e e' m damped sigma stray' furthest' charge L : Q) :
-  part_of_tick (c D) (s D) early d1 -> part_of_tick (c D) (1 - s D) rest d2 ->
+Lemma books_of_a_tick (x u g a f1 f2 early rest taken_out e e' m damped sigma stray' furthest' charge L : Q) :
+  acts_late (c D) (s D) (d D) (kappa D) early rest taken_out ->
   x == early + rest + e - e' ->
   g == f1 - f2 -> a == Qabs g -> a <= 2 * L ->
   - (delta D * (1 # 2)) <= e <= delta D * (1 # 2) -> - (delta D * (1 # 2)) <= e' <= delta D * (1 # 2) ->
@@ -275,14 +273,13 @@ Lemma books_of_a_tick (x u g a f1 f2 early rest d1 d2 e e' m damped sigma stray'
   sigma * x + stray' * g - 1 <= u <= sigma * x + stray' * g ->
   0 <= m -> (m <= 0 \/ m + delta D <= x \/ m + delta D <= - x) -> damped <= c D * (m * m) ->
   delta D * (1 # 2) + 1 + Qabs (s D - sigma) * furthest' + Qmax 0 (kappa D - stray') * (2 * L) <= charge ->
-  f1 * x - g * u - a * charge + damped + f1 * e' - f2 * e <= f2 * early + f1 * rest + d1 + d2.
+  f1 * x - g * u - a * charge + damped + f1 * e' - f2 * e <= f2 * early + f1 * rest + taken_out.
 Proof.
-  intros P1 P2 Ex Eg Ea HL He He' Hx Hu Hm Hd Hdamp Hcharge.
+  intros Late Ex Eg Ea HL He He' Hx Hu Hm Hd Hdamp Hcharge.
   pose proof Cover as K. destruct K.
   set (X := early + rest).
   assert (EX : X == x + e' - e) by (unfold X; lra).
-  pose proof (change_of_force (c D) (s D) (kappa D) early rest d1 d2 g share0 c_nonneg0 kappa_nonneg0
-                stray_is_covered0 P1 P2) as Change.
+  pose proof (straying_is_paid _ _ _ _ _ _ _ Late g) as Change.
   fold X in Change.
   assert (Ha : - a <= g <= a).
   { rewrite Ea. apply Qabs_bounds. apply Qle_refl. }
@@ -329,7 +326,7 @@ Proof.
   assert (Charge : a * (delta D * (1 # 2)) + a + a * (Qabs (s D - sigma) * furthest')
                    + a * (Qmax 0 (kappa D - stray') * (2 * L)) <= a * charge)
     by (pose proof (scaled a _ _ A0 Hcharge); lra).
-  assert (Eport : f2 * early + f1 * rest + d1 + d2 == f1 * X + (d1 + d2 - g * early))
+  assert (Eport : f2 * early + f1 * rest + taken_out == f1 * X + (taken_out - g * early))
     by (unfold X; rewrite Eg; ring).
   rewrite Eport.
   assert (E1 : f1 * X - s D * g * X == f1 * x + f1 * e' - f1 * e - s D * g * x - s D * g * e' + s D * g * e)
@@ -413,17 +410,16 @@ Lemma worth_after (w : world) (total : Q) (e : event) :
 Proof.
   intros Wo Po. pose proof Cover as K. destruct K.
   assert (P0 : 0 <= refill G) by (apply Q_nonneg; assumption).
-  destruct e as [early rest d1 d2 e' moved wanted told | dmp e'].
+  destruct e as [early rest out e' moved wanted told | dmp e'].
   2: { destruct Po as (F & O & Hd & He). destruct Wo as [N A Sd E]. cbn in *.
        rewrite O in A. constructor; cbn; try assumption; [lra|].
        rewrite O. change (inject_Z 0) with 0 in *. lra. }
-  destruct Po as (P1 & Be & P2 & Br & Be' & Ex & Slow).
-  assert (Hd : 0 <= d1 + d2) by (destruct P1, P2; lra).
-  pose proof (nothing_lost_within w total early rest (d1 + d2) Wo Be Br Hd) as [Within Next]; cbn in Within, Next.
+  destruct Po as (Late & Be' & Ex & Slow). pose proof Late as [Hd Be Br _].
+  pose proof (nothing_lost_within w total early rest out Wo Be Br Hd) as [Within Next]; cbn in Within, Next.
   destruct Wo as [N A Sd E].
   set (m := memory_of w) in *.
   assert (Sound' : sound G (commanded (fst (tick G m moved 0 wanted)) told)) by (apply commanded_sound, tick_sound, Sd).
-  assert (Nonneg : 0 <= total + port m (Tick early rest d1 d2 e' moved wanted told) + refill G) by (cbn; lra).
+  assert (Nonneg : 0 <= total + port m (Tick early rest out e' moved wanted told) + refill G) by (cbn; lra).
   constructor; cbn [after memory_of error]; try assumption.
   fold m. cbn [commanded account older port].
   apply Qabs_bounds in E. pose proof Be' as Be2. apply Qabs_bounds in Be2.
@@ -443,8 +439,8 @@ Proof.
     apply Z.ltb_lt in Deficit. destruct Sd. destruct (deficit_without_force0 Deficit) as [F O].
     rewrite F, O in *. change (inject_Z 0) with 0 in *.
     assert (B : 0 * moved - 0 * (sigma * moved) - 0 * slack G + damped G (Z.abs moved) + 0 * e' - 0 * error w
-                <= 0 * early + 0 * rest + d1 + d2).
-    { apply (books_of_a_tick moved (sigma * moved) 0 0 0 0 early rest d1 d2 (error w) e' mm
+                <= 0 * early + 0 * rest + out).
+    { apply (books_of_a_tick moved (sigma * moved) 0 0 0 0 early rest out (error w) e' mm
                (damped G (Z.abs moved)) sigma stray' (furthest G) (slack G) (largest G)); try assumption; try reflexivity; lra. }
     assert (Min : Z.min (account m + refill G + damped G (Z.abs moved)) (capacity G)
                   <= inject_Z (account m + refill G + damped G (Z.abs moved))) by (apply Zle_Q; lia).
@@ -471,8 +467,8 @@ Proof.
     { assert (H : (Z.abs change <= 2 * largest G)%Z) by (destruct Sd; unfold change; lia).
       apply Zle_Q in H. rewrite inject_Z_mult in H. exact H. }
     assert (B : force m * moved - change * u - Z.abs change * slack G + damped G (Z.abs moved)
-                + force m * e' - older m * error w <= older m * early + force m * rest + d1 + d2).
-    { apply (books_of_a_tick moved u change (Z.abs change) (force m) (older m) early rest d1 d2 (error w) e' mm
+                + force m * e' - older m * error w <= older m * early + force m * rest + out).
+    { apply (books_of_a_tick moved u change (Z.abs change) (force m) (older m) early rest out (error w) e' mm
                (damped G (Z.abs moved)) sigma stray' (furthest G) (slack G) (largest G)); try assumption.
       apply abs_Q. }
     (* the account is the books' sum, or the reserve, or less *)
@@ -515,7 +511,7 @@ Qed.
     they ever are. *)
 Definition may_precede (w : world) (e : event) : Prop :=
   match e with
-  | Tick _ _ _ _ error' _ _ _ => Qabs error' <= delta D * (1 # 2)
+  | Tick _ _ _ error' _ _ _ => Qabs error' <= delta D * (1 # 2)
   | Away _ error' => force (memory_of w) = 0%Z /\ older (memory_of w) = 0%Z /\ Qabs error' <= delta D * (1 # 2)
   end.
 

@@ -2,7 +2,7 @@
     have taken out of the motion meanwhile. Positions, shares of a tick and energies are rational, in quanta: any position that a
     hand can choose is as near to one as one likes, and every statement here is about sums and products. *)
 
-Require Import QArith Qabs Lqa.
+Require Import QArith Qabs Lqa List.
 Open Scope Q_scope.
 
 (** A part of a tick, of the given share: it moves the device by [moved], and a damping of [c] to a whole tick takes at least
@@ -93,4 +93,122 @@ Proof.
     assert (K : s * (1 - s) <= 4 * c * kappa) by lra.
     pose proof (change_of_force c s kappa early rest d1 d2 0 Hs Hc K0 K H1 H2) as P. lra.
   - assert (E : c == 0) by lra. destruct H1, H2. rewrite E. lra.
+Qed.
+
+(** * What the guard's books ask of a device: that it acts late by a share [s] in the mean *)
+
+(** [early] and [rest] are the ways under the old force and under the new one, [damped] what the trusted damping took of a tick. For
+    every change of force [g] what straying gains is paid by [kappa g^2]. *)
+Record acts_late (c s d kappa early rest damped : Q) : Prop := {
+  damping_takes : 0 <= damped;
+  early_within : Qabs early <= s * d;
+  rest_within : Qabs rest <= (1 - s) * d;
+  straying_is_paid : forall g,
+    c * ((early + rest) * (early + rest)) - s * g * (early + rest) - kappa * (g * g) <= damped - g * early
+}.
+
+(** A force that begins to act all at once, [s] of a tick late. *)
+Theorem pure_delay_acts_late (c s d kappa early rest d1 d2 : Q) :
+  0 <= s <= 1 -> 0 <= c -> 0 <= kappa -> s * (1 - s) <= 4 * c * kappa ->
+  part_of_tick c s early d1 -> part_of_tick c (1 - s) rest d2 ->
+  Qabs early <= s * d -> Qabs rest <= (1 - s) * d ->
+  acts_late c s d kappa early rest (d1 + d2).
+Proof.
+  intros Hs Hc Hk Hp P1 P2 He Hr. constructor; try assumption.
+  - destruct P1, P2. lra.
+  - intros g. apply change_of_force; assumption.
+Qed.
+
+(** A current loop: its step response is a mean of steps at [at_share], each with its [weight]; [way] is how far the device came until
+    then. The damping of the tick is one and the same. *)
+Record step_response : Set := { weight : Q; at_share : Q; way : Q; until : Q; after_it : Q }.
+
+Fixpoint mean (of_ : step_response -> Q) (steps : list step_response) : Q :=
+  match steps with nil => 0 | (it :: steps)%list => weight it * of_ it + mean of_ steps end.
+
+Lemma mean_sum (f h : step_response -> Q) (a b : Q) (steps : list step_response) :
+  mean (fun it => a * f it + b * h it) steps == a * mean f steps + b * mean h steps.
+Proof. induction steps as [|it steps IH]; cbn [mean]; [ring | rewrite IH; ring]. Qed.
+
+Lemma mean_le (f h : step_response -> Q) (steps : list step_response) :
+  Forall (fun it => 0 <= weight it) steps -> Forall (fun it => f it <= h it) steps -> mean f steps <= mean h steps.
+Proof.
+  intros W H. induction steps as [|it steps IH]; cbn [mean]; [lra|].
+  inversion W as [|? ? W0 W1]; subst. inversion H as [|? ? H0 H1]; subst.
+  pose proof (scaled _ _ _ W0 H0). specialize (IH W1 H1). lra.
+Qed.
+
+(** It counts as a pure delay of its mean, with the [kappa] of that. *)
+Theorem current_loop_acts_late (c d kappa moved damped : Q) (steps : list step_response) :
+  0 < c -> 0 <= d ->
+  Forall (fun it => 0 <= weight it) steps -> mean (fun _ => 1) steps == 1 ->
+  Forall (fun it => 0 <= at_share it <= 1
+    /\ part_of_tick c (at_share it) (way it) (until it) /\ part_of_tick c (1 - at_share it) (moved - way it) (after_it it)
+    /\ until it + after_it it <= damped
+    /\ Qabs (way it) <= at_share it * d /\ Qabs (moved - way it) <= (1 - at_share it) * d) steps ->
+  let s := mean at_share steps in
+  s * (1 - s) <= 4 * c * kappa ->
+  acts_late c s d kappa (mean way steps) (moved - mean way steps) damped.
+Proof.
+  intros Hc Hd W One All s Hk.
+  assert (Const : forall q, mean (fun _ => q) steps == q).
+  { intros q. assert (E : mean (fun _ => q) steps == q * mean (fun _ => 1) steps).
+    { clear. induction steps as [|it steps IH]; cbn [mean]; [ring | rewrite IH; ring]. }
+    rewrite E, One. ring. }
+  assert (Bounds : - (s * d) <= mean way steps <= s * d
+                   /\ - ((1 - s) * d) <= moved - mean way steps <= (1 - s) * d /\ 0 <= damped).
+  { assert (L1 : mean way steps <= mean (fun it => d * at_share it + 0 * at_share it) steps).
+    { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
+      destruct H as (_ & _ & _ & _ & H & _). apply Qabs_Qle_condition in H. lra. }
+    assert (L2 : mean (fun it => (- d) * at_share it + 0 * at_share it) steps <= mean way steps).
+    { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
+      destruct H as (_ & _ & _ & _ & H & _). apply Qabs_Qle_condition in H. lra. }
+    assert (L3 : mean way steps <= mean (fun it => (moved + d) * 1 + (- d) * at_share it) steps).
+    { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
+      destruct H as (_ & _ & _ & _ & _ & H). apply Qabs_Qle_condition in H. lra. }
+    assert (L4 : mean (fun it => (moved - d) * 1 + d * at_share it) steps <= mean way steps).
+    { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
+      destruct H as (_ & _ & _ & _ & _ & H). apply Qabs_Qle_condition in H. lra. }
+    assert (L5 : mean (fun _ => 0) steps <= mean (fun _ => damped) steps).
+    { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
+      destruct H as (_ & [A _ _] & [B _ _] & H & _). lra. }
+    rewrite !mean_sum in *. rewrite !Const in *. fold s in L1, L2, L3, L4. split; [lra|]. split; lra. }
+  destruct Bounds as (B1 & B2 & B3).
+  constructor; [exact B3 | apply Qabs_Qle_condition; exact B1 | apply Qabs_Qle_condition; exact B2 |].
+  intros g.
+  set (k := 1 / (4 * c)).
+  assert (Ek : 4 * c * k == 1) by (unfold k; field; lra).
+  assert (K0 : 0 <= k) by (apply (cancel (4 * c)); lra).
+  (* each step by itself, with its own share *)
+  assert (Each : mean (fun it => (c * (moved * moved)) * 1 + (- 1) * (at_share it * (g * moved) + at_share it * (1 - at_share it) * k * (g * g)))
+                   steps <= mean (fun it => damped * 1 + (- g) * way it) steps).
+  { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
+    destruct H as (Hs & P1 & P2 & Hdm & _).
+    assert (S0 : 0 <= at_share it * (1 - at_share it)) by (apply times_nonneg; lra).
+    assert (Kp : 0 <= at_share it * (1 - at_share it) * k) by (apply times_nonneg; assumption).
+    assert (Hp : at_share it * (1 - at_share it) <= 4 * c * (at_share it * (1 - at_share it) * k)).
+    { setoid_replace (4 * c * (at_share it * (1 - at_share it) * k)) with (at_share it * (1 - at_share it) * (4 * c * k)) by ring.
+      rewrite Ek. lra. }
+    assert (C0 : 0 <= c) by lra.
+    pose proof (change_of_force c (at_share it) _ (way it) (moved - way it) _ _ g Hs C0 Kp Hp P1 P2) as P.
+    assert (E : way it + (moved - way it) == moved) by ring. rewrite E in P. lra. }
+  rewrite !mean_sum in Each. rewrite !Const in Each.
+  (* the mean of s (1-s) is at most that of the mean *)
+  assert (Spread : mean (fun it => (g * moved + k * (g * g)) * at_share it + (- (k * (g * g))) * (at_share it * at_share it)) steps
+                   <= s * (g * moved) + s * (1 - s) * k * (g * g)).
+  { assert (J : mean (fun it => (2 * s) * at_share it + (- (s * s)) * 1) steps <= mean (fun it => at_share it * at_share it) steps).
+    { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it _. cbn beta.
+      pose proof (square_nonneg (at_share it - s)). lra. }
+    rewrite mean_sum in *. rewrite Const in J. fold s in J |- *.
+    assert (G0 : 0 <= k * (g * g)) by (apply times_nonneg; [exact K0 | apply square_nonneg]).
+    pose proof (scaled _ _ _ G0 J). lra. }
+  assert (Same : mean (fun it => at_share it * (g * moved) + at_share it * (1 - at_share it) * k * (g * g)) steps
+                 == mean (fun it => (g * moved + k * (g * g)) * at_share it + (- (k * (g * g))) * (at_share it * at_share it)) steps).
+  { clear. induction steps as [|it steps IH]; cbn [mean]; [ring | rewrite IH; ring]. }
+  rewrite Same in Each.
+  assert (Kappa : s * (1 - s) * k <= kappa).
+  { apply (cancel (4 * c)); [lra|]. setoid_replace (4 * c * (s * (1 - s) * k)) with (s * (1 - s) * (4 * c * k)) by ring.
+    rewrite Ek. lra. }
+  pose proof (scaled (g * g) _ _ (square_nonneg g) Kappa).
+  assert (E : mean way steps + (moved - mean way steps) == moved) by ring. rewrite E. lra.
 Qed.

@@ -43,6 +43,21 @@ Theorem tenth_covers : covers tenth (knob (1 # 10)). Proof. by_numbers. Qed.
 Theorem half_covers : covers half (knob (1 # 2)). Proof. by_numbers. Qed.
 Theorem whole_covers : covers whole (knob 1). Proof. by_numbers. Qed.
 
+(** A force that begins to act all at once makes this knob one that acts late by [s]; so does a current loop whose step response has the
+    mean [s] (current_loop_acts_late). *)
+Theorem knob_acts_late (s_ early rest d1 d2 : Q) :
+  0 <= s_ <= 1 ->
+  let D := knob s_ in
+  part_of_tick (c D) s_ early d1 -> part_of_tick (c D) (1 - s_) rest d2 ->
+  Qabs early <= s_ * d D -> Qabs rest <= (1 - s_) * d D ->
+  acts_late (c D) (s D) (d D) (kappa D) early rest (d1 + d2).
+Proof.
+  intros Hs D P1 P2 He Hr. apply pure_delay_acts_late; cbn in *; try assumption; try lra.
+  - apply Qle_shift_div_l; [reflexivity|]. assert (0 <= s_ * (1 - s_)) by (apply times_nonneg; lra). lra.
+  - assert (E : 4 * (32 # 100) * (s_ * (1 - s_) / (4 * (32 # 100))) == s_ * (1 - s_)) by (field; discriminate).
+    rewrite E. lra.
+Qed.
+
 (** A quantum of energy is 2^-48 J. *)
 Definition microjoules (quanta : Q) : Q := quanta * 1000000 / inject_Z (2 ^ 48).
 

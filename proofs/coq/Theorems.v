@@ -3,8 +3,11 @@
 From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass.
 
 Print Assumptions change_of_force.
+Print Assumptions pure_delay_acts_late.
+Print Assumptions current_loop_acts_late.
 Print Assumptions any_window.
 Print Assumptions any_window_by_settings.
+Print Assumptions knob_acts_late.
 Print Assumptions shipped_window.
 Print Assumptions thesis_sum_is_never_negative.
 Print Assumptions fba_is_passive.

@@ -27,5 +27,6 @@ pub mod source;
 pub mod space;
 pub mod spec;
 pub mod spring_sfa;
+pub mod stage;
 pub mod tdpa;
 pub mod valid;

@@ -18,7 +18,8 @@ fn read(path: impl AsRef<Path>) -> String {
 fn locked() -> BTreeMap<String, Vec<String>> {
     let mut found = BTreeMap::<String, Vec<String>>::new();
     for line in read("proofs/harnesses.lock").lines() {
-        let parts: Vec<&str> = line.split("::").collect();
+        let (name, _) = line.split_once(' ').expect("a name and a number");
+        let parts: Vec<&str> = name.split("::").collect();
         let [file, instance @ .., name, "proof"] = parts.as_slice() else {
             panic!("harnesses.lock: {line}");
         };
@@ -41,7 +42,7 @@ fn equations() -> BTreeMap<String, String> {
         let path = entry.expect("readable").path();
         let file = path.file_stem().expect("a file").to_string_lossy();
         // The macros themselves.
-        if file == "source" {
+        if file == "source" || path.is_dir() {
             continue;
         }
         let text = std::fs::read_to_string(&path).expect("readable");

@@ -54,6 +54,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
                 _ => Ok(Answer::Usage(USAGE.into())),
             }
         }
+        ["statements", lock] => proofs::unchanged(&text(lock)?),
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
         _ => Ok(Answer::Usage(USAGE.into())),
     }

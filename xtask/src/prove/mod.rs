@@ -21,6 +21,7 @@ use checker::{Left, MEMORY_KIB, Which};
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
 const USAGE: &str =
     "cargo xtask prove [--harness NAME] [--bless] [--theorems] | --mutants [--tests | --theorems]";
+const LOCK: &str = "proofs/harnesses.lock";
 /// Harnesses that run at the same time.
 const JOBS: u32 = 2;
 
@@ -155,13 +156,15 @@ fn without_harnesses() -> Outcome {
     if sampled.is_failure() {
         return Outcome::Failed(format!("the sampled and exhaustive form; {INSTALL}"));
     }
+    let statements = inspect::call(["statements", LOCK]);
+    let statements = statements.reason();
     let obligations = obligations();
     match &obligations {
         Outcome::Ok(_) => Outcome::NotRun(format!(
-            "{INSTALL}; sampled form and integer obligations ran, no counterexample"
+            "{INSTALL}; sampled form and integer obligations ran, no counterexample; {statements}"
         )),
         Outcome::NotRun(why) => Outcome::NotRun(format!(
-            "{INSTALL}; sampled form ran; integer obligations: {why}"
+            "{INSTALL}; sampled form ran; integer obligations: {why}; {statements}"
         )),
         other => Outcome::Failed(format!("the integer obligations: {other}; {INSTALL}")),
     }

@@ -62,7 +62,7 @@ pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
     }
     if contact.phases.first_contact.is_some() {
         list.push(
-            "first contact at k_de: judged by T sqrt(k_de/J) alone, as it ends at the first turn"
+            "first contact at k_de: judged by how fast a bounce comes back, as it ends at the first turn"
                 .to_owned(),
         );
         list.push(

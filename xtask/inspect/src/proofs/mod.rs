@@ -4,6 +4,7 @@
 //! reached. So here: every harness of the committed list ran, no other did, each succeeded, each cover was reached, and each
 //! assertion of a property can be.
 
+mod lock;
 mod properties;
 mod report;
 mod table;
@@ -12,10 +13,10 @@ mod usage;
 use std::collections::BTreeMap;
 
 use crate::answer::Answer;
+use lock::{LOCK, Statements};
 use report::Verdict;
 use usage::Usage;
 
-const LOCK: &str = "proofs/harnesses.lock";
 /// Processor time of each harness, all its tools and solvers together.
 const PROCESSOR_S: f64 = 120.0;
 
@@ -60,15 +61,16 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
 /// All of them, against the lock, with the table. `words`: on the checker and how long it took; `machine`: on what else ran.
 pub fn whole(run: &Run, words: &str, machine: &str, bless: bool) -> Result<Answer, String> {
     let found = run.verdicts()?;
+    let statements = Statements::read()?;
     if bless {
-        let names: String = found
-            .keys()
-            .fold(String::new(), |text, name| text + name + "\n");
-        std::fs::write(LOCK, names).map_err(|why| format!("{LOCK}: {why}"))?;
+        let lines: String = found.keys().fold(String::new(), |text, name| {
+            text + &statements.line(name) + "\n"
+        });
+        std::fs::write(LOCK, lines).map_err(|why| format!("{LOCK}: {why}"))?;
     }
     let mut wrong = wrong(&found, run.memory_kib);
     match std::fs::read_to_string(LOCK) {
-        Ok(locked) => wrong.extend(against_lock(&found, &locked)),
+        Ok(locked) => wrong.extend(against_lock(&found, &locked, &statements)),
         Err(why) => wrong.push(format!("{LOCK}: {why}")),
     }
     let about = about(&found, words, machine);
@@ -104,15 +106,51 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// The harnesses that ran are those of the committed list.
-fn against_lock(found: &BTreeMap<String, Verdict>, locked: &str) -> Vec<String> {
-    let missing = locked.lines().filter(|name| !found.contains_key(*name));
+/// The harnesses that ran are those of the committed list, and state what they did.
+fn against_lock(
+    found: &BTreeMap<String, Verdict>,
+    locked: &str,
+    statements: &Statements,
+) -> Vec<String> {
+    let named = |line: &'_ str| line.split(' ').next().unwrap_or_default().to_owned();
+    let names: Vec<String> = locked.lines().map(named).collect();
+    let missing = names.iter().filter(|name| !found.contains_key(*name));
     let missing = missing.map(|name| format!("{name}: in {LOCK}, but did not run"));
-    let new = found
-        .keys()
-        .filter(|name| !locked.lines().any(|locked| locked == *name));
+    let new = found.keys().filter(|name| !names.contains(name));
     let new = new.map(|name| format!("{name}: ran, but is not in {LOCK} (--bless adds it)"));
-    missing.chain(new).collect()
+    missing
+        .chain(new)
+        .chain(changed(locked, statements))
+        .collect()
+}
+
+/// Statements that are not those of the lock.
+fn changed(locked: &str, statements: &Statements) -> Vec<String> {
+    let lines = locked.lines().filter(|line| !statements.agree(line));
+    let say = |line: &str| {
+        let name = line.split(' ').next().unwrap_or_default();
+        format!(
+            "{name}: states something else than when it was proved (--bless, once it is proved again)"
+        )
+    };
+    lines.map(say).collect()
+}
+
+/// Whether every statement is the one that was proved when the lock was written: all that can be known without the checker.
+pub fn unchanged(locked: &str) -> Result<Answer, String> {
+    let wrong = changed(locked, &Statements::read()?);
+    for line in &wrong {
+        println!("  {line}");
+    }
+    let all = locked.lines().count();
+    Ok(if wrong.is_empty() {
+        Answer::Right(format!("{all} statements are those of {LOCK}"))
+    } else {
+        Answer::Wrong(format!(
+            "{} of {all} statements are not those of {LOCK}",
+            wrong.len()
+        ))
+    })
 }
 
 fn say(found: &BTreeMap<String, Verdict>, wrong: Vec<String>) -> Answer {
@@ -175,7 +213,8 @@ fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, 
     }
     match &verdict.answer {
         report::Answer::Proved => Ok(false),
-        report::Answer::Refuted(_) => Ok(true),
+        // An overflow that the checker sees in a wrong change is not what the harness claims.
+        report::Answer::Refuted(_) if verdict.own_failed => Ok(true),
         _ => Err(verdict.words()),
     }
 }

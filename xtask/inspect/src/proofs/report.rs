@@ -28,6 +28,8 @@ pub enum Answer {
 #[derive(Debug, Clone)]
 pub struct Verdict {
     pub answer: Answer,
+    /// Whether an assertion of the property itself failed, not only a check that the compiler or the checker put in.
+    pub own_failed: bool,
     pub covers: (usize, usize),
     /// By the clock.
     pub seconds: f64,
@@ -97,6 +99,9 @@ pub fn read(text: &str) -> Result<BTreeMap<String, Verdict>, String> {
         let file = file.rsplit('/').next().unwrap_or_default();
         let verdict = Verdict {
             answer: answer(result, &errors, checks),
+            own_failed: checks
+                .iter()
+                .any(|check| own_assertion(check) && check["status"] == "Failure"),
             covers: (reached, covers.len()),
             seconds: result["duration_ms"].as_f64().unwrap_or_default() / 1e3,
             solver: of(&report["cbmc"], name)["configuration"]["solver"]

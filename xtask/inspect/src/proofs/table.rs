@@ -142,6 +142,7 @@ mod tests {
             assumptions: vec![],
         };
         let verdict = Verdict {
+            own_failed: false,
             answer: Answer::Proved,
             covers: (2, 2),
             seconds: 1.25,

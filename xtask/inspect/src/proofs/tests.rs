@@ -77,6 +77,9 @@ fn a_mutant_is_caught_by_its_own_harness_only() {
     ] {
         assert!(is_refuted(&only(name), name).is_err(), "{name}");
     }
+    let mut by_a_check = only("w8::refuted");
+    by_a_check.values_mut().for_each(|it| it.own_failed = false);
+    assert!(is_refuted(&by_a_check, "w8::refuted").is_err());
     assert!(is_refuted(&only("w8::refuted"), "w8::proved").is_err());
     assert!(is_refuted(&recorded(), "w8::refuted").is_err());
     assert!(is_refuted(&BTreeMap::new(), "w8::refuted").is_err());
@@ -84,24 +87,31 @@ fn a_mutant_is_caught_by_its_own_harness_only() {
 
 #[test]
 fn the_lock_is_the_list_of_what_runs() {
+    // No source is known here, so that every number is that of nothing.
     let found = recorded();
-    let all: String = found.keys().map(|name| format!("{name}\n")).collect();
-    assert!(against_lock(&found, &all).is_empty());
-    let gone = against_lock(&found, &format!("{all}w8::gone\n"));
+    let nothing = Statements::of_nothing();
+    let all: String = found.keys().map(|name| nothing.line(name) + "\n").collect();
+    let against = |locked: &str| against_lock(&found, locked, &nothing);
+    assert!(against(&all).is_empty());
+    let gone = against(&format!("{all}{}\n", nothing.line("w8::gone")));
     assert_eq!(
         gone,
         ["w8::gone: in proofs/harnesses.lock, but did not run"]
     );
-    let new = against_lock(&found, &all.replace("w8::refuted\n", ""));
+    let new = against(&all.replace(&(nothing.line("w8::refuted") + "\n"), ""));
     assert_eq!(
         new,
         ["w8::refuted: ran, but is not in proofs/harnesses.lock (--bless adds it)"]
     );
     // A name that another contains is another name.
     assert_eq!(
-        against_lock(&found, &all.replace("w8::refuted\n", "w8::refute\n")).len(),
+        against(&all.replace("w8::refuted ", "w8::refute ")).len(),
         2
     );
+    // A statement with another number is another statement.
+    let other = all.replace("w8::refuted 0", "w8::refuted 1");
+    assert_eq!(against(&other).len(), 1);
+    assert!(against(&other)[0].contains("states something else"));
 }
 
 #[test]

@@ -1,0 +1,221 @@
+//! The committed list of harnesses, each with a number of what it states: its body with all that it assumes and claims, what stands
+//! beside it in its file, and what every file shares. A statement that was weakened has another number.
+//!
+//! The number is of tokens: comments and layout do not count.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+pub const LOCK: &str = "proofs/harnesses.lock";
+const SOURCES: &str = "proofs/src";
+/// What every statement rests on: configurations and memories, sources of inputs, number formats.
+const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
+
+/// The number of each property, by file and name: `tdpa::p7_leaves`.
+pub struct Statements(BTreeMap<String, u64>);
+
+/// FNV-1a.
+fn add(hash: u64, text: &str) -> u64 {
+    text.bytes().chain([0]).fold(hash, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
+impl Statements {
+    /// Of the sources in the workspace.
+    pub fn read() -> Result<Self, String> {
+        let said = |why: std::io::Error| format!("{SOURCES}: {why}");
+        let mut files = BTreeMap::new();
+        for entry in std::fs::read_dir(SOURCES).map_err(said)? {
+            let path = entry.map_err(said)?.path();
+            if path.extension().is_some_and(|end| end == "rs") {
+                let text = std::fs::read_to_string(&path).map_err(said)?;
+                files.insert(name(&path), text);
+            }
+        }
+        Self::of(&files)
+    }
+
+    /// For tests: no source at all.
+    #[cfg(test)]
+    pub fn of_nothing() -> Self {
+        Self(BTreeMap::new())
+    }
+
+    fn of(files: &BTreeMap<String, String>) -> Result<Self, String> {
+        let mut shared = EMPTY;
+        for file in SHARED {
+            let text = files.get(file).map_or("", String::as_str);
+            shared = looked_at(file, text)?
+                .beside
+                .wrapping_add(add(shared, file));
+        }
+        let mut numbers = BTreeMap::new();
+        for (file, text) in files {
+            let found = looked_at(file, text)?;
+            for (property, number) in found.properties {
+                let all = [shared, found.beside, number].map(|number| number.to_string());
+                let number = all.iter().fold(EMPTY, |hash, text| add(hash, text));
+                numbers.insert(format!("{file}::{property}"), number);
+            }
+        }
+        Ok(Self(numbers))
+    }
+
+    /// The line of a harness such as `tdpa::w8::p7_leaves::proof`.
+    pub fn line(&self, harness: &str) -> String {
+        let number = self.0.get(&property(harness)).copied();
+        format!("{harness} {:016x}", number.unwrap_or_default())
+    }
+
+    /// Whether a line of the lock has the number that the sources have.
+    pub fn agree(&self, line: &str) -> bool {
+        line.split(' ')
+            .next()
+            .is_some_and(|harness| self.line(harness) == line)
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// `tdpa::w8::p7_leaves::proof` is of `tdpa::p7_leaves`.
+fn property(harness: &str) -> String {
+    let parts: Vec<&str> = harness.trim_end_matches("::proof").split("::").collect();
+    let (first, last) = (parts.first(), parts.last());
+    format!("{}::{}", first.unwrap_or(&""), last.unwrap_or(&""))
+}
+
+/// One file: the number of each property, and of everything beside them.
+struct Looked {
+    properties: Vec<(String, u64)>,
+    beside: u64,
+}
+
+fn looked_at(file: &str, text: &str) -> Result<Looked, String> {
+    let tokens: TokenStream = text.parse().map_err(|why| format!("{file}.rs: {why}"))?;
+    let mut looked = Looked {
+        properties: Vec::new(),
+        beside: EMPTY,
+    };
+    look(tokens, &mut looked);
+    Ok(looked)
+}
+
+/// Walks through the tokens and the groups in them; `property! { ... }` is taken out.
+fn look(tokens: TokenStream, into: &mut Looked) {
+    let mut tokens = tokens.into_iter().peekable();
+    let mut before = [String::new(), String::new()];
+    while let Some(token) = tokens.next() {
+        // Documentation is an attribute by now.
+        let next = tokens.peek().map(ToString::to_string).unwrap_or_default();
+        if token.to_string() == "#" && is_doc(&next) {
+            tokens.next();
+            continue;
+        }
+        match token {
+            TokenTree::Group(group) => {
+                let is_property =
+                    before == ["property", "!"] && group.delimiter() == Delimiter::Brace;
+                if is_property {
+                    into.properties.extend(one(group.stream()));
+                } else {
+                    into.beside = add(into.beside, &format!("{:?}", group.delimiter()));
+                    look(group.stream(), into);
+                    into.beside = add(into.beside, "end");
+                }
+                before = Default::default();
+            }
+            other => {
+                into.beside = add(into.beside, &other.to_string());
+                let [_, last] = before;
+                before = [last, other.to_string()];
+            }
+        }
+    }
+}
+
+fn is_doc(group: &str) -> bool {
+    let inner = group.trim_start_matches('[').trim_start();
+    group.starts_with('[') && inner.starts_with("doc")
+}
+
+/// A property: the name after `fn`, and the number of all of it but its documentation.
+fn one(tokens: TokenStream) -> Option<(String, u64)> {
+    let mut inner = Looked {
+        properties: Vec::new(),
+        beside: EMPTY,
+    };
+    let words: Vec<String> = tokens
+        .clone()
+        .into_iter()
+        .map(|token| token.to_string())
+        .collect();
+    look(tokens, &mut inner);
+    let at = words.iter().position(|word| word == "fn")?;
+    Some((words.get(at + 1)?.clone(), inner.beside))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(law: &str, valid: &str) -> Statements {
+        let file = |name: &str, text: &str| (name.to_owned(), text.to_owned());
+        Statements::of(&BTreeMap::from([file("law", law), file("valid", valid)])).expect("tokens")
+    }
+
+    const LAW: &str = "
+        fn helper() -> i32 { 1 }
+        macro_rules! law { ($m:ident) => { pub mod $m {
+            property! {
+                /// P1: words.
+                equation \"a = b\" over \"all\" by cadical fn p1_a(s) { assume!(s, x > 0, \"why\"); assert!(y > helper()); }
+            }
+            property! { equation \"c\" over \"all\" fn p2_b(s) { assert!(true); } }
+        } } }";
+
+    #[test]
+    fn what_is_stated_has_a_number_and_what_is_said_of_it_has_none() {
+        let before = numbers(LAW, "fn valid() {}");
+        let line = |it: &Statements| it.line("law::w8::p1_a::proof");
+        assert_eq!(
+            before.0.keys().collect::<Vec<_>>(),
+            ["law::p1_a", "law::p2_b"]
+        );
+        assert!(before.agree(&line(&before)) && !before.agree("law::w8::p1_a::proof"));
+        for same in [
+            LAW.replace("P1: words.", "Other words."),
+            LAW.replace("            ", "\n"),
+        ] {
+            assert_eq!(line(&numbers(&same, "fn valid() {}")), line(&before));
+        }
+        // A weaker assertion, a stronger assumption, a weaker helper, a weaker invariant: each is another statement.
+        for other in [
+            LAW.replace("y > helper", "y >= helper"),
+            LAW.replace("x > 0", "x > 1"),
+            LAW.replace("{ 1 }", "{ 0 }"),
+            LAW.replace("a = b", "a = c"),
+        ] {
+            assert_ne!(
+                line(&numbers(&other, "fn valid() {}")),
+                line(&before),
+                "{other}"
+            );
+        }
+        assert_ne!(line(&numbers(LAW, "fn valid() { true }")), line(&before));
+        // A change of one property is none of another.
+        let other = numbers(&LAW.replace("x > 0", "x > 1"), "fn valid() {}");
+        assert_eq!(
+            other.line("law::w8::p2_b::proof"),
+            before.line("law::w8::p2_b::proof")
+        );
+    }
+}
