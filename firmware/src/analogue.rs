@@ -1,15 +1,19 @@
-//! The analogue command to an external servo amplifier: DAC1 channel 1, and a pin that enables the amplifier.
+//! The analogue command to an external servo amplifier: DAC1 channel 1, and a pin of port C that enables the amplifier.
 
-use embassy_stm32::pac::DAC1;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
 use embassy_stm32::pac::dac::vals::Mode;
+use embassy_stm32::pac::{DAC1, GPIOC};
 use embassy_stm32::{Peri, peripherals, rcc};
 use touchstone_drive::DacCode;
 
-use crate::board;
+/// The pin of port C that enables the amplifier, as a mask; none where the board has no such output.
+static ENABLE: AtomicU32 = AtomicU32::new(0);
 
 /// Sets it up at the middle, which is no torque. The pin is analogue after a reset already, and is not driven before the first
 /// command: without such an amplifier the shield has a potentiometer there.
-pub fn start(_dac: Peri<'static, peripherals::DAC1>) {
+pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
+    ENABLE.store(1 << enable, Relaxed);
     rcc::enable_and_reset::<peripherals::DAC1>();
     // RM0440: above 160 MHz of bus clock.
     DAC1.mcr().write(|w| {
@@ -22,7 +26,7 @@ pub fn start(_dac: Peri<'static, peripherals::DAC1>) {
 /// The amplifier off, its command in the middle.
 #[inline]
 pub fn off() {
-    board::enable_amplifier(false);
+    enable(false);
     set(DacCode::ZERO);
 }
 
@@ -31,7 +35,16 @@ pub fn off() {
 pub fn on(code: DacCode) {
     set(code);
     DAC1.cr().write(|w| w.set_en(0, true));
-    board::enable_amplifier(true);
+    enable(true);
+}
+
+/// The upper half of the register clears.
+#[inline(always)]
+fn enable(on: bool) {
+    let pin = ENABLE.load(Relaxed);
+    GPIOC
+        .bsrr()
+        .write(|w| w.0 = if on { pin } else { pin << 16 });
 }
 
 #[inline(always)]

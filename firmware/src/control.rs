@@ -6,13 +6,13 @@ use heapless::Deque;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
     ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DeviceSettings, DriveCommand,
-    EncoderKind, Ring, TickTiming,
+    EncoderKind, EncoderReading, Ring, TickTiming,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
 use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD};
 use crate::shared::Guarded;
-use crate::{analogue, board, encoder, pwm};
+use crate::{analogue, board, pwm};
 
 /// How many telemetry records may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
 pub const QUEUED: usize = 16;
@@ -57,6 +57,15 @@ pub struct Control {
     next_encoder: EncoderKind,
     rate_hz: u32,
     brown_out_told: bool,
+}
+
+/// What the encoder says now.
+#[inline]
+fn reading(kind: EncoderKind) -> EncoderReading {
+    match kind {
+        EncoderKind::Incremental => board::encoder_count(),
+        EncoderKind::As5047p | EncoderKind::Mt6701 => board::read_magnetic(kind),
+    }
 }
 
 /// Whether a frame came since the last tick. The thread, which says so, does not run in between.
@@ -106,7 +115,7 @@ impl Control {
         }
         let command = self.command.take();
         let output = self.device.tick(&ControlInput {
-            encoder: encoder::read(self.encoder),
+            encoder: reading(self.encoder),
             current: readings.report,
             command,
             hardware_break: readings.hardware_break,

@@ -1,8 +1,4 @@
-//! What the encoder says: a timer's count of edges, or a frame of the magnetic encoder where the board has a port for one.
-
-use touchstone_drive::encoder::{EncoderKind, EncoderReading};
-
-use crate::board;
+//! An incremental encoder's edges, counted by a timer.
 
 /// Counts the edges of both tracks of an incremental encoder with a timer, with a filter of 0.4 us against spikes. The timers of
 /// 16 and of 32 bits are different types with the same registers.
@@ -23,12 +19,3 @@ macro_rules! count_edges {
     }};
 }
 pub(crate) use count_edges;
-
-/// What the encoder says now.
-#[inline]
-pub fn read(kind: EncoderKind) -> EncoderReading {
-    match kind {
-        EncoderKind::Incremental => board::encoder_count(),
-        EncoderKind::As5047p | EncoderKind::Mt6701 => board::read_magnetic(kind),
-    }
-}

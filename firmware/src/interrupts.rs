@@ -17,7 +17,7 @@ use crate::exchange::{
     LATE_PERIODS, REPORT,
 };
 use crate::shared::{Owned, raise};
-use crate::{analogue, board, cycles, pwm, sense, supply, window};
+use crate::{analogue, board, cycles, pwm, supply, window};
 
 /// The current loop has switched the outputs on, and not off since. Whoever else switches off leaves the current loop with a
 /// reason to do so too, in the same or the next period.
@@ -55,7 +55,7 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
 #[interrupt]
 fn ADC1_2() {
     let begun = cycles::now();
-    let raw = sense::take();
+    let readings = board::readings();
     // SAFETY: this is the handler that it belongs to, and calls it once.
     let Some(current) = (unsafe { CURRENT.mine() }) else {
         return;
@@ -64,7 +64,6 @@ fn ADC1_2() {
     if let Some(config) = unsafe { CONFIG.take() } {
         current.reconfigure(config);
     }
-    let readings = board::readings(&raw);
     let is_broken = pwm::is_broken() || BREAK.load(Relaxed) || BROWN_OUT.load(Relaxed);
     let output = current.tick(&CurrentSample {
         phase_a: readings.phase_a,

@@ -13,8 +13,8 @@ use touchstone_protocol::{
 
 use crate::control::{CONTROL, Control, RING};
 use crate::exchange::CURRENT_CYCLES_MAX;
-use crate::storage::{self, Storage};
 use crate::shared::InThread;
+use crate::storage::{self, Storage};
 use crate::{analogue, board, pwm};
 
 /// The device as the thread sees it.
@@ -30,7 +30,9 @@ pub struct Thread {
 
 /// Looks at the control tick's state. It is there from before the first request on.
 pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
-    CONTROL.in_thread(here, |control| control.as_mut().map(|control| look(control)))
+    CONTROL.in_thread(here, |control| {
+        control.as_mut().map(|control| look(control))
+    })
 }
 
 impl Thread {
@@ -65,7 +67,9 @@ impl Thread {
             }
             // They were checked, so this does not happen.
             Err(_) => {
-                control(self.here, |control| control.device.report_fault(FaultCode::SettingsInvalid, 0));
+                control(self.here, |control| {
+                    control.device.report_fault(FaultCode::SettingsInvalid, 0)
+                });
             }
         }
     }

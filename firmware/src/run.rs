@@ -104,7 +104,9 @@ fn control(
 
 /// Tells a person with a probe where the device stands, whenever that changed. Not by the control tick: a log takes its time.
 fn tell_state(here: InThread, told: &mut Option<State>) {
-    let state = CONTROL.in_thread(here, |control| control.as_ref().map(|control| control.state));
+    let state = CONTROL.in_thread(here, |control| {
+        control.as_ref().map(|control| control.state)
+    });
     if state == *told {
         return;
     }

@@ -5,8 +5,6 @@ use embassy_stm32::pac::{ADC1, ADC2};
 use embassy_stm32::peripherals;
 use embassy_stm32::triggers::TIM1_TRGO2;
 
-use crate::board::RANKS;
-
 /// What the current loop and the supervisor need of a set, codes of 12 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Readings {
@@ -20,9 +18,9 @@ pub struct Readings {
     pub temperature: u16,
 }
 
-/// One set of conversions, in the order of the board's channels.
+/// One set of conversions, in the order of the board's channels; both converters have as many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Raw {
+pub struct Raw<const RANKS: usize> {
     /// ADC1's, 0 to 4095.
     pub first: [u16; RANKS],
     /// ADC2's, 0 to 4095.
@@ -37,7 +35,7 @@ pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;
 pub const SLOW: SampleTime = SampleTime::CYCLES47_5;
 
 /// Starts both converters. They run until the next reset: the handles are given up, so that nothing stops them by dropping.
-pub fn start(
+pub fn start<const RANKS: usize>(
     first: Adc<'static, peripherals::ADC1>,
     first_channels: [(AnyAdcChannel<'static, peripherals::ADC1>, SampleTime); RANKS],
     second: Adc<'static, peripherals::ADC2>,
@@ -54,7 +52,7 @@ pub fn start(
 
 /// Reads a finished set and clears its flags.
 #[inline(always)]
-pub fn take() -> Raw {
+pub fn take<const RANKS: usize>() -> Raw<RANKS> {
     let raw = Raw {
         first: core::array::from_fn(|rank| ADC1.jdr(rank).read().jdata()),
         second: core::array::from_fn(|rank| ADC2.jdr(rank).read().jdata()),

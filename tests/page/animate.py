@@ -107,7 +107,7 @@ def main():
             page.run("stage.canvas.style.height = '230px'")
             page.key(preset)
             page.wait(0.5)
-            # The ticks of a busy machine come late: a quarter of the speed leaves time for pictures.
+            # Pictures take time: the run goes at a quarter of its speed, and is shown at all of it.
             page.run("chosen.speed = 0.25; run(true)")
             page.wait(PERIOD_S)
             width, height, taken = frames(page)

@@ -121,6 +121,8 @@ def board(program, knob_program, pictures, check):
             page.picture(os.path.join(pictures, "board-gap.png"))
         press(page, "disarm")
         phase(page, "ready")
+        page.key("Escape")
+        phase(page, "stopped")
         stops(page, check)
         arm(page)
         knob.happens("volts 40")

@@ -20,7 +20,10 @@ use touchstone_world::motor::GIMBAL;
 
 const BOARD: Board = Board::NucleoG474re;
 /// A hand that presses into the wall and comes out takes so long, s.
-const PRESS_S: f64 = 2.0;
+const PRESS_S: f64 = 3.0;
+/// Its rest point goes from so far before the surface so far beyond it, rad.
+const NEAR_RAD: f64 = 0.1;
+const DEEP_RAD: f64 = 2.5;
 
 /// A supply that may rise.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +43,8 @@ pub struct ServedKnob {
     /// Records that are dropped from now on.
     gap: u32,
     dropped: u32,
+    /// Telemetry that was not sent yet.
+    records: Vec<Telemetry>,
     armed_s: f64,
     /// Where it stood when it was armed, and how far the surface was.
     start_rad: f64,
@@ -60,6 +65,7 @@ impl ServedKnob {
             decimation: 1,
             gap: 0,
             dropped: 0,
+            records: Vec::new(),
             armed_s: 0.0,
             start_rad: 0.0,
             outside_rad: 0.0,
@@ -83,14 +89,16 @@ impl ServedKnob {
         }
     }
 
-    /// One control tick, with the hand that presses while the device is armed; the telemetry record that is due.
-    fn next_record(&mut self) -> Option<Telemetry> {
+    /// One control tick, with the hand that presses while the device is armed; the telemetry record that is due waits to be sent.
+    fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
         if self.knob.device.state() == State::Armed {
             self.armed_s += 1.0 / rate_hz;
-            // From where it was armed to a part of a radian beyond the surface, and back.
-            let share = (1.0 - (std::f64::consts::TAU * self.armed_s / PRESS_S).cos()) / 2.0;
-            self.knob.rest_rad = self.start_rad + (self.outside_rad + 0.3) * share;
+            // From where it was armed to a little before the surface; from there a part of a radian beyond it and back, again and again.
+            let (near, pressing_s) = (self.outside_rad - NEAR_RAD, (self.armed_s - 1.0).max(0.0));
+            let share = (1.0 - (std::f64::consts::TAU * pressing_s / PRESS_S).cos()) / 2.0;
+            let ahead = near * self.armed_s.min(1.0) + (NEAR_RAD + DEEP_RAD) * share;
+            self.knob.rest_rad = self.start_rad + ahead;
         } else {
             self.armed_s = 0.0;
             self.start_rad = self.knob.rig.now().angle_rad;
@@ -99,20 +107,20 @@ impl ServedKnob {
         }
         let record = self.knob.tick();
         if self.decimation == 0 || !record.tick.is_multiple_of(u32::from(self.decimation)) {
-            return None;
+            return;
         }
         if self.gap > 0 {
             self.gap -= 1;
             self.dropped += 1;
-            return None;
+            return;
         }
-        Some(Telemetry::from(&record))
+        self.records.push(Telemetry::from(&record));
     }
 
     /// Asks the device with its next tick; whether that had an effect.
     fn give(&mut self, command: Command) -> bool {
         self.knob.ask(command);
-        self.knob.tick();
+        self.advance();
         let output = self.knob.output;
         output.and_then(|output| output.accepted).unwrap_or(false)
     }
@@ -239,9 +247,10 @@ pub fn serve(listener: &TcpListener, happens: &Receiver<String>) -> std::io::Res
         }
         while ran_s < now_s {
             ran_s += 1.0 / rate_hz;
-            if let Some(record) = knob.next_record() {
-                out.extend(framed(&FromDevice::Telemetry(record)));
-            }
+            knob.advance();
+        }
+        for record in knob.records.drain(..) {
+            out.extend(framed(&FromDevice::Telemetry(record)));
         }
         if let Some((stream, _)) = &mut line {
             // What the line cannot take is lost, as on a serial port.

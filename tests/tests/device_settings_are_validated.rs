@@ -23,7 +23,7 @@ fn roomy(board: Board) -> DeviceSettings {
     settings.motor.torque_constant_n_m_per_a = Si::lit("10");
     settings.motor.current_limit_a = Si::lit(largest);
     settings.limits.trip_current_a = Si::lit(largest);
-    settings.limits.bus_min_v = Si::lit("8");
+    settings.limits.bus_min_v = Si::lit("10");
     settings.limits.bus_max_v = DeviceSettings::defaults(board).limits.bus_max_v;
     settings.limits.derate_from_celsius = Si::lit("20");
     settings.limits.fault_from_celsius = Si::lit("110");
@@ -203,11 +203,11 @@ fn settings_are_checked_against_each_other_and_the_board() {
     );
     assert_eq!(
         refusal(big, |s| s.limits.bus_min_v = Si::lit("31")),
-        "limits.bus_min_v = 31 is outside 8 to 30 V"
+        "limits.bus_min_v = 31 is outside 10 to 30 V"
     );
     assert_eq!(
         refusal(small, |s| s.limits.bus_max_v = Si::lit("27")),
-        "limits.bus_max_v = 27 is outside 8 to 26 V"
+        "limits.bus_max_v = 27 is outside 10 to 26 V"
     );
     assert_eq!(
         refusal(small, |s| s.encoder.kind = EncoderKind::As5047p),

@@ -8,7 +8,7 @@ use touchstone_drive::{
     BridgeCommand, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport,
     CurrentSample, Device, DeviceSettings, EncoderKind, EncoderReading, Ring, Si, TickTiming,
 };
-use touchstone_protocol::{Command, Outputs, State};
+use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::random::Random;
 
 /// A number with few or many bits: the ends of the range come up as often as its middle.
@@ -86,7 +86,7 @@ fn settings(kind: EncoderKind, drive: DriveKind, rate_hz: u32) -> DeviceSettings
 struct Visits {
     armed: u32,
     calibrating: u32,
-    faults: [u32; 21],
+    faults: [u32; FaultCode::ALL.len() + 1],
     on: u32,
 }
 

@@ -77,6 +77,41 @@ fn the_offset_stays_where_the_stiffness_is_right() {
     assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
 }
 
+/// A hand that leans on a wall at the limit of its force and trembles there winds up no offset: when it lets go, the wall is where it was.
+#[test]
+fn leaning_at_the_force_limit_winds_up_no_offset() {
+    for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
+        let law = Sfa {
+            limit: Force(0.3),
+            ..sfa(kind, FirstContact::ZeroOffset)
+        };
+        let mut state = SfaState::default();
+        let mut last = 0.0;
+        let mut tick = |state: &mut SfaState<f64>, e: f64| {
+            let force = law.tick(state, Sample::measured(Position(e), Position(last)));
+            last = e;
+            force.0
+        };
+        // k_de would show 0.5 N·m at 0.1 rad. A minute of it, trembling.
+        let trembling = |n: u32| 0.1 + 1e-3 * f64::from(n % 2);
+        let mut after_ten_seconds = Position(0.0);
+        for n in 0..60_000 {
+            tick(&mut state, trembling(n));
+            if n == 10_000 {
+                after_ten_seconds = state.offset;
+            }
+        }
+        assert_eq!(state.force, law.limit, "{kind:?}");
+        assert_eq!(state.offset, after_ten_seconds, "{kind:?}");
+        // At the limit k_v (e + O) is just that, but for the last step.
+        assert!(
+            state.offset.0 <= 0.3 / law.soft.0 - 0.1 + 1e-3,
+            "{kind:?}: {:?}",
+            state.offset
+        );
+    }
+}
+
 /// A wall pushes. Inside it nothing pulls, however fast the HIP leaves the virtual mass behind; and the mass' energy, credit
 /// included, stays what it was plus the work of the force on it.
 #[test]

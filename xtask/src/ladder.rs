@@ -40,6 +40,7 @@ fn climb(write: bool) -> Result<Outcome, Outcome> {
         .ok_or_else(|| Outcome::Failed("tick_cost does not name its ladder".into()))?;
     let names: Vec<&str> = names.lines().collect();
     let costs = counted(&binary, &names)?;
+    allocated(&binary)?;
     let table = table(&names, &costs);
     print!("{table}");
     let bare = costs["bare"];
@@ -139,6 +140,39 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
         .collect()
 }
 
+/// That a long climb takes no more memory than a short one: no tick of any configuration allocates.
+fn allocated(binary: &Path) -> Result<(), Outcome> {
+    let count = |more: u64| -> Result<u64, Outcome> {
+        let log = shell::target("bench/ladder").join(format!("heap.{more}"));
+        let mut command = shell::program("valgrind");
+        command
+            .args(["--tool=memcheck", "--leak-check=no"])
+            .arg(format!("--log-file={}", log.display()))
+            .arg(binary)
+            .args(["--ladder", "10", &more.to_string()]);
+        if shell::capture(&mut command).is_none() {
+            return Err(Outcome::Failed("the ladder failed under memcheck".into()));
+        }
+        let text = std::fs::read_to_string(&log).map_err(|error| failed(&log, &error))?;
+        allocations(&text)
+            .ok_or_else(|| Outcome::Failed(format!("no count of allocations in {}", log.display())))
+    };
+    let [short, long] = [count(10)?, count(500)?];
+    if short == long {
+        return Ok(());
+    }
+    Err(Outcome::Failed(format!(
+        "ticks allocate: {short} allocations in a short climb, {long} in a long one"
+    )))
+}
+
+/// Allocations in all, from memcheck's summary.
+fn allocations(log: &str) -> Option<u64> {
+    let (_, rest) = log.split_once("total heap usage: ")?;
+    let (count, _) = rest.split_once(" allocs")?;
+    count.replace(',', "").parse().ok()
+}
+
 /// What each effect adds alone, and what two together add beyond that.
 fn table(names: &[&str], costs: &Costs) -> String {
     let effects: Vec<&str> = names
@@ -195,6 +229,13 @@ mod tests {
         assert!(table.contains("Without any: 50.0 "), "{table}");
         assert!(table.contains("| 1 a | +10.0 |  | +5 |\n"), "{table}");
         assert!(table.contains("| 2 b | +25.0 | +5 |  |\n"), "{table}");
+    }
+
+    #[test]
+    fn allocations_are_read_of_the_summary() {
+        let log = "==1== HEAP SUMMARY:\n==1==   total heap usage: 1,234 allocs, 1,230 frees, 9 bytes allocated\n";
+        assert_eq!(allocations(log), Some(1234));
+        assert_eq!(allocations("==1== nothing"), None);
     }
 
     #[test]

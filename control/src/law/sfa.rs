@@ -56,7 +56,8 @@ impl<N: Number> Sfa<N> {
         let step = self.gain * moved;
         // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication. Outside it is
         // negative.
-        let wanted = (self.desired * state.last).towards_zero();
+        // What the limit will take away again is no reason for an offset, as in the enhanced law.
+        let wanted = (self.desired * state.last).towards_zero().min(self.limit);
         let inside = state.last > Position::zero();
         if inside && state.force < wanted {
             step

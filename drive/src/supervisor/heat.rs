@@ -29,13 +29,17 @@ const MEAN_BITS: u32 = 48;
 /// The whole of the current.
 const ALL: u32 = 1 << 16;
 
-/// Coefficients.
+/// Coefficients; squares in A² with [`SQUARE_BITS`].
 #[derive(Debug, Clone, Copy)]
 pub struct HeatConfig {
-    /// Share of the difference that a tick takes, 2^-32: tick over time constant.
-    share: u32,
-    /// Square of what the motor bears for ever, A².
-    bears: i64,
+    /// Share of the difference that a tick takes, 2^-32: tick over time constant, at most 2^-7.
+    share: i32,
+    /// From here on the current falls: 80 % of `bears`.
+    warm: i32,
+    /// Square of what the motor bears for ever.
+    bears: i32,
+    /// Too hot.
+    hot: i32,
     /// Share of the limit that it may be given for ever, 1/65,536.
     for_ever: u32,
 }
@@ -51,33 +55,47 @@ impl HeatConfig {
             ..
         } = settings.motor;
         let ticks = heating_time_s.saturating_mul(Si::saturating_from_num(settings.timing.rate_hz));
-        let share = quotient(Si::ONE, ticks).to_bits();
+        let bears = square(narrow(continuous)).max(1);
         Self {
-            share: u32::try_from(share).unwrap_or(u32::MAX),
-            bears: square(narrow(continuous)).max(1),
+            share: clamp_i32(quotient(Si::ONE, ticks).to_bits()),
+            warm: clamp_i32(bears * 4 / 5),
+            bears: clamp_i32(bears),
+            hot: clamp_i32(bears + bears / 2),
             for_ever: narrow(quotient(continuous, limit))
                 .to_bits()
                 .clamp(0, ALL.cast_signed())
                 .unsigned_abs(),
         }
     }
+
+    /// The share that a mean square leaves: a straight line from `warm` to `bears`.
+    fn left(&self, mean: i32) -> u32 {
+        if mean <= self.warm {
+            return ALL;
+        }
+        if mean >= self.bears {
+            return self.for_ever;
+        }
+        // Less than the whole, so the quotient is below 2^16; never by zero.
+        let beyond = i64::from(mean - self.warm) << 16;
+        let way = beyond
+            .checked_div(i64::from(self.bears - self.warm))
+            .unwrap_or(0);
+        let lost = (i64::from(ALL - self.for_ever) * way) >> 16;
+        ALL.saturating_sub(u32::try_from(lost).unwrap_or(0))
+    }
 }
 
-/// A² with [`SQUARE_BITS`]: below 2^31.
+/// Of a current, A²: below 2^46.
 const fn square(current: crate::Amps) -> i64 {
     let wide = current.to_bits() as i64;
-    let square = (wide * wide) >> SQUARE_BITS;
-    if square > i32::MAX as i64 {
-        i32::MAX as i64
-    } else {
-        square
-    }
+    (wide * wide) >> SQUARE_BITS
 }
 
 /// The windings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heat {
-    /// Mean square of the current, A² with [`MEAN_BITS`].
+    /// Mean square of the current, A² with [`MEAN_BITS`]; never negative.
     mean: i64,
 }
 
@@ -98,44 +116,22 @@ impl Heat {
     #[must_use]
     pub const fn unknown(config: &HeatConfig) -> Self {
         Self {
-            mean: config.bears << (MEAN_BITS - SQUARE_BITS),
+            mean: (config.bears as i64) << (MEAN_BITS - SQUARE_BITS),
         }
     }
 
     /// Takes a tick's measured current: a broken limit, and the share of the current limit that is left, in 1/65,536.
     pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
-        let now = square(report.current.d).saturating_add(square(report.current.q));
-        let now = now.min(i64::from(i32::MAX));
-        let mean = self.mean >> (MEAN_BITS - SQUARE_BITS);
-        // Both below 2^31, and the share at most 2^-6 at the slowest rate: the product has 16 + 32 fractional bits.
-        let step = (now - mean).saturating_mul(i64::from(config.share));
-        self.mean = self.mean.saturating_add(step).max(0);
-        let left = config.left(mean);
-        let fault = (mean > config.bears.saturating_add(config.bears >> 1)).then(|| {
-            let permille = mean.saturating_mul(1_000).checked_div(config.bears);
+        let now = clamp_i32(square(report.current.d) + square(report.current.q));
+        let mean = (self.mean >> (MEAN_BITS - SQUARE_BITS)) as i32;
+        // Both squares are at least 0 and below 2^31: so is the mean afterwards, as a share of less than one is taken of their
+        // difference, which has 16 + 32 fractional bits then.
+        self.mean += i64::from(now - mean) * i64::from(config.share);
+        let fault = (mean > config.hot).then(|| {
+            let permille = (i64::from(mean) * 1_000).checked_div(i64::from(config.bears));
             (FaultCode::MotorHot, clamp_i32(permille.unwrap_or(i64::MAX)))
         });
-        (fault, left)
-    }
-}
-
-impl HeatConfig {
-    /// The share that a mean square leaves.
-    fn left(&self, mean: i64) -> u32 {
-        // Five times what is beyond 80 %: from 0 to what the motor bears.
-        let beyond = mean
-            .saturating_mul(5)
-            .saturating_sub(self.bears.saturating_mul(4));
-        if beyond <= 0 {
-            return ALL;
-        }
-        if beyond >= self.bears {
-            return self.for_ever;
-        }
-        // Below `bears`, so the quotient is below 2^16; never by zero.
-        let way = (beyond << 16).checked_div(self.bears).unwrap_or(0);
-        let lost = (i64::from(ALL - self.for_ever) * way) >> 16;
-        ALL.saturating_sub(u32::try_from(lost).unwrap_or(0))
+        (fault, config.left(mean))
     }
 }
 

@@ -11,6 +11,7 @@ use crate::cpu::core::Core;
 use crate::cpu::handler::{Handler, Running};
 use crate::cpu::nvic::Nvic;
 use crate::cpu::{RAM, core::Cost};
+use crate::peripheral::Peripheral;
 use crate::peripheral::adc::Adc;
 use crate::peripheral::exti::Exti;
 use crate::peripheral::flash::{self, Flash};
@@ -24,7 +25,6 @@ use crate::peripheral::timer::bridge::BridgeTimer;
 use crate::peripheral::timer::general::Timer;
 use crate::peripheral::uart::Uart;
 use crate::peripheral::wwdg::Wwdg;
-use crate::peripheral::Peripheral;
 use crate::world::World;
 
 /// Interrupts (RM0440, table 97).

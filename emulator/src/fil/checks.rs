@@ -5,7 +5,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{lasting, press, storage};
+use super::{lasting, press, registers, storage};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -19,8 +19,13 @@ pub const CHECKS: &[Check] = &[
     ("power cuts", power_cuts),
     ("damaged settings", damaged_settings),
     ("random frames", random_frames),
+    ("registers after the start", registers::registers),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
+    (
+        "a calibration that the motor does not bear",
+        lasting::weak_motor,
+    ),
 ];
 
 /// Once: it is about the emulator.

@@ -3,7 +3,8 @@
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
 use super::list::{
-    ASKED_FOR, BESIDE, Injection, ON_ESC1, POWER, PROCESSOR, SECOND, WITH_AS5047P, WITH_MT6701, WITH_TRACKS,
+    ASKED_FOR, BESIDE, Injection, ON_ESC1, POWER, PROCESSOR, SECOND, WITH_AS5047P, WITH_MT6701,
+    WITH_TRACKS,
 };
 use super::tally::Tally;
 use crate::bench::Setup;
@@ -59,14 +60,7 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
         g474(
             Encoder::As5047p,
             SLOW_LSI,
-            &[
-                POWER,
-                WITH_AS5047P,
-                PROCESSOR,
-                ASKED_FOR,
-                BESIDE,
-                SECOND,
-            ],
+            &[POWER, WITH_AS5047P, PROCESSOR, ASKED_FOR, BESIDE, SECOND],
         ),
         g474(Encoder::Mt6701, FAST_LSI, &[WITH_MT6701]),
         g474(Encoder::Incremental(16_384), FAST_LSI, &[WITH_TRACKS]),

@@ -79,6 +79,59 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
     }
 }
 
+/// The windings by themselves, from the world's currents, looked at every 100 us: the model with its one time constant.
+#[derive(Default)]
+struct Windings {
+    mean: f64,
+    hottest: f64,
+    /// The largest square of a current, A².
+    most: f64,
+}
+
+impl Windings {
+    fn warm(&mut self, bench: &Bench) {
+        let world = &bench.machine.chip().world;
+        let squares: f64 = (0..3).map(|phase| world.current_a(phase).powi(2)).sum();
+        // Of three currents that are balanced, two thirds of the sum are the square of their amplitude.
+        let square = 2.0 / 3.0 * squares;
+        self.mean += 1e-4 / HEATING_TIME_S * (square - self.mean);
+        self.hottest = self.hottest.max(self.mean);
+        self.most = self.most.max(square);
+    }
+}
+
+/// A calibration's current, which nothing reduces, is more than the motor bears: it ends before the windings are twice as hot as they
+/// may be.
+pub fn weak_motor(program: &Program, setup: &Setup, tally: &mut Tally) {
+    let ended = ends_hot(program, setup);
+    if ended.is_ok() {
+        tally.latched.insert(FaultCode::MotorHot);
+    }
+    tally.check("a calibration that the motor does not bear", ended);
+}
+
+fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
+    let mut bench = prepared(program, setup, "0")?;
+    bench.configure(|settings| settings.motor.continuous_current_a = Si::lit("0.5"))?;
+    bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+    bench.run_until("the outputs on", 400 * MS, |bench| bench.is_on())?;
+    let mut windings = Windings::default();
+    let off = bench.run_until("the outputs off", 2_000 * MS, |bench| {
+        windings.warm(bench);
+        !bench.is_on()
+    });
+    off?;
+    bench.run(5 * MS)?;
+    // Of the square of 0.5 A: where it is a fault, and what the shunts leave of it.
+    let times = windings.hottest / 0.25;
+    match bench.fault()?.and_then(|fault| fault.known()) {
+        Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
+            "off at {times:.3} times the mean square that it bears, MotorHot"
+        )),
+        other => Err(format!("{other:?} at {times:.3} times what it bears")),
+    }
+}
+
 /// A hand leans on the wall with more than the motor bears for ever.
 pub fn leaning_hand(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("a hand that leans", leans(program, setup));
@@ -94,26 +147,29 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
         ..touchstone_world::plant::MEDIUM
     };
     bench.press(&hand, 0.45, 0.4, 100.0)?;
-    // The windings by themselves, from the world's currents: the same one time constant.
-    let (step, mut mean, mut hottest, mut most) = (100 * US, 0.0_f64, 0.0_f64, 0.0_f64);
-    let share = 1e-4 / HEATING_TIME_S;
+    let mut windings = Windings::default();
     for _ in 0..60_000 {
-        bench.run(step)?;
-        let world = &bench.machine.chip().world;
-        let squares: f64 = (0..3).map(|phase| world.current_a(phase).powi(2)).sum();
-        mean += share * (2.0 / 3.0 * squares - mean);
-        hottest = hottest.max(mean);
-        most = most.max(2.0 / 3.0 * squares);
+        bench.run(100 * US)?;
+        windings.warm(&bench);
     }
+    let Windings {
+        mean,
+        hottest,
+        most,
+    } = windings;
     let status = bench.status()?;
     if status.phase != Phase::Armed {
         return Err(format!("{} with {:?}", status.phase.name(), status.fault));
     }
     if most.sqrt() < 1.5 * bears {
-        return Err(format!("the hand leans with no more than {:.2} A", most.sqrt()));
+        return Err(format!(
+            "the hand leans with no more than {:.2} A",
+            most.sqrt()
+        ));
     }
-    let limits = bench.link.telemetry.last().map_or(0, |record| record.limits);
-    if !Limits::from_wire(limits).has(Limit::Temperature) {
+    let records = &bench.link.telemetry;
+    let derated = |limits| Limits::from_wire(limits).has(Limit::Temperature);
+    if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
     // What the shunts and the tick leave of it.

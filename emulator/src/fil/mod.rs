@@ -7,6 +7,7 @@ pub mod jobs;
 pub mod lasting;
 pub mod list;
 pub mod press;
+pub mod registers;
 pub mod report;
 pub mod storage;
 pub mod tally;

@@ -128,7 +128,8 @@ impl Machine {
                 uc.get_data_mut().read_flash(place);
             }
             // The read goes on, and finds what the tearing has left.
-            uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC).is_ok()
+            uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC)
+                .is_ok()
         };
         unicorn
             .add_mem_hook(HookType::MEM_READ_PROT, 1, 0, on_torn)

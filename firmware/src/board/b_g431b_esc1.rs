@@ -19,7 +19,7 @@ use static_cell::StaticCell;
 use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
 
 use crate::pwm::{Active, BreakInput, Bridge};
-use crate::sense::{Raw, Readings};
+use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
@@ -28,9 +28,6 @@ pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::BG431b
 
 /// The power stage.
 pub const HARDWARE: Hardware = hardware::B_G431B_ESC1;
-
-/// Conversions of each converter in a PWM period.
-pub const RANKS: usize = 3;
 
 bind_interrupts!(struct Irqs {
     USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
@@ -134,9 +131,10 @@ fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
     }
 }
 
-/// Which conversion is what. The third current is the negative sum of the two.
+/// A finished set of conversions: which is what. The third current is the negative sum of the two.
 #[inline(always)]
-pub fn readings(raw: &Raw) -> Readings {
+pub fn readings() -> Readings {
+    let raw = sense::take();
     let [phase_a, bus, temperature] = raw.first;
     let [phase_b, _, _] = raw.second;
     Readings {
@@ -168,7 +166,3 @@ pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
 pub fn is_stop_pressed() -> bool {
     false
 }
-
-/// This board has no analogue output: its pin measures a phase's voltage.
-#[inline(always)]
-pub fn enable_amplifier(_on: bool) {}

@@ -17,7 +17,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
 use touchstone_drive::{EncoderReading, Hardware, hardware};
 
 use crate::pwm::{Active, BreakInput, Bridge};
-use crate::sense::{Raw, Readings};
+use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{analogue, encoder, magnetic, pwm, sense, serial};
 
@@ -26,9 +26,6 @@ pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::Nucleo
 
 /// The power stage.
 pub const HARDWARE: Hardware = hardware::IHM08M1;
-
-/// Conversions of each converter in a PWM period.
-pub const RANKS: usize = 2;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
@@ -49,7 +46,7 @@ const BREAK_FUNCTION: u8 = 6;
 const STOP_BUTTON: usize = 13;
 
 /// Enables an external servo amplifier while it is high: PC8, on the morpho connector.
-const AMPLIFIER: usize = 8;
+const AMPLIFIER: u8 = 8;
 
 /// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
@@ -71,7 +68,7 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
         ),
     );
     let amplifier = Output::new(p.PC8, Level::Low, Speed::Low);
-    analogue::start(p.DAC1);
+    analogue::start(p.DAC1, AMPLIFIER);
     let mut stop_button = Flex::new(p.PC13);
     stop_button.set_as_input(Pull::Down);
     // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
@@ -116,9 +113,10 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
-/// Which conversion is what. The third current is the negative sum of the two.
+/// A finished set of conversions: which is what. The third current is the negative sum of the two.
 #[inline(always)]
-pub fn readings(raw: &Raw) -> Readings {
+pub fn readings() -> Readings {
+    let raw = sense::take();
     let [phase_a, bus] = raw.first;
     let [phase_b, temperature] = raw.second;
     Readings {
@@ -141,16 +139,4 @@ pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
 #[inline(always)]
 pub fn is_stop_pressed() -> bool {
     GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
-}
-
-/// Switches an external servo amplifier.
-#[inline(always)]
-pub fn enable_amplifier(on: bool) {
-    GPIOC.bsrr().write(|w| {
-        if on {
-            w.set_bs(AMPLIFIER, true)
-        } else {
-            w.set_br(AMPLIFIER, true)
-        }
-    });
 }

@@ -1,6 +1,6 @@
 //! `touchstone sweep`: any two settings of a scene against any measure of its run, as a map.
 
-use super::out::{self, note, quiet, tell};
+use super::out::{self, note, tell};
 use super::report_options::program;
 use super::{SceneOptions, interrupt, progress};
 use serde_json::Value;
@@ -137,7 +137,7 @@ fn compute(options: &Options) -> Result<()> {
     bar.finish_and_clear();
     let filled = filled?;
     let cells = own_cells(&store.cells, options.shard);
-    speak(&sweep, &filled, begun);
+    speak(&filled, begun);
     let (results, _) = output::write(&sweep, options.shard, &cells, &drawing, folder, *force)?;
     store.close();
     print(&results, folder)
@@ -193,20 +193,19 @@ fn own_cells(cells: &Cells, shard: Shard) -> Cells {
         .collect()
 }
 
-fn speak(sweep: &Sweep, filled: &Filled, begun: Instant) {
+fn speak(filled: &Filled, begun: Instant) {
     if let Some((cell, error)) = &filled.refusal {
         note!("note: cells are refused; the first is {cell}: {error}");
     }
     if filled.before > 0 {
         note!("note: {} cells were there already", filled.before);
     }
-    let seconds = begun.elapsed().as_secs_f64();
-    let ticks = sweep.grid.base.timing.ticks() as f64 * filled.computed as f64;
-    if !quiet() && filled.computed > 0 {
+    if filled.computed > 0 {
+        let seconds = begun.elapsed().as_secs_f64();
         note!(
-            "{} cells in {seconds:.1} s, some {:.1} million ticks a second",
+            "{} cells in {seconds:.1} s, {:.0} a second",
             filled.computed,
-            1e-6 * ticks / seconds
+            filled.computed as f64 / seconds
         );
     }
 }

@@ -160,6 +160,38 @@ fn a_wall_is_played_in_real_time_and_the_device_released() {
     );
 }
 
+/// Every tick of a run as CSV: its forces are those of the run, and its places those of the hand.
+#[test]
+fn a_run_is_kept_tick_by_tick() {
+    let folder = common::folder("haptic-trace");
+    let run = "device run plane --device simulated --fast --seconds 2 --csv run.csv --json";
+    let said = done(&ran(&folder, "", &run.split(' ').collect::<Vec<_>>()));
+    let results: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let mut file = csv::Reader::from_path(folder.join("run.csv")).unwrap();
+    assert_eq!(file.headers().unwrap().get(0), Some("time_s"));
+    let rows: Vec<Vec<f64>> = file
+        .records()
+        .map(|row| row.unwrap().iter().map(|x| x.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 8000);
+    assert_eq!(rows[7999][0], 7999.0 / 4000.0);
+    let longest = rows.iter().map(|row| row[4].hypot(row[5]).hypot(row[6]));
+    assert_eq!(
+        Some(longest.fold(0.0, f64::max)),
+        results["force_max_n"].as_f64()
+    );
+    // A floor pushes up, below its surface only.
+    assert!(
+        rows.iter()
+            .all(|row| row[6] >= 0.0 && (row[6] == 0.0 || row[3] < 0.0))
+    );
+    failed(
+        &ran(&folder, "", &["device", "run", "plane", "--csv", "run.csv"]),
+        2,
+        &["--seconds"],
+    );
+}
+
 /// Simulated and faster than real time: the same twice, and every law and object holds its device.
 #[test]
 fn a_simulated_device_plays_every_object_without_a_fault() {
@@ -438,4 +470,58 @@ fn what_does_not_go_together_is_said() {
     ] {
         failed(&common::run_in(&folder, arguments), 2, parts);
     }
+}
+
+/// A floor of two triangles pushes as the floor does; what is no mesh is refused before anything moves.
+#[test]
+fn a_mesh_from_a_file_is_an_object() {
+    let folder = common::folder("cli-haptic-mesh");
+    let facet = |[a, b, c]: [&str; 3]| {
+        format!(
+            "facet normal 0 0 1\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
+        )
+    };
+    let [a, b, c, d] = ["-60 -60 0", "60 -60 0", "60 60 0", "-60 60 0"];
+    let facets = [facet([a, b, c]), facet([a, c, d])].concat();
+    std::fs::write(
+        folder.join("floor.stl"),
+        format!("solid f\n{facets}endsolid f\n"),
+    )
+    .unwrap();
+    let force_max = |object: &str| {
+        let run = ["device", "run", object, "--device", "simulated", "--fast"];
+        let rest = [
+            "--seconds",
+            "2",
+            "--law",
+            "spring",
+            "--k-desired",
+            "2",
+            "--json",
+        ];
+        let said = done(&ran(&folder, "", &[&run[..], &rest[..]].concat()));
+        let value: serde_json::Value = serde_json::from_str(&said).unwrap();
+        value["force_max_n"].as_f64().unwrap()
+    };
+    let (floor, mesh) = (force_max("plane"), force_max("floor.stl"));
+    assert!(
+        floor > 1.0 && (mesh - floor).abs() < 1e-3,
+        "{floor} N, and {mesh} N"
+    );
+    failed(
+        &ran(
+            &folder,
+            "",
+            &[
+                "device",
+                "run",
+                "none.stl",
+                "--device",
+                "simulated",
+                "--fast",
+            ],
+        ),
+        2,
+        &["none.stl", "give an STL file"],
+    );
 }

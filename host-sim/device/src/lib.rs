@@ -28,4 +28,4 @@ pub use haply::{Generation, Inverse3, SERVICE};
 pub use omega3::Omega3;
 pub use survey::{Pose, Survey};
 pub use transport::{Received, Transport, open};
-pub use wall::{DeviceWall, WallSettings};
+pub use wall::{DeviceWall, Obstacle, WallSettings};

@@ -5,11 +5,11 @@
 //! failed, and what is left is the device's watchdog.
 
 use crate::haptic::{
-    Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing, SwitchOff, Workspace,
+    Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, SwitchOff, Workspace,
 };
 use std::sync::Arc;
 use std::time::Duration;
-use touchstone_dhd::{Dhd, DhdError, OMEGA3_TYPES, Outcome, Status};
+use touchstone_dhd::{Dhd, DhdError, DhdOutcome, DhdStatus, OMEGA3_TYPES};
 use touchstone_world::plant::OMEGA3;
 
 /// An omega.3 that this program holds.
@@ -121,7 +121,7 @@ impl Omega3 {
     }
 }
 
-fn cause(status: &Status) -> Option<SwitchOff> {
+fn cause(status: &DhdStatus) -> Option<SwitchOff> {
     Some(match status.off_cause()? {
         0 => return None,
         1 => SwitchOff::Button,
@@ -160,22 +160,22 @@ impl HapticDevice for Omega3 {
         let (position_m, outcome) = self.library.position(self.id()?)?;
         Ok(Sensed {
             position_m,
-            fresh: outcome != Outcome::NotReadAgain,
+            fresh: outcome != DhdOutcome::NotReadAgain,
         })
     }
 
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
         let id = self.id()?;
         Ok(match self.library.set_force(force_n, id)? {
-            Outcome::Saturated => Applied::Saturated(self.library.force(id)),
-            Outcome::Done | Outcome::NotReadAgain | Outcome::Other(_) => Applied::Whole,
+            DhdOutcome::Saturated => Applied::Saturated(self.library.force(id)),
+            DhdOutcome::Done | DhdOutcome::NotReadAgain | DhdOutcome::Other(_) => Applied::Whole,
         })
     }
 
-    fn standing(&mut self) -> Result<Standing, HapticFault> {
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         let status = self.library.status(self.id()?)?;
         let motors_on = status.force().unwrap_or(true);
-        Ok(Standing {
+        Ok(DeviceStanding {
             powered: status.power().unwrap_or(true),
             calibrated: !status.reset().unwrap_or(false),
             motors_on,
@@ -189,7 +189,7 @@ impl HapticDevice for Omega3 {
             return Ok(());
         };
         let library = &self.library;
-        let tried = |part: &dyn Fn() -> Result<Outcome, DhdError>| {
+        let tried = |part: &dyn Fn() -> Result<DhdOutcome, DhdError>| {
             let mut done = part();
             for _ in 1..RELEASE_TRIES {
                 if done.is_err() {

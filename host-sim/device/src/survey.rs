@@ -1,7 +1,7 @@
 //! What a device says of its own mechanics, with its motors off: a file that makes the device of a user a plant.
 
 use crate::Omega3;
-use crate::haptic::{HapticDevice, HapticFault, Twin};
+use crate::haptic::{DeviceTwin, HapticDevice, HapticFault};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
@@ -156,15 +156,15 @@ impl Survey {
     ///
     /// # Errors
     /// A mass or a damping that no device has.
-    pub fn twin(&self) -> Result<Twin> {
+    pub fn twin(&self) -> Result<DeviceTwin> {
         let axes = std::array::from_fn(|axis| Device {
             inertia: self.inertia_kg[axis],
             damping: self.damping_n_s_per_m[axis],
             friction: None,
         });
-        let twin = Twin {
+        let twin = DeviceTwin {
             axes,
-            ..Twin::default()
+            ..DeviceTwin::default()
         };
         twin.plant(1e-3).map_err(|why| Error::Option {
             option: "--twin".into(),

@@ -3,13 +3,14 @@
 use crate::haptic::HapticFault;
 use crate::servo::ForceLaw;
 use touchstone_control::space::{
-    Leaving, LengthUnit, Magnitude, PerAxis, Rule, Shape, Shell, SpaceWall, SurfacePoint, Vector,
-    VectorGuard,
+    Direction, Leaving, LengthUnit, Magnitude, Nearest, PerAxis, Rule, Shape, Shell, SpaceWall,
+    Surface, SurfacePoint, Vector, VectorGuard,
 };
 use touchstone_control::{
     AnyLaw, Fixed32, Force, GuardSettings, GuardedDevice, Position, Reported, Settings,
     SettingsError, Si,
 };
+use touchstone_mesh::{Mesh, MeshSurface};
 
 type N = Fixed32;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
@@ -21,8 +22,6 @@ const PER_METRE: f64 = 100.0;
 pub struct WallSettings {
     /// The law, SI; its rate is the loop's.
     pub law: Settings,
-    /// The object, in centimetres.
-    pub shape: Shape<N>,
     /// One law an axis instead of one along the normal.
     pub per_axis: bool,
     /// The guard, SI, where there is one.
@@ -31,19 +30,62 @@ pub struct WallSettings {
     pub count_m: f64,
 }
 
+/// What stands in the device's workspace.
+#[derive(Debug, Clone)]
+pub enum Obstacle<'m> {
+    /// One of the control crate's objects, in centimetres.
+    Shape(Shape<N>),
+    /// A mesh.
+    Mesh(MeshSurface<'m>),
+}
+
+impl<'m> Obstacle<'m> {
+    /// Of triangles, on which no hand was seen yet.
+    #[must_use]
+    pub fn of(mesh: &'m Mesh) -> Self {
+        Self::Mesh(MeshSurface::new(mesh, UNIT))
+    }
+}
+
+impl Surface<N> for Obstacle<'_> {
+    fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N> {
+        match self {
+            Self::Shape(shape) => shape.nearest(at, side),
+            Self::Mesh(mesh) => mesh.nearest(at, side),
+        }
+    }
+    fn exit(
+        &self,
+        at: Vector<Position<N>>,
+        along: &Direction<N>,
+        side: &Direction<N>,
+    ) -> Option<Position<N>> {
+        match self {
+            Self::Shape(shape) => shape.exit(at, along, side),
+            Self::Mesh(mesh) => mesh.exit(at, along, side),
+        }
+    }
+    fn ways(&self, visit: &mut dyn FnMut(Direction<N>)) {
+        match self {
+            Self::Shape(shape) => shape.ways(visit),
+            Self::Mesh(mesh) => Surface::<N>::ways(mesh, visit),
+        }
+    }
+}
+
 /// A wall, tick by tick.
 #[derive(Debug, Clone)]
-pub struct DeviceWall {
-    wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
+pub struct DeviceWall<'m> {
+    wall: SpaceWall<N, Obstacle<'m>, AnyLaw<N>>,
     least_account: Option<f64>,
 }
 
-impl DeviceWall {
+impl<'m> DeviceWall<'m> {
     /// Outside the object, at rest; a full account.
     ///
     /// # Errors
     /// Settings that law or guard cannot have.
-    pub fn new(settings: &WallSettings) -> Result<Self, SettingsError> {
+    pub fn new(settings: &WallSettings, obstacle: Obstacle<'m>) -> Result<Self, SettingsError> {
         let law = UNIT.law::<N>(&settings.law)?;
         let shell = match settings.per_axis {
             true => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
@@ -51,7 +93,7 @@ impl DeviceWall {
         };
         let limit = Force::from_f64(settings.law.force_limit.to_num());
         let point = SurfacePoint::new(Rule::Closest);
-        let mut wall = SpaceWall::new(settings.shape, point, shell, limit);
+        let mut wall = SpaceWall::new(obstacle, point, shell, limit);
         if let Some(guard) = &settings.guard {
             let device = GuardedDevice {
                 rate_hz: settings.law.rate_hz,
@@ -76,7 +118,7 @@ impl DeviceWall {
     }
 }
 
-impl ForceLaw for DeviceWall {
+impl ForceLaw for DeviceWall<'_> {
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault> {
         let at = Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)));
         let force = self.wall.tick(at).map_err(|_| HapticFault::Overspeed)?;

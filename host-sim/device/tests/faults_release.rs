@@ -3,8 +3,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 use touchstone_device::haptic::{
-    Applied, Call, DataSheet, HapticDevice, HapticFault, Injected, Injection, Kind, OneAxis,
-    Sensed, SimulatedArm, Standing, SwitchOff, Twin,
+    Applied, DataSheet, DeviceCall, DeviceStanding, DeviceTwin, FaultInjection, FaultKind,
+    HapticDevice, HapticFault, Injected, OneAxis, Sensed, SimulatedArm, SwitchOff,
 };
 use touchstone_device::servo::{
     Ending, ForceLaw, Pace, RealTime, ServoLimits, ServoReport, SimulatedPace, play,
@@ -50,7 +50,7 @@ impl<D: HapticDevice> HapticDevice for Witness<D> {
         self.force_n = force_n;
         self.inner.command(force_n)
     }
-    fn standing(&mut self) -> Result<Standing, HapticFault> {
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         self.inner.standing()
     }
     fn release(&mut self) -> Result<(), HapticFault> {
@@ -94,11 +94,11 @@ impl ForceLaw for Floor {
 /// In a hand that comes from above and pushes down to where its spring gives 6 N.
 fn pressed() -> SimulatedArm {
     let rest = |time_s: f64| [0.0, 0.0, 0.002 - 0.022 * (time_s / 0.1).min(1.0)];
-    SimulatedArm::new(Twin::default(), RATE_HZ, Box::new(rest)).unwrap()
+    SimulatedArm::new(DeviceTwin::default(), RATE_HZ, Box::new(rest)).unwrap()
 }
 
 fn played(
-    injection: Option<Injection>,
+    injection: Option<FaultInjection>,
     floor: &mut Floor,
     pace: &mut impl Pace,
     ticks: u64,
@@ -108,7 +108,7 @@ fn played(
         ramp_s: 0.05,
         ..ServoLimits::of(device.sheet())
     };
-    let more = |tick: &touchstone_device::servo::Tick| tick.number + 1 < ticks;
+    let more = |tick: &touchstone_device::servo::ServoTick| tick.number + 1 < ticks;
     let report = play(&mut device, floor, &limits, RATE_HZ, pace, more);
     (report, device)
 }
@@ -143,35 +143,35 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let jumped = |fault: &HapticFault| matches!(fault, HapticFault::Jumped(v) if *v > 70.0);
     let nan = |fault: &HapticFault| *fault == HapticFault::NotFinite("position");
     let off = |fault: &HapticFault| *fault == HapticFault::SwitchedOff(SwitchOff::Velocity);
-    type Row = (Call, Kind, fn(&HapticFault) -> bool, u64);
+    type Row = (DeviceCall, FaultKind, fn(&HapticFault) -> bool, u64);
     // The last column: ticks between what happened and the fault that it is to be, of which the sheet of limits speaks.
     let rows: [Row; 10] = [
-        (Call::Engage, Kind::Held, held, 0),
-        (Call::Engage, Kind::Fails, lost, 0),
-        (Call::Sense, Kind::Unplugged, lost, 0),
-        (Call::Sense, Kind::NotANumber, nan, 0),
-        (Call::Sense, Kind::Jumps, jumped, 1),
-        (Call::Sense, Kind::Stale, stale, 21),
-        (Call::Command, Kind::Unplugged, lost, 0),
-        (Call::Command, Kind::Fails, lost, 0),
-        (Call::Command, Kind::Saturated, saturated, 1001),
+        (DeviceCall::Engage, FaultKind::Held, held, 0),
+        (DeviceCall::Engage, FaultKind::Fails, lost, 0),
+        (DeviceCall::Sense, FaultKind::Unplugged, lost, 0),
+        (DeviceCall::Sense, FaultKind::NotANumber, nan, 0),
+        (DeviceCall::Sense, FaultKind::Jumps, jumped, 1),
+        (DeviceCall::Sense, FaultKind::Stale, stale, 21),
+        (DeviceCall::Command, FaultKind::Unplugged, lost, 0),
+        (DeviceCall::Command, FaultKind::Fails, lost, 0),
+        (DeviceCall::Command, FaultKind::Saturated, saturated, 1001),
         (
-            Call::Standing,
-            Kind::SwitchedOff(SwitchOff::Velocity),
+            DeviceCall::Standing,
+            FaultKind::SwitchedOff(SwitchOff::Velocity),
             off,
             0,
         ),
     ];
     for (call, kind, expected, patience) in rows {
         for at in [0, 1, 300] {
-            if call == Call::Engage && at > 0 {
+            if call == DeviceCall::Engage && at > 0 {
                 continue;
             }
             // Nobody can know that the first position is wrong.
-            if kind == Kind::Jumps && at == 0 {
+            if kind == FaultKind::Jumps && at == 0 {
                 continue;
             }
-            let injection = Injection { call, at, kind };
+            let injection = FaultInjection { call, at, kind };
             let mut floor = Floor::new(|_| None);
             let (report, device) = played(Some(injection), &mut floor, &mut SimulatedPace, 20_000);
             let Ending::Fault(fault) = &report.ending else {
@@ -183,7 +183,7 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
                 "{injection:?}"
             );
             assert_eq!(device.late_commands, 0, "{injection:?}");
-            let every = if call == Call::Standing { 4 } else { 1 };
+            let every = if call == DeviceCall::Standing { 4 } else { 1 };
             assert!(
                 device.ticks <= at * every + patience + 1,
                 "{injection:?}: {} ticks",
@@ -195,10 +195,10 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
 
 #[test]
 fn a_release_that_fails_is_said() {
-    let injection = Injection {
-        call: Call::Release,
+    let injection = FaultInjection {
+        call: DeviceCall::Release,
         at: 0,
-        kind: Kind::Fails,
+        kind: FaultKind::Fails,
     };
     let mut floor = Floor::new(|_| None);
     let (report, device) = played(Some(injection), &mut floor, &mut SimulatedPace, 10);
@@ -208,11 +208,11 @@ fn a_release_that_fails_is_said() {
 
 #[test]
 fn a_slow_call_ends_it_as_soon_as_it_returns() {
-    for call in [Call::Sense, Call::Command] {
-        let injection = Injection {
+    for call in [DeviceCall::Sense, DeviceCall::Command] {
+        let injection = FaultInjection {
             call,
             at: 50,
-            kind: Kind::Slow(Duration::from_millis(80)),
+            kind: FaultKind::Slow(Duration::from_millis(80)),
         };
         let mut floor = Floor::new(|_| None);
         let mut device = Witness::new(Injected::new(pressed(), Some(injection)));
@@ -270,7 +270,7 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
 fn outside_the_workspace_the_force_fades_and_far_outside_it_ends() {
     let rest = |time_s: f64| [0.3 * time_s, 0.0, 0.0];
     let mut device =
-        Witness::new(SimulatedArm::new(Twin::default(), RATE_HZ, Box::new(rest)).unwrap());
+        Witness::new(SimulatedArm::new(DeviceTwin::default(), RATE_HZ, Box::new(rest)).unwrap());
     let limits = ServoLimits {
         ramp_s: 0.01,
         outside_m: 0.03,

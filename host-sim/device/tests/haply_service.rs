@@ -5,9 +5,9 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
-use touchstone_device::haptic::{HapticDevice, HapticFault, SimulatedArm, Twin};
+use touchstone_device::haptic::{DeviceTwin, HapticDevice, HapticFault, SimulatedArm};
 use touchstone_device::servo::{
-    DevicePace, Ending, ForceLaw, ServoLimits, ServoReport, Tick, play,
+    DevicePace, Ending, ForceLaw, ServoLimits, ServoReport, ServoTick, play,
 };
 use touchstone_device::{Inverse3, haptic};
 use tungstenite::{Message, accept};
@@ -82,7 +82,7 @@ fn say_version(mut stream: TcpStream, version: &str) {
 fn served(stream: TcpStream, version: &str, wrong: Wrong, at: u32, told: &Sender<Saw>) {
     let mut socket = accept(stream).unwrap();
     let rest = |t: f64| [0.0, 0.0, -0.015 * (t / 0.3).min(1.0)];
-    let mut arm = SimulatedArm::new(Twin::default(), 1000, Box::new(rest)).unwrap();
+    let mut arm = SimulatedArm::new(DeviceTwin::default(), 1000, Box::new(rest)).unwrap();
     arm.engage().unwrap();
     let mut saw = Saw::default();
     for number in 0.. {
@@ -154,7 +154,7 @@ fn played(service: &Service) -> Result<ServoReport, HapticFault> {
         late_s: 0.25,
         ..ServoLimits::of(inverse.sheet())
     };
-    let more = |tick: &Tick| tick.number < 400;
+    let more = |tick: &ServoTick| tick.number < 400;
     Ok(play(
         &mut inverse,
         &mut Floor,

@@ -10,7 +10,7 @@ pub const STATUS_INTS: usize = 64;
 
 /// A device's kind and name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Model {
+pub struct DhdModel {
     /// The library's number of its kind.
     pub number: i32,
     /// Its name, where the library has one.
@@ -19,7 +19,7 @@ pub struct Model {
     pub serial: Option<u16>,
 }
 
-impl fmt::Display for Model {
+impl fmt::Display for DhdModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.name {
             Some(name) => write!(f, "{name}")?,
@@ -95,9 +95,9 @@ impl fmt::Display for DhdError {
 
 /// Status words; those that the library did not write are unknown.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Status(pub [i32; STATUS_INTS]);
+pub struct DhdStatus(pub [i32; STATUS_INTS]);
 
-impl Status {
+impl DhdStatus {
     /// Stands in every word before the call.
     pub const NOT_WRITTEN: i32 = i32::MIN;
 
@@ -155,9 +155,9 @@ mod tests {
 
     #[test]
     fn what_an_old_library_does_not_write_is_unknown() {
-        let mut raw = [Status::NOT_WRITTEN; STATUS_INTS];
+        let mut raw = [DhdStatus::NOT_WRITTEN; STATUS_INTS];
         raw[..12].fill(1);
-        let status = Status(raw);
+        let status = DhdStatus(raw);
         assert_eq!((status.force(), status.off_cause()), (Some(true), None));
     }
 }

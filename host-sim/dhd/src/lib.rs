@@ -9,13 +9,13 @@ mod code;
 mod search;
 mod symbols;
 
-pub use code::{DhdError, Model, OMEGA3_TYPES, STATUS_INTS, Status};
-pub use search::{ENVIRONMENT, NotLoaded, Search};
+pub use code::{DhdError, DhdModel, DhdStatus, OMEGA3_TYPES, STATUS_INTS};
+pub use search::{ENVIRONMENT, LibrarySearch, NotLoaded};
 pub use symbols::Dhd;
 
 /// A call of the library that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub enum DhdOutcome {
     /// 0: done.
     Done,
     /// 1: the time guard kept the last position.
@@ -31,12 +31,12 @@ type Three = [f64; 3];
 
 impl Dhd {
     /// What a call's number means; the error's number is asked for at once, as any later call may replace it.
-    fn checked(&self, call: &'static str, number: i32) -> Result<Outcome, DhdError> {
+    fn checked(&self, call: &'static str, number: i32) -> Result<DhdOutcome, DhdError> {
         match number {
-            0 => Ok(Outcome::Done),
-            1 => Ok(Outcome::NotReadAgain),
-            2 => Ok(Outcome::Saturated),
-            n if n > 0 => Ok(Outcome::Other(n)),
+            0 => Ok(DhdOutcome::Done),
+            1 => Ok(DhdOutcome::NotReadAgain),
+            2 => Ok(DhdOutcome::Saturated),
+            n if n > 0 => Ok(DhdOutcome::Other(n)),
             _ => Err(self.last_error(call)),
         }
     }
@@ -98,7 +98,7 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so.
-    pub fn close(&self, id: i8) -> Result<Outcome, DhdError> {
+    pub fn close(&self, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().close)(symbols::char_of(id));
         self.checked("dhdClose", done)
     }
@@ -107,7 +107,7 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so.
-    pub fn model(&self, id: i8) -> Result<Model, DhdError> {
+    pub fn model(&self, id: i8) -> Result<DhdModel, DhdError> {
         let id = symbols::char_of(id);
         let number = (self.calls().get_system_type)(id);
         if number < 0 {
@@ -119,7 +119,7 @@ impl Dhd {
             .get_serial_number
             .filter(|ask| ask(&mut serial, id) == 0)
             .map(|_| serial);
-        Ok(Model {
+        Ok(DhdModel {
             number,
             name: self.system_name(id),
             serial,
@@ -130,19 +130,19 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so.
-    pub fn status(&self, id: i8) -> Result<Status, DhdError> {
+    pub fn status(&self, id: i8) -> Result<DhdStatus, DhdError> {
         // Filled with what no status is, so that what an older library does not write is seen.
-        let mut raw = [Status::NOT_WRITTEN; STATUS_INTS];
+        let mut raw = [DhdStatus::NOT_WRITTEN; STATUS_INTS];
         let done = (self.calls().get_status)(&mut raw, symbols::char_of(id));
         self.checked("dhdGetStatus", done)?;
-        Ok(Status(raw))
+        Ok(DhdStatus(raw))
     }
 
     /// Its position, m.
     ///
     /// # Errors
     /// The library says so.
-    pub fn position(&self, id: i8) -> Result<(Three, Outcome), DhdError> {
+    pub fn position(&self, id: i8) -> Result<(Three, DhdOutcome), DhdError> {
         let mut at = [f64::NAN; 3];
         let [x, y, z] = &mut at;
         let done = (self.calls().get_position)(x, y, z, symbols::char_of(id));
@@ -153,7 +153,7 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so.
-    pub fn set_force(&self, [x, y, z]: Three, id: i8) -> Result<Outcome, DhdError> {
+    pub fn set_force(&self, [x, y, z]: Three, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().set_force)(x, y, z, symbols::char_of(id));
         self.checked("dhdSetForce", done)
     }
@@ -172,7 +172,7 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so.
-    pub fn enable_force(&self, on: bool, id: i8) -> Result<Outcome, DhdError> {
+    pub fn enable_force(&self, on: bool, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().enable_force)(u8::from(on), symbols::char_of(id));
         self.checked("dhdEnableForce", done)
     }
@@ -181,7 +181,7 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so.
-    pub fn stop(&self, id: i8) -> Result<Outcome, DhdError> {
+    pub fn stop(&self, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().stop)(symbols::char_of(id));
         self.checked("dhdStop", done)
     }
@@ -190,7 +190,7 @@ impl Dhd {
     ///
     /// # Errors
     /// The library says so, or does not have it.
-    pub fn set_max_force(&self, force_n: f64, id: i8) -> Result<Outcome, DhdError> {
+    pub fn set_max_force(&self, force_n: f64, id: i8) -> Result<DhdOutcome, DhdError> {
         let call = "dhdSetMaxForce";
         let set = self.calls().set_max_force.ok_or(Self::lacks(call))?;
         self.checked(call, set(force_n, symbols::char_of(id)))

@@ -26,7 +26,7 @@ const VERSIONED: [(&str, &str); 2] = [("libdrd.so", ""), ("libdhd.so", "")];
 
 /// Where to look.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Search {
+pub struct LibrarySearch {
     /// The file itself; nothing else is tried then.
     pub file: Option<PathBuf>,
     /// Folders, first to last.
@@ -70,7 +70,7 @@ impl NotLoaded {
     }
 }
 
-impl Search {
+impl LibrarySearch {
     /// A file that the user named, by option; otherwise by `TOUCHSTONE_DHD`; otherwise where the SDK is or is installed to.
     #[must_use]
     pub fn new(named: Option<&Path>) -> Self {
@@ -236,9 +236,9 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_said_with_every_place_and_a_remedy() {
-        let search = Search {
+        let search = LibrarySearch {
             folders: vec!["/nowhere/a".into(), "/nowhere/b".into()],
-            ..Search::default()
+            ..LibrarySearch::default()
         };
         let missing = search.load().expect_err("no library");
         let said = missing.to_string();
@@ -247,7 +247,7 @@ mod tests {
             "{said}"
         );
         assert!(missing.fix().contains("FDSDK") && missing.fix().contains("--library"));
-        let named = Search::new(Some(Path::new("/nowhere/libdrd.so")));
+        let named = LibrarySearch::new(Some(Path::new("/nowhere/libdrd.so")));
         let missing = named.load().expect_err("no library");
         assert!(missing.named && missing.tried.len() == 1);
         assert!(

@@ -1,7 +1,7 @@
 //! Certificates against runs: `cargo run --release -p touchstone-lab --example certify_campaign -- FILE.csv [RUNS] [SEED]`.
 //!
 //! Rows are appended to the file; a campaign that was stopped goes on where it stopped, with the same seed. At the end it prints
-//! what was said beside what happened.
+//! what was said beside what happened, and why some were not decided.
 
 use rayon::prelude::*;
 use std::error::Error;
@@ -18,8 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = words.next().ok_or(usage)?;
     let runs: u64 = words.next().map_or(Ok(2000), |word| word.parse())?;
     let seed: u64 = words.next().map_or(Ok(1), |word| word.parse())?;
-    let path = Path::new(&file);
-    let (mut journal, mut rows) = Journal::open::<Row>(path)?;
+    let (mut journal, mut rows) = Journal::open::<Row>(Path::new(&file))?;
     println!("seed {seed}: {} of {runs} runs are done", rows.len());
     while (rows.len() as u64) < runs {
         let done = rows.len() as u64;
@@ -32,9 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprint!("\r{}/{runs}", rows.len());
     }
     let mut tally = Tally::default();
-    for row in &rows {
-        tally.add(row);
-    }
+    rows.iter().for_each(|row| tally.add(row));
     println!("\n{tally}");
     Ok(())
 }

@@ -1,71 +1,108 @@
-//! Random devices, each with a law tuned for it: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES a
-//! stiffness] [SEED] [LAW] [TICKS]`.
+//! Random devices, each with its laws tuned for it: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES a
+//! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
 //!
-//! Rows are appended to the file, a device a row; a campaign that was stopped goes on where it stopped, with the same words. At the
-//! end it prints how many hold, and why the others do not.
+//! LAWS are names of a scorecard with commas between. Rows are appended to the file, a device under a law a row; a campaign that was
+//! stopped goes on where it stopped, with the same words. At the end it prints how many hold, under each law and under the better
+//! one of each device, and why the others do not.
 
 use std::error::Error;
 use std::path::Path;
 use touchstone_lab::journal::Journal;
 use touchstone_lab::scorecard::rivals::Rival;
-use touchstone_lab::tune::campaign::{Class, Row, row};
+use touchstone_lab::tune::campaign::{Budget, Class, Row, best, row};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let usage = "give FILE.csv [DEVICES, default 100] [SEED, default 1] [LAW, default spring-damper-estimated] [TICKS, default 4e6]";
+    let usage = "give FILE.csv [DEVICES, default 100] [SEED, default 1] [LAWS, default spring-damper-estimated,enhanced] [TICKS, default 2e7] [SECOND TICKS, default 4e7]";
     let word = |i: usize, default: &'static str| words.get(i).cloned().unwrap_or(default.into());
     let file = words.first().ok_or(usage)?;
     let devices: u64 = word(1, "100").parse()?;
     let seed: u64 = word(2, "1").parse()?;
-    let rival = Rival::named(&word(3, "spring-damper-estimated"))?;
-    let ticks: f64 = word(4, "4e6").parse()?;
-    let path = Path::new(file);
-    let (mut journal, mut done) = Journal::open::<Row>(path)?;
-    println!(
-        "seed {seed}, {}: {} of {} devices are done",
-        rival.name,
-        done.len(),
-        3 * devices
-    );
+    let laws: Vec<&'static Rival> = word(3, "spring-damper-estimated,enhanced")
+        .split(',')
+        .map(Rival::named)
+        .collect::<Result<_, _>>()?;
+    let budget = Budget {
+        first: word(4, "2e7").parse()?,
+        second: word(5, "4e7").parse()?,
+    };
+    let (mut journal, mut rows) = Journal::open::<Row>(Path::new(file))?;
+    println!("seed {seed}: {} rows are done", rows.len());
     // Stiffness by stiffness within a number, so that a campaign that was cut has as many of each.
     for number in 0..devices {
         for class in Class::ALL {
-            if done
-                .iter()
-                .any(|row| (row.class, row.number) == (class, number))
-            {
-                continue;
+            for rival in &laws {
+                let is_this = |row: &Row| {
+                    (row.class, row.number, row.law.as_str()) == (class, number, rival.name)
+                };
+                if !rows.iter().any(is_this) {
+                    let row = row(seed, class, number, rival, budget)?;
+                    journal.append(None, std::slice::from_ref(&row))?;
+                    rows.push(row);
+                }
             }
-            let row = row(seed, class, number, rival, ticks)?;
-            journal.append(None, std::slice::from_ref(&row))?;
-            done.push(row);
         }
     }
+    let done: Vec<&Row> = rows.iter().filter(|row| row.number < devices).collect();
     for class in Class::ALL {
-        let rows: Vec<&Row> = done.iter().filter(|row| row.class == class).collect();
-        let rest = rows.iter().filter(|row| row.rests).count();
-        let both = rows.iter().filter(|row| row.rests && row.moves).count();
-        println!(
-            "{class:?}: {rest} of {} rest within 5 %, {both} also hold a moving hand within 15 % and 15°",
-            rows.len()
-        );
-        for row in rows.iter().filter(|row| !row.rests || !row.moves) {
-            println!(
-                "  {}: {}{}; T sqrt(k/J) {:.3}, b T/J {:.4}, delay {:.2}; certify: {} {}",
-                row.number,
-                if row.rests { "" } else { "does not rest " },
-                if row.moves {
-                    ""
-                } else {
-                    "does not hold a moving hand"
-                },
-                row.stiffness_per_tick,
-                row.damping_per_tick,
-                row.delay_ticks,
-                row.certificate,
-                row.cause
-            );
+        println!("\n{class:?}, of {devices} devices:");
+        let of_class = |row: &&&Row| row.class == class;
+        for rival in &laws {
+            let rows: Vec<&Row> = done
+                .iter()
+                .filter(of_class)
+                .filter(|row| row.law == rival.name)
+                .copied()
+                .collect();
+            print_tally(rival.name, &rows);
+        }
+        let better: Vec<&Row> = (0..devices)
+            .filter_map(|number| {
+                let laws: Vec<&Row> = done
+                    .iter()
+                    .filter(of_class)
+                    .filter(|row| row.number == number)
+                    .copied()
+                    .collect();
+                best(&laws)
+            })
+            .collect();
+        print_tally("the better law of each", &better);
+        for row in better.iter().filter(|row| !row.rests || !row.moves) {
+            print_failure(row);
         }
     }
     Ok(())
+}
+
+fn print_tally(name: &str, rows: &[&Row]) {
+    let count = |is: fn(&Row) -> bool| rows.iter().filter(|row| is(row)).count();
+    println!(
+        "  {name}: {} rest within 5 %, {} hold a moving hand within 15 % and 15°, {} both; called stable and not at rest: {}",
+        count(|row| row.rests),
+        count(|row| row.moves),
+        count(|row| row.rests && row.moves),
+        count(Row::is_wrongly_stable),
+    );
+}
+
+fn print_failure(row: &Row) {
+    let fails = |what: &str, cause: Option<touchstone_lab::tune::diagnosis::FailureCause>| {
+        cause.map_or(String::new(), |cause| {
+            format!(" {what}: {};", cause.words())
+        })
+    };
+    println!(
+        "    {} {}:{}{} T sqrt(k/J) {:.3}, b T/J {:.4}, delay {:.2}, friction {:.1e}; certify: {} {}",
+        row.number,
+        row.law,
+        fails("does not rest", row.rest_cause),
+        fails("does not hold a moving hand", row.motion_cause),
+        row.stiffness_per_tick,
+        row.damping_per_tick,
+        row.delay_ticks,
+        row.friction_n_m,
+        row.certificate,
+        row.certificate_causes
+    );
 }

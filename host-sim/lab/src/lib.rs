@@ -6,6 +6,7 @@ pub mod hard;
 pub mod identify;
 pub mod journal;
 pub mod plan;
+pub mod random_device;
 pub mod report;
 pub mod scorecard;
 pub mod sweep;

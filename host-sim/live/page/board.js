@@ -25,7 +25,7 @@ const stage = new Stage($("stage"));
 const READOUT = [
   ["Penetration", () => `${(1e3 * (run.last.angle_rad - run.facts.surface_rad)).toFixed(3)} mrad`],
   ["Force", () => `${(1e3 * run.last.force_n_m).toFixed(2)} mN·m`],
-  ["Device less model", () => (Number.isNaN(run.last.difference_n_m) ? (hello.decimation > 1 ? "not every tick is told" : "the law does not run, or was not followed") : `${(1e6 * run.last.difference_n_m).toFixed(2)} µN·m, at most ${(1e6 * worst).toFixed(2)}`)],
+  ["Device less model", () => (Number.isNaN(run.last.difference_n_m) ? (hello.decimation > 1 ? "not every tick is told" : "not known now") : `${(1e6 * run.last.difference_n_m).toFixed(2)} µN·m, at most ${(1e6 * worst).toFixed(2)}`)],
   ["Held back by", () => hello.limits.filter((_, bit) => run.last.limits & (1 << bit)).join(", ") || "nothing"],
   ["Records", () => `${took.rate.toFixed(0)} a second of ${(hello.rate_hz / hello.decimation).toFixed(0)}`],
   ["Missing", () => `${took.missing} of ${took.missing + took.records}`],
@@ -104,7 +104,7 @@ function answered({ do: what, path, error }) {
   if (error && path && inputs.has(path)) inputs.get(path).setAttribute("aria-invalid", "true");
 }
 
-const MAY = { calibrate: ["boot", "stopped", "ready"], arm: ["ready"], disarm: ["armed"], zero: ["ready", "boot", "stopped"], save: ["boot", "stopped", "fault"], defaults: ["boot", "stopped", "fault", "ready"] };
+const MAY = { calibrate: ["boot", "stopped"], arm: ["ready"], disarm: ["armed"], zero: ["ready", "boot", "stopped"], save: ["boot", "stopped", "fault"], defaults: ["boot", "stopped", "fault", "ready"] };
 function show() {
   const there = connected && deviceLost === null && state !== null, phase = there ? state.phase : "";
   $("phase").textContent = there ? phase : "not connected";
@@ -119,7 +119,7 @@ function show() {
     $("fault-name").textContent = `Fault ${fault.name}`;
     $("fault-meaning").textContent = `${fault.meaning} (${fault.value}, tick ${fault.tick})`;
     $("fault-check").textContent = fault.check;
-    $("fault-clear").textContent = `${fault.clear} The first is the button Stop above.`;
+    $("fault-clear").textContent = `${fault.clear || "Stop, then calibrate."} That stop is the button above.`;
   }
   const lost = !connected ? "NO CONNECTION TO THE PROGRAM. It disarms the device when this page is gone; if it has ended itself, look at the board: its power switch is the stop that always works."
     : deviceLost !== null ? `NO CONNECTION TO THE DEVICE: ${deviceLost}. A device that was armed may still be armed: its power switch is the stop that always works. It is tried again every second, and disarmed first.` : "";
@@ -130,7 +130,7 @@ function show() {
 const heard = {
   hello: begin,
   state: (message) => { if (message.phase === "armed" && state?.phase !== "armed") worst = 0; state = message; },
-  connection: ({ lost, done }) => { deviceLost = lost; if (done) complain(done); },
+  connection: ({ lost, done }) => { deviceLost = lost; $("answer").textContent = ""; if (done) complain(done); },
   done: answered,
   troubles: (message) => { troubles = message; },
 };

@@ -95,9 +95,9 @@ macro_rules! device_settings {
                 limits LimitSettings {
                     trip_current_a: number("0.05", "25") = "4", "A",
                         "the phase current that switches off (at most 15 on nucleo-g474re)";
-                    bus_min_v: number("8", "48") = "18", "V",
+                    bus_min_v: number("10", "48") = "18", "V",
                         "the bus voltage below which it switches off (at least 10, where the gate drivers work)";
-                    bus_max_v: number("8", "48") = "30", "V",
+                    bus_max_v: number("10", "48") = "30", "V",
                         "the bus voltage above which it switches off (at most 26 on b-g431b-esc1)";
                     derate_from_celsius: number("20", "109") = "70", "°C",
                         "the temperature from which the current is reduced";

@@ -17,9 +17,9 @@ pub use as5047p::WITH_AS5047P;
 pub use asked::ASKED_FOR;
 pub use beside::BESIDE;
 pub use esc1::ON_ESC1;
+pub use others::{WITH_MT6701, WITH_TRACKS};
 pub use power::POWER;
 pub use processor::PROCESSOR;
-pub use others::{WITH_MT6701, WITH_TRACKS};
 pub use second::SECOND;
 
 /// In which state it happens.

@@ -196,6 +196,15 @@ impl DeviceSide {
         self.with(status_of)
     }
 
+    /// The device hears of the desktop; one that does not answer is lost.
+    pub fn sign_of_life(&mut self) -> News {
+        let is_there = self.client.is_some();
+        match self.status() {
+            Err(error) if is_there => self.lost(&error.to_string()),
+            _ => News::None,
+        }
+    }
+
     pub fn command(&mut self, command: DeviceCommand) -> Result<()> {
         self.with(|client| client.tell(&Request::Command(command)))
     }

@@ -18,8 +18,10 @@ use tungstenite::protocol::WebSocketConfig;
 const HEAD_MAX: usize = 8192;
 /// Who has not said what is wanted by then is not heard.
 const HEAD_LIMIT: Duration = Duration::from_secs(2);
+/// Who has said nothing yet may stay so long: a browser opens connections before it needs them.
+const IDLE_LIMIT: Duration = Duration::from_secs(60);
 /// So many may ask at once.
-const VISITORS: usize = 16;
+const VISITORS: usize = 32;
 /// An order of the page is a line.
 const MESSAGE_MAX: usize = 4096;
 
@@ -123,8 +125,13 @@ impl Inside {
     fn welcome(&self, mut stream: TcpStream) -> std::io::Result<()> {
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(HEAD_LIMIT))?;
-        let Some(head) = head(&stream)? else {
-            return refuse(&mut stream, "400 Bad Request", "this is no request");
+        let head = match head(&stream)? {
+            Head::Whole(head) => head,
+            // A browser opens connections ahead: what it reads there would be the answer to its next request.
+            Head::Silent => return Ok(()),
+            Head::Broken => {
+                return refuse(&mut stream, "400 Bad Request", "this is no request");
+            }
         };
         match self.wish(&head) {
             Wish::Refused(status, why) => {
@@ -209,14 +216,24 @@ fn same(given: &str, token: &str) -> bool {
     given.len() == token.len() && differing == 0
 }
 
-/// A request's head, left where it is for whoever reads it; `None` if none comes in time.
-fn head(stream: &TcpStream) -> std::io::Result<Option<Vec<u8>>> {
-    let until = Instant::now() + HEAD_LIMIT;
+/// What came of waiting for a request.
+enum Head {
+    /// Its head, left where it is for whoever reads it.
+    Whole(Vec<u8>),
+    /// Nothing was said.
+    Silent,
+    /// Not in time, or too long.
+    Broken,
+}
+
+fn head(stream: &TcpStream) -> std::io::Result<Head> {
+    let begun = Instant::now();
+    let mut said: Option<Instant> = None;
     let mut bytes = vec![0; HEAD_MAX];
     stream.set_read_timeout(Some(Duration::from_millis(100)))?;
-    while Instant::now() < until {
+    loop {
         let count = match stream.peek(&mut bytes) {
-            Ok(0) => return Ok(None),
+            Ok(0) if said.is_none() => return Ok(Head::Silent),
             Ok(count) => count,
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => 0,
             Err(error) => return Err(error),
@@ -224,15 +241,21 @@ fn head(stream: &TcpStream) -> std::io::Result<Option<Vec<u8>>> {
         let found = bytes[..count].windows(4).position(|end| end == b"\r\n\r\n");
         if let Some(end) = found {
             bytes.truncate(end + 4);
-            return Ok(Some(bytes));
+            return Ok(Head::Whole(bytes));
         }
-        if count == HEAD_MAX {
-            return Ok(None);
+        if count > 0 {
+            said.get_or_insert_with(Instant::now);
+        }
+        match said {
+            Some(since) if count == HEAD_MAX || since.elapsed() > HEAD_LIMIT => {
+                return Ok(Head::Broken);
+            }
+            None if begun.elapsed() > IDLE_LIMIT => return Ok(Head::Silent),
+            _ => {}
         }
         // What is there is given again and again.
         std::thread::sleep(Duration::from_millis(5));
     }
-    Ok(None)
 }
 
 /// Takes away what was looked at.

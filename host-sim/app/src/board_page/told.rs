@@ -27,14 +27,14 @@ pub fn hello(link: &DeviceSide) -> Value {
 /// Where the device stands, and what to do next.
 pub fn state(status: &Status) -> Value {
     let fault = status.fault.map(|fault| {
-        let text = |heading| section(fault.code, heading).unwrap_or("");
+        let text = |heading| plain(section(fault.code, heading).unwrap_or_default());
         json!({
             "name": name_of(&fault),
             "value": fault.value,
             "tick": fault.tick,
             "meaning": text("Meaning"),
             "check": text("What to check"),
-            "clear": section(fault.code, "How to clear").unwrap_or("Stop, then calibrate."),
+            "clear": text("How to clear"),
         })
     });
     json!({
@@ -44,6 +44,13 @@ pub fn state(status: &Status) -> Value {
         "fault": fault,
         "unsaved": status.unsaved,
     })
+}
+
+/// A page's text without its marks, its paragraphs one below the other.
+fn plain(text: &str) -> String {
+    text.replace("**", "")
+        .replace('`', "")
+        .replace("\n\n", "\n")
 }
 
 /// A state, and what leads on.

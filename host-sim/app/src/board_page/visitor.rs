@@ -59,6 +59,32 @@ impl Visitor {
     /// The page is gone.
     pub fn turn(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
         self.listen(link)?;
+        // Judged when everything that came in was read: time that the device took to answer is not the page's.
+        if self.seen != self.batch && self.seen_at.elapsed() > HANGS {
+            return Err("the page does not answer");
+        }
+        self.tell(link, news)?;
+        if self.sent_at.elapsed() >= BATCH {
+            self.sent_at = Instant::now();
+            self.send_rows(link)?;
+        }
+        // The device hears of the desktop as long as the page is there: its host watchdog is behind this program's.
+        if self.spoken_at.elapsed() >= SIGN_OF_LIFE {
+            self.spoken_at = Instant::now();
+            let news = link.sign_of_life();
+            self.tell(link, news)?;
+        }
+        if self.looked_at.elapsed() >= LOOK {
+            self.looked_at = Instant::now();
+            if let Ok((dropped, damaged)) = link.troubles() {
+                self.say(&json!({ "type": "troubles", "dropped": dropped, "damaged": damaged }))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What is new of the device.
+    fn tell(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
         match news {
             News::None => {}
             News::State => self.state(link)?,
@@ -68,24 +94,6 @@ impl Visitor {
                 self.say(&told::hello(link))?;
                 self.state(link)?;
             }
-        }
-        if self.sent_at.elapsed() >= BATCH {
-            self.sent_at = Instant::now();
-            self.send_rows(link)?;
-        }
-        // The device hears of the desktop as long as the page is there: its host watchdog is behind this program's.
-        if self.spoken_at.elapsed() >= SIGN_OF_LIFE {
-            self.spoken_at = Instant::now();
-            let _ = link.status();
-        }
-        if self.looked_at.elapsed() >= LOOK {
-            self.looked_at = Instant::now();
-            if let Ok((dropped, damaged)) = link.troubles() {
-                self.say(&json!({ "type": "troubles", "dropped": dropped, "damaged": damaged }))?;
-            }
-        }
-        if self.seen != self.batch && self.seen_at.elapsed() > HANGS {
-            return Err("the page does not answer");
         }
         Ok(())
     }
@@ -131,12 +139,12 @@ impl Visitor {
             return Ok(());
         }
         let done = carry_out(&order, link);
-        let error = done.as_ref().err().map(Error::to_string);
+        let error = done.err().map(|error| error.to_string());
         self.say(
             &json!({ "type": "done", "do": order["do"], "path": order["path"], "error": error }),
         )?;
-        // Settings and what is saved of them are no part of a record.
-        if matches!(order["do"].as_str(), Some("set" | "defaults")) {
+        // Settings are no part of a record. A value that was refused stays where it was written.
+        if error.is_none() && matches!(order["do"].as_str(), Some("set" | "defaults")) {
             self.say(&told::hello(link))?;
         }
         self.state(link)

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use touchstone_device::haptic::{HapticDevice, SimulatedArm};
 use touchstone_device::{Inverse3, Omega3, SERVICE, Survey};
-use touchstone_dhd::{Dhd, Search};
+use touchstone_dhd::{Dhd, LibrarySearch};
 use touchstone_lab::thesis::space::{Object, ProbingMotion};
 use touchstone_sim::error::{Error, Result};
 
 /// A kind of haptic device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
+pub enum HapticKind {
     /// Force Dimension's omega.3, through its maker's library.
     Omega3,
     /// Haply's Inverse3, through its maker's service.
@@ -20,7 +20,7 @@ pub enum Model {
     Simulated,
 }
 
-impl Model {
+impl HapticKind {
     /// Its word on the command line.
     pub fn word(self) -> &'static str {
         match self {
@@ -33,10 +33,10 @@ impl Model {
 
 /// Which device.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub struct Which {
+pub struct WhichDevice {
     /// The device; without it, the first real one that there is.
     #[arg(long, value_enum)]
-    device: Option<Model>,
+    device: Option<HapticKind>,
     /// Force Dimension's library, libdrd or libdhd; without it, it is looked for (docs/devices.md).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
@@ -53,7 +53,7 @@ const LIBRARY: &str = "Force Dimension's library";
 
 /// The library, or what to do to have it.
 pub fn library(file: Option<&std::path::Path>) -> Result<Dhd> {
-    Search::new(file)
+    LibrarySearch::new(file)
         .load()
         .map_err(|missing| Error::device(LIBRARY, missing.to_string(), missing.fix()))
 }
@@ -69,46 +69,54 @@ pub fn described(library: &Dhd) -> String {
 /// What a simulated hand does: nothing, above the centre, or the motion of an object's experiment, over and over.
 type Hand = Option<(Object, u32)>;
 
-impl Which {
+impl WhichDevice {
     /// The kind that is to be used, if one was named.
-    pub fn model(&self) -> Option<Model> {
+    pub fn model(&self) -> Option<HapticKind> {
         // A survey can only be simulated, and only an Inverse3 has a service.
-        let service = self.haply.as_ref().map(|_| Model::Inverse3);
-        let twin = self.twin.as_ref().map(|_| Model::Simulated);
+        let service = self.haply.as_ref().map(|_| HapticKind::Inverse3);
+        let twin = self.twin.as_ref().map(|_| HapticKind::Simulated);
         self.device.or(twin).or(service)
     }
 
     /// Refuses a survey or a service of a device that has none, instead of ignoring it.
     fn check(&self) -> Result<()> {
-        let lost = |option: &str, only: Model| Error::Option {
+        let lost = |option: &str, only: HapticKind| Error::Option {
             option: option.into(),
             problem: format!("is for {} alone", only.word()),
             fix: format!("leave it out, or give --device {}", only.word()),
         };
         match self.model() {
-            Some(Model::Inverse3 | Model::Omega3) if self.twin.is_some() => {
-                Err(lost("--twin", Model::Simulated))
+            Some(HapticKind::Inverse3 | HapticKind::Omega3) if self.twin.is_some() => {
+                Err(lost("--twin", HapticKind::Simulated))
             }
-            Some(Model::Simulated | Model::Omega3) if self.haply.is_some() => {
-                Err(lost("--haply", Model::Inverse3))
+            Some(HapticKind::Simulated | HapticKind::Omega3) if self.haply.is_some() => {
+                Err(lost("--haply", HapticKind::Inverse3))
             }
             _ => Ok(()),
         }
     }
 
     /// All kinds: what is there of each.
-    pub fn all(&self) -> Vec<(Model, Result<String>)> {
-        let wanted = |model: &&Model| self.model().is_none_or(|only| only == **model);
-        let models = [Model::Omega3, Model::Inverse3, Model::Simulated];
+    pub fn all(&self) -> Vec<(HapticKind, Result<String>)> {
+        let wanted = |model: &&HapticKind| self.model().is_none_or(|only| only == **model);
+        let models = [
+            HapticKind::Omega3,
+            HapticKind::Inverse3,
+            HapticKind::Simulated,
+        ];
         let models = models.iter().filter(wanted);
         models
             .map(|model| {
                 let found = match model {
-                    Model::Omega3 => self.omega3().map(|(omega, library)| {
+                    HapticKind::Omega3 => self.omega3().map(|(omega, library)| {
                         format!("{}; {}", omega.sheet().name, described(&library))
                     }),
-                    Model::Inverse3 => self.inverse3().map(|inverse| inverse.sheet().name.clone()),
-                    Model::Simulated => self.simulated(None).map(|arm| arm.sheet().name.clone()),
+                    HapticKind::Inverse3 => {
+                        self.inverse3().map(|inverse| inverse.sheet().name.clone())
+                    }
+                    HapticKind::Simulated => {
+                        self.simulated(None).map(|arm| arm.sheet().name.clone())
+                    }
                 };
                 (*model, found)
             })
@@ -119,9 +127,9 @@ impl Which {
     pub fn open(&self, hand: Hand) -> Result<Box<dyn HapticDevice>> {
         self.check()?;
         match self.model() {
-            Some(Model::Simulated) => Ok(Box::new(self.simulated(hand)?)),
-            Some(Model::Omega3) => Ok(Box::new(self.omega3()?.0)),
-            Some(Model::Inverse3) => Ok(Box::new(self.inverse3()?)),
+            Some(HapticKind::Simulated) => Ok(Box::new(self.simulated(hand)?)),
+            Some(HapticKind::Omega3) => Ok(Box::new(self.omega3()?.0)),
+            Some(HapticKind::Inverse3) => Ok(Box::new(self.inverse3()?)),
             None => self.first(),
         }
     }
@@ -164,7 +172,7 @@ impl Which {
 
     fn simulated(&self, hand: Hand) -> Result<SimulatedArm> {
         let (twin, name) = match &self.twin {
-            None => (touchstone_device::haptic::Twin::default(), None),
+            None => (touchstone_device::haptic::DeviceTwin::default(), None),
             Some(file) => {
                 let survey = Survey::read(file)?;
                 (survey.twin()?, Some(format!("simulated {}", survey.device)))

@@ -3,11 +3,12 @@
 mod choice;
 mod run;
 mod survey;
+mod trace;
 
 pub use choice::{described, library};
 
 use super::out::{self, say};
-use choice::Which;
+use choice::WhichDevice;
 use clap::Subcommand;
 use std::process::ExitCode;
 use touchstone_device::haptic::HapticDevice;
@@ -18,9 +19,9 @@ use touchstone_sim::error::Result;
 #[derive(Debug, Clone, Subcommand)]
 pub enum Action {
     /// Lists haptic devices, and boards at serial ports.
-    List(Which),
+    List(WhichDevice),
     /// Who a haptic device is, where it is, and how it stands. Its motors stay off.
-    Info(Which),
+    Info(WhichDevice),
     /// Plays a wall on a haptic device: THE MOTORS ARE ON until it ends, at the latest by Ctrl-C.
     Run(run::Options),
     /// Writes a haptic device's inertia, Jacobian and ranges to a file that can be simulated. Its motors stay off.
@@ -39,10 +40,10 @@ pub fn main(action: &Action) -> Result<ExitCode> {
 }
 
 /// Lists what there is; of what is not there, why.
-fn list(which: &Which) -> Result<()> {
+fn list(which: &WhichDevice) -> Result<()> {
     let found = which.all();
     let boards = ports();
-    let entry = |(kind, found): &(choice::Model, Result<String>)| match found {
+    let entry = |(kind, found): &(choice::HapticKind, Result<String>)| match found {
         Ok(text) => serde_json::json!({ "device": kind.word(), "there": true, "text": text }),
         Err(error) => {
             serde_json::json!({ "device": kind.word(), "there": false, "text": error.to_string() })
@@ -75,7 +76,7 @@ fn list(which: &Which) -> Result<()> {
 }
 
 /// Opens one, tells, and releases it.
-fn info(which: &Which) -> Result<()> {
+fn info(which: &WhichDevice) -> Result<()> {
     let mut device = which.open(None)?;
     let place = device.sheet().name.clone();
     let seen = device

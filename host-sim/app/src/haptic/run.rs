@@ -1,42 +1,76 @@
 //! `touchstone device run`: a wall on a haptic device, in real time.
 
-use super::choice::{Model, Which};
+use super::choice::{HapticKind, WhichDevice};
+use super::trace::DeviceTrace;
 use crate::out::{json, print, say, tell};
 use crate::{interrupt, number};
-use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::fmt;
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::str::FromStr;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 use touchstone_control::{Choice, GuardSettings, LawKind, Settings, Si};
 use touchstone_device::haptic::{DataSheet, HapticDevice};
 use touchstone_device::servo::{
-    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, SimulatedPace, Tick,
-    play, real_time,
+    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, ServoTick,
+    SimulatedPace, play, real_time,
 };
-use touchstone_device::{DeviceWall, WallSettings};
+use touchstone_device::{DeviceWall, Obstacle, WallSettings};
 use touchstone_lab::thesis::space::{self, Object};
+use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::OMEGA3;
 
 /// What stands in the device's workspace.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Scene {
-    /// A floor through the centre.
-    Plane,
-    /// A slope through the centre, in none of the axes.
-    Inclined,
-    /// A ball of 30 mm around the centre.
-    Sphere,
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Scenery {
+    /// A floor or a slope through the centre, or a ball of 30 mm around it.
+    Known(&'static str, Object),
+    /// A mesh around the centre, from a file.
+    Stl(PathBuf),
+}
+
+const KNOWN: [(&str, Object); 3] = [
+    ("plane", Object::Horizontal),
+    ("inclined", Object::Inclined),
+    ("sphere", Object::Sphere),
+];
+
+impl FromStr for Scenery {
+    type Err = String;
+
+    fn from_str(word: &str) -> std::result::Result<Self, String> {
+        if let Some((name, object)) = KNOWN.iter().find(|(name, _)| *name == word) {
+            return Ok(Self::Known(name, *object));
+        }
+        let path = PathBuf::from(word);
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        match ending.is_some_and(|ending| ending.eq_ignore_ascii_case("stl")) {
+            true => Ok(Self::Stl(path)),
+            false => Err(format!(
+                "\"{word}\" is no object; {}",
+                touchstone_sim::scene::nearest(word, &KNOWN.map(|(name, _)| name)).map_or_else(
+                    || "give plane, inclined, sphere or a file that ends in .stl".to_owned(),
+                    |near| format!("did you mean {near}?")
+                )
+            )),
+        }
+    }
 }
 
 /// Options of `device run`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// The object.
-    #[arg(value_enum)]
-    object: Scene,
+    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or an STL file.
+    #[arg(value_name = "OBJECT")]
+    object: Scenery,
+    /// Metres that 1 stands for in an STL file, which says none.
+    #[arg(long, value_name = "M", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = number::up_to(1e3, "in m"))]
+    stl_unit_m: f64,
     #[command(flatten)]
-    which: Which,
+    which: WhichDevice,
     /// The law along the normal.
     #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: LawKind,
@@ -52,6 +86,9 @@ pub struct Options {
     /// Ends after so many seconds; without it, with Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
+    /// Keeps every tick as CSV; needs --seconds.
+    #[arg(long, value_name = "FILE", requires = "seconds")]
+    csv: Option<PathBuf>,
     /// Longest force, N; default and most: the device's.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
     force_limit_n: Option<f64>,
@@ -69,12 +106,28 @@ fn law(word: &str) -> LawKind {
     LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
-impl Scene {
-    fn object(self) -> Object {
+impl Scenery {
+    /// The object around which a simulated hand moves: a mesh is probed from above, like a floor.
+    fn object(&self) -> Object {
         match self {
-            Self::Plane => Object::Horizontal,
-            Self::Inclined => Object::Inclined,
-            Self::Sphere => Object::Sphere,
+            Self::Known(_, object) => *object,
+            Self::Stl(_) => Object::Horizontal,
+        }
+    }
+
+    fn mesh(&self, unit_m: f64) -> Result<Option<Mesh>> {
+        match self {
+            Self::Known(..) => Ok(None),
+            Self::Stl(path) => Mesh::read_stl(path, unit_m).map(Some),
+        }
+    }
+}
+
+impl fmt::Display for Scenery {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Known(name, _) => f.write_str(name),
+            Self::Stl(path) => write!(f, "{}", path.display()),
         }
     }
 }
@@ -101,7 +154,6 @@ fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) 
     };
     WallSettings {
         law,
-        shape: options.object.object().shape(),
         per_axis: options.per_axis,
         guard: (!options.no_guard).then(|| guard(sheet, rate_hz)),
         count_m: sheet.count_m,
@@ -110,13 +162,14 @@ fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) 
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    if options.fast && options.which.model() != Some(Model::Simulated) {
+    if options.fast && options.which.model() != Some(HapticKind::Simulated) {
         return Err(Error::Option {
             option: "--fast".into(),
             problem: "a real device has its own time".into(),
             fix: "give --device simulated, or leave it out".into(),
         });
     }
+    let mesh = options.object.mesh(options.stl_unit_m)?;
     // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
     let stop = interrupt::noted()?;
     let simulated_hz = options.rate_hz.unwrap_or(OMEGA3.rates_hz.1);
@@ -140,18 +193,27 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .unwrap_or(sheet.force_n)
         .min(sheet.force_n);
     let settings = wall(options, &sheet, rate_hz, force_n);
-    let mut wall = DeviceWall::new(&settings).map_err(|why| Error::Option {
+    let obstacle = mesh.as_ref().map_or_else(
+        || Obstacle::Shape(options.object.object().shape()),
+        Obstacle::of,
+    );
+    let mut wall = DeviceWall::new(&settings, obstacle).map_err(|why| Error::Option {
         option: "device run".into(),
         problem: why.to_string(),
         fix: "change --law, --k-desired, --rate-hz or --force-limit-n".into(),
     })?;
     tell!("device    {}", sheet.name);
+    if let Some(mesh) = &mesh {
+        tell!(
+            "mesh      {} triangles, {:.1} mm across, {} left out for having no area",
+            mesh.triangles(),
+            1e3 * mesh.size_m(),
+            mesh.left_out()
+        );
+    }
     tell!(
         "wall      {}, {} {} N/mm at {rate_hz} Hz, up to {force_n} N, {}",
-        options
-            .object
-            .to_possible_value()
-            .map_or(String::new(), |word| word.get_name().to_owned()),
+        options.object,
         options.law.word(),
         options.k_desired,
         if options.no_guard {
@@ -164,42 +226,31 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         force_n,
         ..ServoLimits::of(&sheet)
     };
-    let priority = (!options.fast).then(real_time);
-    let report = match (options.fast, sheet.sets_the_pace) {
-        (true, _) => played(
-            &mut device,
-            &mut wall,
-            &limits,
-            rate_hz,
-            SimulatedPace,
-            options,
-            &stop,
-        ),
-        (_, true) => {
-            let pace = DevicePace::new(rate_hz);
-            played(
-                &mut device,
-                &mut wall,
-                &limits,
-                rate_hz,
-                pace,
-                options,
-                &stop,
-            )
-        }
-        (_, false) => {
-            let pace = RealTime::new(rate_hz);
-            played(
-                &mut device,
-                &mut wall,
-                &limits,
-                rate_hz,
-                pace,
-                options,
-                &stop,
-            )
-        }
+    let mut pace: Box<dyn Pace> = match (options.fast, sheet.sets_the_pace) {
+        (true, _) => Box::new(SimulatedPace),
+        (false, true) => Box::new(DevicePace::new(rate_hz)),
+        (false, false) => Box::new(RealTime::new(rate_hz)),
     };
+    // By time, and in simulated time by ticks.
+    let most = options
+        .seconds
+        .map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
+    let mut trace = DeviceTrace::for_ticks(most.filter(|_| options.csv.is_some()).unwrap_or(0));
+    let priority = (!options.fast).then(real_time);
+    let begun = Instant::now();
+    let more = |tick: &ServoTick| {
+        trace.keep(tick);
+        let over = match (options.fast, options.seconds, most) {
+            (false, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,
+            (true, _, Some(most)) => tick.number + 1 >= most,
+            _ => false,
+        };
+        !over && !stop.load(Ordering::Relaxed)
+    };
+    let report = play(&mut device, &mut wall, &limits, rate_hz, &mut *pace, more);
+    if let Some(file) = &options.csv {
+        trace.write(file, rate_hz)?;
+    }
     let interrupted = stop.load(Ordering::Relaxed) && options.seconds.is_some();
     told(&sheet, &settings, &wall, priority.as_ref(), &report)?;
     if let Ending::Fault(fault) = &report.ending {
@@ -210,32 +261,6 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         true => ExitCode::from(interrupt::INTERRUPTED as u8),
         false => ExitCode::SUCCESS,
     })
-}
-
-fn played(
-    device: &mut Box<dyn HapticDevice>,
-    wall: &mut DeviceWall,
-    limits: &ServoLimits,
-    rate_hz: u32,
-    mut pace: impl Pace,
-    options: &Options,
-    stop: &AtomicBool,
-) -> ServoReport {
-    // By ticks and those that were missed, so that simulated seconds are seconds too.
-    let most = options
-        .seconds
-        .map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
-    let begun = std::time::Instant::now();
-    let real = !options.fast;
-    let more = |tick: &Tick| {
-        let over = match (real, options.seconds, most) {
-            (true, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,
-            (false, _, Some(most)) => tick.number + 1 >= most,
-            _ => false,
-        };
-        !over && !stop.load(Ordering::Relaxed)
-    };
-    play(device, wall, limits, rate_hz, &mut pace, more)
 }
 
 /// What was got of real time, in words.
@@ -249,7 +274,7 @@ fn words(got: &std::result::Result<(), String>) -> String {
 fn told(
     sheet: &DataSheet,
     settings: &WallSettings,
-    wall: &DeviceWall,
+    wall: &DeviceWall<'_>,
     priority: Option<&Priority>,
     report: &ServoReport,
 ) -> Result<()> {

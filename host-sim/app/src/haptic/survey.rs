@@ -1,6 +1,6 @@
 //! `touchstone device survey`: a device's mechanics, as its library knows them.
 
-use super::choice::{Model, Which};
+use super::choice::{HapticKind, WhichDevice};
 use crate::out::{self, tell};
 use crate::{interrupt, number};
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use touchstone_sim::error::{Error, Result};
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
-    which: Which,
+    which: WhichDevice,
     /// The file to write.
     #[arg(long, value_name = "FILE.toml")]
     out: PathBuf,
@@ -28,7 +28,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// Surveys. The motors are never switched on.
 pub fn main(options: &Options) -> Result<()> {
-    if let Some(other @ (Model::Simulated | Model::Inverse3)) = options.which.model() {
+    if let Some(other @ (HapticKind::Simulated | HapticKind::Inverse3)) = options.which.model() {
         return Err(Error::Option {
             option: "--device".into(),
             problem: format!(

@@ -105,7 +105,7 @@ fn what_is_no_value_is_refused_with_its_range_and_nothing_changes() {
         (
             "limits.bus_min_v",
             "40",
-            &["40 is outside 8 to 30 V", "config import"],
+            &["40 is outside 10 to 30 V", "config import"],
         ),
     ] {
         device.run(&["config", "set", path, value]).failed(2, parts);

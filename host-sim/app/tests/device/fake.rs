@@ -98,16 +98,20 @@ impl Fake {
     #[cfg(unix)]
     pub fn on_a_terminal() -> Self {
         use serialport::{SerialPort, TTYPort};
-        let (mut master, mut slave) = TTYPort::pair().unwrap();
+        let (mut master, slave) = TTYPort::pair().unwrap();
         let address = slave.name().unwrap();
-        // The program opens it too.
-        slave.set_exclusive(false).unwrap();
+        // A terminal that nobody has open is at its end; one that is open as a port cannot be opened again.
+        let held = std::fs::File::options()
+            .read(true)
+            .write(true)
+            .open(&address)
+            .unwrap();
+        drop(slave);
         master.set_timeout(LOOK).unwrap();
         let both = Self::switched_on(Trouble::default());
         let shared = Arc::clone(&both);
         std::thread::spawn(move || {
-            // Held open until the cable is pulled: a terminal that nobody has open is at its end.
-            let _slave = slave;
+            let _held = held;
             let _ = serve(master, &shared);
         });
         Self { address, both }
@@ -155,6 +159,11 @@ impl Fake {
     }
 }
 
+/// Bytes that mean nothing.
+pub fn nonsense(count: usize) -> Vec<u8> {
+    (0..count).map(|i| ((i * 7919) >> 3) as u8).collect()
+}
+
 /// Serves one connection until it ends.
 fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std::io::Result<()> {
     let mut decoder = Decoder::new();
@@ -173,7 +182,7 @@ fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std
         if world.pulled {
             return Ok(());
         }
-        out.extend((0..std::mem::take(&mut world.noise)).map(|i| (i * 7919 >> 3) as u8));
+        out.extend(nonsense(std::mem::take(&mut world.noise)));
         for &byte in &bytes[..count] {
             let errors = decoder.errors();
             if let Some(Ok(payload)) = decoder.push(byte) {

@@ -1,6 +1,6 @@
 //! What is said to the service of an Inverse3 and what it says, as JSON.
 
-use crate::haptic::Standing;
+use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
 
 /// The two generations of messages, which name a force's vector differently.
@@ -50,7 +50,7 @@ pub struct CursorState {
     /// Where it is in its own frame, m.
     pub position_m: [f64; 3],
     /// How it stands.
-    pub standing: Standing,
+    pub standing: DeviceStanding,
 }
 
 impl CursorState {
@@ -79,7 +79,7 @@ impl CursorState {
         Ok(Self {
             device: name.to_owned(),
             position_m: [axis("x")?, axis("y")?, axis("z")?],
-            standing: Standing {
+            standing: DeviceStanding {
                 powered: !says_no("power_supply"),
                 calibrated: !says_no("calibrated"),
                 motors_on: !says_no("ready"),

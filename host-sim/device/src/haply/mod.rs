@@ -8,7 +8,7 @@ mod message;
 pub use message::Generation;
 
 use crate::haptic::{
-    Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing, Workspace, length,
+    Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
 };
 use message::CursorState;
 use std::io::{ErrorKind, Read, Write};
@@ -35,7 +35,7 @@ pub struct Inverse3 {
     device: String,
     sheet: DataSheet,
     origin_m: [f64; 3],
-    standing: Standing,
+    standing: DeviceStanding,
     engaged: bool,
     open: bool,
 }
@@ -120,7 +120,7 @@ impl Inverse3 {
                 sets_the_pace: true,
             },
             origin_m: [0.0; 3],
-            standing: Standing {
+            standing: DeviceStanding {
                 powered: true,
                 calibrated: true,
                 motors_on: true,
@@ -243,7 +243,7 @@ impl HapticDevice for Inverse3 {
     }
 
     /// As in its last state; the service sends no other.
-    fn standing(&mut self) -> Result<Standing, HapticFault> {
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }
 

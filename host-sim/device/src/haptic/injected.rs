@@ -1,11 +1,11 @@
 //! Faults around any device: at a call of one's choice, and seen from outside as the device's own.
 
-use super::{Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing};
+use super::{Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed};
 use std::time::Duration;
 
 /// A call of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Call {
+pub enum DeviceCall {
     /// [`HapticDevice::engage`].
     Engage,
     /// [`HapticDevice::sense`].
@@ -20,7 +20,7 @@ pub enum Call {
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum FaultKind {
     /// The device is gone: this call and every later one fail, and no force acts.
     Unplugged,
     /// This call fails, and only it; what was commanded stays.
@@ -43,20 +43,20 @@ pub enum Kind {
 
 /// A fault at the `at`-th call, from 0, of a kind of call.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Injection {
+pub struct FaultInjection {
     /// At which call.
-    pub call: Call,
+    pub call: DeviceCall,
     /// Which of these calls.
     pub at: u64,
     /// What happens.
-    pub kind: Kind,
+    pub kind: FaultKind,
 }
 
 /// A device at which something goes wrong.
 #[derive(Debug)]
 pub struct Injected<D> {
     inner: D,
-    injection: Option<Injection>,
+    injection: Option<FaultInjection>,
     calls: [u64; 5],
     gone: bool,
     halved: bool,
@@ -68,7 +68,7 @@ pub struct Injected<D> {
 
 impl<D: HapticDevice> Injected<D> {
     /// Around a device; without an injection it is that device, to the bit.
-    pub fn new(inner: D, injection: Option<Injection>) -> Self {
+    pub fn new(inner: D, injection: Option<FaultInjection>) -> Self {
         Self {
             inner,
             injection,
@@ -88,7 +88,7 @@ impl<D: HapticDevice> Injected<D> {
     }
 
     /// What goes wrong at this call, and the fault that it returns by itself.
-    fn hit(&mut self, call: Call) -> Result<Option<Kind>, HapticFault> {
+    fn hit(&mut self, call: DeviceCall) -> Result<Option<FaultKind>, HapticFault> {
         let count = &mut self.calls[call as usize];
         let number = *count;
         *count += 1;
@@ -97,22 +97,22 @@ impl<D: HapticDevice> Injected<D> {
             .filter(|what| what.call == call && what.at == number)
             .map(|what| what.kind);
         match kind {
-            Some(Kind::Unplugged) => {
+            Some(FaultKind::Unplugged) => {
                 self.gone = true;
                 // Its supply went with it.
                 let _ = self.inner.command([0.0; 3]);
             }
-            Some(Kind::Fails) => return Err(HapticFault::Lost(name(call), "injected".into())),
-            Some(Kind::Held) => return Err(HapticFault::HeldElsewhere),
-            Some(Kind::Stale) => self.repeats = true,
-            Some(Kind::Saturated) => self.halved = true,
-            Some(Kind::Jumps) => self.shift_m = 0.02,
-            Some(Kind::Slow(time)) => std::thread::sleep(time),
-            Some(Kind::SwitchedOff(cause)) => {
+            Some(FaultKind::Fails) => return Err(HapticFault::Lost(name(call), "injected".into())),
+            Some(FaultKind::Held) => return Err(HapticFault::HeldElsewhere),
+            Some(FaultKind::Stale) => self.repeats = true,
+            Some(FaultKind::Saturated) => self.halved = true,
+            Some(FaultKind::Jumps) => self.shift_m = 0.02,
+            Some(FaultKind::Slow(time)) => std::thread::sleep(time),
+            Some(FaultKind::SwitchedOff(cause)) => {
                 self.off = Some(cause);
                 let _ = self.inner.command([0.0; 3]);
             }
-            Some(Kind::NotANumber) | None => {}
+            Some(FaultKind::NotANumber) | None => {}
         }
         if self.gone {
             return Err(HapticFault::Lost(name(call), "unplugged".into()));
@@ -121,13 +121,13 @@ impl<D: HapticDevice> Injected<D> {
     }
 }
 
-fn name(call: Call) -> &'static str {
+fn name(call: DeviceCall) -> &'static str {
     match call {
-        Call::Engage => "switching on",
-        Call::Sense => "reading the position",
-        Call::Command => "commanding the force",
-        Call::Standing => "reading the state",
-        Call::Release => "switching off",
+        DeviceCall::Engage => "switching on",
+        DeviceCall::Sense => "reading the position",
+        DeviceCall::Command => "commanding the force",
+        DeviceCall::Standing => "reading the state",
+        DeviceCall::Release => "switching off",
     }
 }
 
@@ -137,12 +137,12 @@ impl<D: HapticDevice> HapticDevice for Injected<D> {
     }
 
     fn engage(&mut self) -> Result<(), HapticFault> {
-        self.hit(Call::Engage)?;
+        self.hit(DeviceCall::Engage)?;
         self.inner.engage()
     }
 
     fn sense(&mut self) -> Result<Sensed, HapticFault> {
-        let kind = self.hit(Call::Sense)?;
+        let kind = self.hit(DeviceCall::Sense)?;
         if let (true, Some(last)) = (self.repeats, self.last) {
             return Ok(Sensed {
                 fresh: false,
@@ -152,14 +152,14 @@ impl<D: HapticDevice> HapticDevice for Injected<D> {
         let mut sensed = self.inner.sense()?;
         sensed.position_m[0] += self.shift_m;
         self.last = Some(sensed);
-        if kind == Some(Kind::NotANumber) {
+        if kind == Some(FaultKind::NotANumber) {
             sensed.position_m[1] = f64::NAN;
         }
         Ok(sensed)
     }
 
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
-        self.hit(Call::Command)?;
+        self.hit(DeviceCall::Command)?;
         if self.off.is_some() {
             return self.inner.command([0.0; 3]);
         }
@@ -171,10 +171,10 @@ impl<D: HapticDevice> HapticDevice for Injected<D> {
         self.inner.command(force_n)
     }
 
-    fn standing(&mut self) -> Result<Standing, HapticFault> {
-        self.hit(Call::Standing)?;
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
+        self.hit(DeviceCall::Standing)?;
         let standing = self.inner.standing()?;
-        Ok(Standing {
+        Ok(DeviceStanding {
             motors_on: standing.motors_on && self.off.is_none(),
             switched_off: self.off.or(standing.switched_off),
             ..standing
@@ -182,7 +182,7 @@ impl<D: HapticDevice> HapticDevice for Injected<D> {
     }
 
     fn release(&mut self) -> Result<(), HapticFault> {
-        let hit = self.hit(Call::Release);
+        let hit = self.hit(DeviceCall::Release);
         let released = self.inner.release();
         hit.map(|_| ())?;
         released

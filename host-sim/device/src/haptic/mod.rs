@@ -11,9 +11,9 @@ mod one_axis;
 mod simulated;
 
 pub use fault::{HapticFault, SwitchOff};
-pub use injected::{Call, Injected, Injection, Kind};
+pub use injected::{DeviceCall, FaultInjection, FaultKind, Injected};
 pub use one_axis::OneAxis;
-pub use simulated::{SimulatedArm, Twin};
+pub use simulated::{DeviceTwin, SimulatedArm};
 
 /// What is known of a device before it moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +75,7 @@ pub enum Applied {
 
 /// Where a device stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Standing {
+pub struct DeviceStanding {
     /// It has its supply.
     pub powered: bool,
     /// It knows where it is.
@@ -115,7 +115,7 @@ pub trait HapticDevice {
     ///
     /// # Errors
     /// It does not answer.
-    fn standing(&mut self) -> Result<Standing, HapticFault>;
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault>;
 
     /// No force, motors off, and the device free for others. Tries everything a bounded number of times whatever fails, and does nothing
     /// the second time.
@@ -138,7 +138,7 @@ impl<D: HapticDevice + ?Sized> HapticDevice for Box<D> {
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
         (**self).command(force_n)
     }
-    fn standing(&mut self) -> Result<Standing, HapticFault> {
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         (**self).standing()
     }
     fn release(&mut self) -> Result<(), HapticFault> {

@@ -1,6 +1,8 @@
 //! A simulated device: the Cartesian plant, in a hand whose rest point moves.
 
-use super::{Applied, DataSheet, HapticDevice, HapticFault, Sensed, Standing, Workspace, length};
+use super::{
+    Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
+};
 use touchstone_world::plant::{
     Cartesian, Device, FIRM_TRANSLATION, Hand, HeldLinear, Invalid, Limits, OMEGA3, OMEGA3_AXIS,
     State,
@@ -8,7 +10,7 @@ use touchstone_world::plant::{
 
 /// What of a device is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Twin {
+pub struct DeviceTwin {
     /// Limits.
     pub limits: Limits,
     /// Each axis, in kg and N·s/m.
@@ -17,7 +19,7 @@ pub struct Twin {
     pub hand: Hand,
 }
 
-impl Default for Twin {
+impl Default for DeviceTwin {
     /// The omega.3 by its published limits, in a firm hand.
     fn default() -> Self {
         Self {
@@ -28,7 +30,7 @@ impl Default for Twin {
     }
 }
 
-impl Twin {
+impl DeviceTwin {
     /// Its plant over an interval.
     ///
     /// # Errors
@@ -46,7 +48,7 @@ pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
 /// A device that is simulated one control interval further at every command, under the force commanded.
 pub struct SimulatedArm {
     sheet: DataSheet,
-    twin: Twin,
+    twin: DeviceTwin,
     plant: Cartesian<HeldLinear>,
     state: [State<4>; 3],
     rest: Rest,
@@ -60,7 +62,7 @@ impl SimulatedArm {
     ///
     /// # Errors
     /// [`HapticFault::Unusable`] for what no device or hand can have.
-    pub fn new(twin: Twin, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
+    pub fn new(twin: DeviceTwin, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
         let interval_s = 1.0 / f64::from(rate_hz);
         let plant = twin.plant(interval_s).map_err(|why| {
             HapticFault::Unusable(
@@ -136,8 +138,8 @@ impl HapticDevice for SimulatedArm {
         })
     }
 
-    fn standing(&mut self) -> Result<Standing, HapticFault> {
-        Ok(Standing {
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
+        Ok(DeviceStanding {
             powered: true,
             calibrated: true,
             motors_on: self.engaged,

@@ -7,21 +7,21 @@ const ENDS_US: [f64; 13] = [
 
 /// Ticks by their lateness.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Lateness {
+pub struct TickLateness {
     counts: [u64; ENDS_US.len() + 1],
     worst_s: f64,
 }
 
 /// A class of the histogram.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Class {
+pub struct LatenessClass {
     /// Ticks in it are at most so late, µs; `None` for the last, which has no end.
     pub up_to_us: Option<f64>,
     /// How many there were.
     pub ticks: u64,
 }
 
-impl Lateness {
+impl TickLateness {
     /// Counts a tick.
     pub fn take(&mut self, late_s: f64) {
         let class = ENDS_US
@@ -39,11 +39,14 @@ impl Lateness {
     }
 
     /// All classes, earliest first.
-    pub fn classes(&self) -> impl Iterator<Item = Class> + '_ {
-        self.counts.iter().enumerate().map(|(i, ticks)| Class {
-            up_to_us: ENDS_US.get(i).copied(),
-            ticks: *ticks,
-        })
+    pub fn classes(&self) -> impl Iterator<Item = LatenessClass> + '_ {
+        self.counts
+            .iter()
+            .enumerate()
+            .map(|(i, ticks)| LatenessClass {
+                up_to_us: ENDS_US.get(i).copied(),
+                ticks: *ticks,
+            })
     }
 
     /// The end of the class that the given share of all ticks does not exceed, µs; `None` where it has no end.
@@ -67,7 +70,7 @@ mod tests {
 
     #[test]
     fn ticks_are_in_the_class_that_ends_at_or_above_them() {
-        let mut late = Lateness::default();
+        let mut late = TickLateness::default();
         for us in [0.0, 1.0, 1.1, 49.0, 20_000.0] {
             late.take(us * 1e-6);
         }

@@ -12,7 +12,7 @@ mod pace;
 mod priority;
 mod speed;
 
-pub use lateness::Lateness;
+pub use lateness::TickLateness;
 pub use pace::{DevicePace, Pace, RealTime, SimulatedPace, Waited};
 pub use priority::{Priority, real_time};
 pub use speed::SpeedEstimate;
@@ -89,7 +89,7 @@ pub struct ServoReport {
     /// Ticks that should have been and were not: a force was held for longer.
     pub missed_ticks: u64,
     /// How late ticks began.
-    pub lateness: Lateness,
+    pub lateness: TickLateness,
     /// Ticks with an old position.
     pub stale_ticks: u64,
     /// Ticks at which the motors gave less.
@@ -108,9 +108,11 @@ pub struct ServoReport {
 
 /// What is seen of a tick, after its force was commanded.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tick {
+pub struct ServoTick {
     /// Its number, from 0.
     pub number: u64,
+    /// Intervals since the first, those of missed ticks among them.
+    pub due: u64,
     /// The place, m.
     pub position_m: [f64; 3],
     /// The force that acts, N.
@@ -136,13 +138,13 @@ pub fn play<D: HapticDevice>(
     law: &mut impl ForceLaw,
     limits: &ServoLimits,
     rate_hz: u32,
-    pace: &mut impl Pace,
-    mut more: impl FnMut(&Tick) -> bool,
+    pace: &mut dyn Pace,
+    mut more: impl FnMut(&ServoTick) -> bool,
 ) -> ServoReport {
     let mut report = ServoReport {
         ticks: 0,
         missed_ticks: 0,
-        lateness: Lateness::default(),
+        lateness: TickLateness::default(),
         stale_ticks: 0,
         saturated_ticks: 0,
         outside_ticks: 0,
@@ -174,8 +176,8 @@ fn looped<D: HapticDevice>(
     law: &mut impl ForceLaw,
     limits: &ServoLimits,
     rate_hz: u32,
-    pace: &mut impl Pace,
-    more: &mut impl FnMut(&Tick) -> bool,
+    pace: &mut dyn Pace,
+    more: &mut impl FnMut(&ServoTick) -> bool,
     report: &mut ServoReport,
 ) -> Result<(), HapticFault> {
     let interval_s = 1.0 / f64::from(rate_hz);
@@ -256,8 +258,9 @@ fn looped<D: HapticDevice>(
         law.commanded(acts);
         report.force_max_n = report.force_max_n.max(length(acts));
         report.ticks += 1;
-        let tick = Tick {
+        let tick = ServoTick {
             number,
+            due: number + report.missed_ticks,
             position_m: at,
             force_n: acts,
         };

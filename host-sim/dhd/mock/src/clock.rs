@@ -4,14 +4,14 @@ use std::time::Instant;
 
 /// Seconds since the library was loaded.
 #[derive(Debug, Clone, Copy)]
-pub enum Clock {
+pub enum MockClock {
     /// Of the machine.
     Real(Instant),
     /// Moved by every call by what it costs, and by waits.
     Own(f64),
 }
 
-impl Clock {
+impl MockClock {
     pub fn now_s(&self) -> f64 {
         match self {
             Self::Real(start) => start.elapsed().as_secs_f64(),

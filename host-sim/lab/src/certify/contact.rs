@@ -1,6 +1,7 @@
 //! A scene's law against a hand: the loop's matrix for each phase, and what the matrix alone does not say.
 
 use super::estimator::Estimator;
+use super::judge::SWING;
 use super::law::{LinearLaw, Phases, Switching};
 use super::plant::{Clock, Mechanics, sampled};
 use super::state_space::{Mode, StateSpace};
@@ -30,6 +31,8 @@ pub struct Contact {
     pub k_desired: f64,
     /// Torque of the scene's press, N·m, where its motion has one.
     pub press_n_m: Option<f64>,
+    /// Time of the scene's last hold, s, where its motion has one.
+    pub hold_s: Option<f64>,
     /// `c_i`, the damping that the law counts on, N·m·s/rad.
     pub c_i: f64,
 }
@@ -61,8 +64,15 @@ impl Contact {
                 }
                 MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
             },
+            hold_s: scene.hold_window_s().map(|(from, to)| 2.0 * (to - from)),
             c_i: scene.law.device_damping_n_m_s_per_rad,
         })
+    }
+
+    /// How far a press swings about where it rests, counts.
+    #[must_use]
+    pub fn swing_counts(&self) -> Option<f64> {
+        Some(SWING * self.press_n_m? / self.k_desired / self.count_rad?)
     }
 
     /// Device and hand as the law meets them. `None` for values that no plant can have.

@@ -1,7 +1,7 @@
 //! The laws of a scorecard, each as a change of one scene.
 
 use touchstone_control::choices::{
-    FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
+    ChangeOfForce, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Preset, Scene, nearest};
@@ -129,22 +129,41 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
-/// Capacity of a guard over `f_max T v`, the energy of one displacement at the overspeed under the largest force.
-const CAPACITY_SHARE: f64 = 1.5;
+/// Capacity of a guard over what its largest force may cost at the overspeed: with it a full account never holds a press back.
+const CAPACITY_SHARE: f64 = 1.2;
+/// Refill over what a wall costs in the guard's books that changes by a count of `k_de` in every tick, half a count each.
+const REFILL_SHARE: f64 = 4.0;
+/// Most refill that the guard's settings take, W.
+const MOST_REFILL_W: f64 = 1.0;
+/// Most capacity, J.
+const MOST_CAPACITY_J: f64 = 16.0;
+/// Delay in ticks from which on positions are also taken when the force changes: estimated, every change would be charged for more.
+const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// What estimator and guard are told of the device, as it was measured.
+/// What estimator and guard are told of the device, as it was measured. The guard's capacity and refill are what the device asks for,
+/// and no less than the scene's: a coarse encoder at a stiff wall asks for much.
 fn told(scene: &mut Scene) {
-    let period_s = scene.timing.period_s();
+    let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
+    let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+    let k = scene.wall.k_desired_n_m_per_rad;
     let (device, law) = (&scene.device, &mut scene.law);
     law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
     law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     let guard = &mut law.guard;
     guard.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     guard.delay_s = scene.timing.computational_delay_s;
+    let late = (guard.delay_s + guard.lag_s) / period_s;
     // A guard answers for a tick of delay at most.
-    guard.on &= guard.delay_s + guard.lag_s <= period_s;
-    let least = CAPACITY_SHARE * law.force_limit_n_m * guard.overspeed_rad_per_s * period_s;
-    guard.capacity_j = least.clamp(guard.capacity_j.min(16.0), 16.0);
+    guard.on &= late <= 1.0;
+    if late > MEASURED_FROM_TICKS {
+        guard.change = ChangeOfForce::Measured;
+    }
+    // The guard's own condition on its capacity.
+    let step = guard.overspeed_rad_per_s * period_s + count;
+    let least = CAPACITY_SHARE * law.force_limit_n_m * (step * (1.0 + late) + 0.5 * count);
+    guard.capacity_j = guard.capacity_j.max(least).min(MOST_CAPACITY_J);
+    let chatter = REFILL_SHARE * rate_hz * 0.5 * k * count * count;
+    guard.refill_w = guard.refill_w.max(chatter).min(MOST_REFILL_W);
 }
 
 impl Rival {
@@ -167,6 +186,12 @@ impl Rival {
                     },
                 }
             })
+    }
+
+    /// Whether its matrices say how a loop moves: it does not hold its force back by an energy that it observed.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        self.damped_spring || self.estimated
     }
 
     /// The scene with this law as it is tuned.

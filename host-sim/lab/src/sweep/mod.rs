@@ -11,6 +11,7 @@ pub mod lines;
 pub mod map;
 pub mod measure;
 pub mod output;
+pub mod schema;
 pub mod store;
 #[cfg(test)]
 mod tests;

@@ -3,8 +3,9 @@
 use super::measure::Row;
 use super::output::{self, Drawing};
 use super::store::{CELLS, Shard, Store};
-use super::{Sweep, gathered, lines};
+use super::{Sweep, gathered, lines, schema};
 use crate::report::ProgramVersion;
+use crate::report::plain_schema::{is_documented, misfit};
 use std::fs;
 use std::path::{Path, PathBuf};
 use touchstone_sim::scene::{Preset, Scene};
@@ -102,6 +103,20 @@ fn a_cell_is_the_scene_that_its_values_make_as_text() {
                 .unwrap();
             assert_eq!(scenes.of_cell(cell).unwrap(), by_text, "{x} {y} {cell}");
         }
+    }
+}
+
+#[test]
+fn the_documented_schema_is_this_one_and_results_obey_it() {
+    is_documented("sweep.schema.json", &schema::schema());
+    for (x, y) in [(STIFFNESS, RATES), ("law.kind=spring,fba", RATES)] {
+        let sweep = sweep(x, y);
+        let out = folder(&format!("schema-{}", sweep.grid.cells()));
+        made(&sweep, Shard { index: 1, of: 2 }, &out);
+        let text = fs::read_to_string(out.join("results.json")).unwrap();
+        let value = serde_json::from_str(&text).unwrap();
+        assert_eq!(misfit(&schema::schema(), &value, ""), None);
+        fs::remove_dir_all(&out).unwrap();
     }
 }
 

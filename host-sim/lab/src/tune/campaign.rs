@@ -1,29 +1,25 @@
 //! Random devices, each with a law tuned for it: how often is there a setting?
 //!
-//! Ranges: inertia 1e-6 to 1e-3 kg·m², damping 1e-5 to 1e-2 N·m·s/rad, dry friction none (a third) or 1e-4 to 0.02 N·m, 1e3 to 1e5
-//! counts, 0.5 to 20 kHz, delay none (a third) or up to 2 ticks; each drawn evenly on a logarithmic scale but for the delay. Drawn
-//! again is a device whose wall cannot be resolved: a press of at most [`MOST_N_M`] must go 20 counts deep, stand above dry friction
-//! four times, and stay within a radian. The torque limit is twice that press.
+//! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved: a press of at most [`MOST_N_M`] must go 20
+//! counts deep, stand above dry friction four times, and stay within a radian. The torque limit is twice that press.
 
 use super::cost::Judgement;
-use super::{Tuned, search_by};
-use crate::certify::{self, hands::Family};
-use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
-use crate::scorecard::measure::Measure;
+use super::diagnosis::{self, FailureCause};
+use super::outcome::Outcome;
+use super::{Looks, Tuned, search_by};
+use crate::certify::{self, Certificate, Verdict, hands::Family};
+use crate::random_device::{FINGERTIP, Random, RandomDevice};
+use crate::scorecard::cases::{Deed, GRIPS, Programme};
 use crate::scorecard::reference::Reference;
 use crate::scorecard::rivals::Rival;
-use crate::scorecard::{figures, stiffness_per_tick};
+use crate::scorecard::stiffness_per_tick;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
-use touchstone_sim::run;
-use touchstone_sim::run::record::Verdict;
-use touchstone_sim::scene::{Encoder, Friction, MotionSpec, Scene, TouchAndPress};
+use touchstone_sim::scene::{MotionSpec, Scene, TouchAndPress};
 
 /// Largest press, N·m.
 pub const MOST_N_M: f64 = 0.5;
-/// Damping of a fingertip, which `c_i` holds beside the device's own, N·m·s/rad.
-const FINGERTIP: f64 = 1e-4;
 /// Share of `J/T²` that an estimator was seen to hold.
 const OF_INERTIA: f64 = 0.16;
 
@@ -44,31 +40,13 @@ impl Class {
     pub const ALL: [Class; 3] = [Class::FiveCritical, Class::TwentyCritical, Class::Inertia];
 }
 
-/// SplitMix64 (Steele, Lea and Flood, 2014).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.unit())
-    }
-}
-
 /// The device of a number at its wall.
 #[must_use]
 pub fn scene(seed: u64, class: Class, number: u64) -> Scene {
-    let mut random = Random(
+    let mut random = Random::new(
         seed ^ number.wrapping_mul(0xd1b5_4a32_d192_ed03)
             ^ (class as u64).wrapping_mul(0xa076_1d64_78bd_642f),
     );
-    random.unit();
     loop {
         if let Some(mut scene) = drawn(&mut random, class) {
             let class = serde_json::to_value(class).unwrap_or_default();
@@ -79,18 +57,14 @@ pub fn scene(seed: u64, class: Class, number: u64) -> Scene {
 }
 
 fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
-    let inertia = random.between(1e-6, 1e-3);
-    let damping = random.between(1e-5, 1e-2);
-    let friction = random.between(1e-4, 0.02);
-    let friction = if random.unit() < 2.0 / 3.0 {
-        friction
-    } else {
-        0.0
-    };
-    let counts = random.between(1e3, 1e5).round();
-    let rate = random.between(500.0, 20_000.0).round();
-    let late = random.unit() * 2.0;
-    let delay = if random.unit() < 2.0 / 3.0 { late } else { 0.0 };
+    let device = RandomDevice::drawn(random);
+    let RandomDevice {
+        inertia,
+        damping,
+        counts,
+        rate_hz: rate,
+        ..
+    } = device;
     let by_inertia = OF_INERTIA * inertia * rate * rate;
     let critical = 2.0 * (damping + FINGERTIP) * rate;
     let stiffness = match class {
@@ -99,25 +73,15 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
         Class::Inertia => by_inertia,
     };
     let push = (20.0 * stiffness * TAU / counts)
-        .max(4.0 * friction)
+        .max(4.0 * device.friction_n_m())
         .max(0.02);
     let asked = class != Class::TwentyCritical || stiffness < by_inertia;
     if !asked || push > MOST_N_M || push > stiffness {
         return None;
     }
     let mut scene = Scene::default();
-    scene.device.inertia_kg_m2 = inertia;
-    scene.device.damping_n_m_s_per_rad = damping;
+    device.put_into(&mut scene);
     scene.device.torque_limit_n_m = Some(2.0 * MOST_N_M);
-    scene.device.friction = (friction > 0.0).then_some(Friction {
-        kinetic_n_m: friction,
-        ..Friction::default()
-    });
-    scene.encoder = Some(Encoder {
-        counts_per_rev: counts,
-    });
-    scene.timing.rate_hz = rate as u32;
-    scene.timing.computational_delay_s = delay / rate;
     scene.wall.k_desired_n_m_per_rad = stiffness;
     scene.law.device_damping_n_m_s_per_rad = damping + FINGERTIP;
     scene.law.force_limit_n_m = 2.0 * MOST_N_M;
@@ -129,7 +93,7 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
     Some(scene)
 }
 
-/// What became of a device.
+/// What became of a device under one law.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
     /// How stiff.
@@ -160,38 +124,68 @@ pub struct Row {
     pub rests: bool,
     /// Whether a hand that moves feels `k_de` within 15 % and 15° up to 4 Hz in every grip.
     pub moves: bool,
+    /// Whether a press in every grip comes to rest, however stiff.
+    pub ends_at_rest: bool,
     /// Largest deviation at rest, share; empty where a press does not rest.
     pub displayed_error: Option<f64>,
     /// Deviation of the modulus of a hand that moves, share; empty where the wall was left.
     pub modulus_error: Option<f64>,
     /// Its phase, degrees.
     pub phase_deg: Option<f64>,
-    /// What `certify` says of the hands of the scorecard.
+    /// Settings that were looked at.
+    pub looks: u64,
+    /// Refill of its energy guard, W; absent where the delay is longer than a guard answers for.
+    pub guard_refill_w: Option<f64>,
+    /// What `certify` says of the hands of the scorecard; empty where it cannot.
     pub certificate: String,
-    /// Why, where it does not rest or is not stable.
-    pub cause: String,
+    /// Why, in its words.
+    pub certificate_causes: String,
+    /// Why a press does not rest at `k_de`; empty where it does.
+    pub rest_cause: Option<FailureCause>,
+    /// Why a hand that moves does not feel `k_de`; empty where it does.
+    pub motion_cause: Option<FailureCause>,
 }
+
+impl Row {
+    /// Whether a certificate says stable of a wall that does not come to rest.
+    #[must_use]
+    pub fn is_wrongly_stable(&self) -> bool {
+        self.certificate == Verdict::Stable.word() && !self.ends_at_rest
+    }
+
+    /// How good it is: both, then rest.
+    fn rank(&self) -> (bool, bool, bool) {
+        (self.rests && self.moves, self.rests, self.moves)
+    }
+}
+
+/// How long a search may look, ticks: at first, and once more from elsewhere where that does not hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Budget {
+    /// First try.
+    pub first: f64,
+    /// Second try; 0: none.
+    pub second: f64,
+}
+
+/// A figure that is so far within its limit needs no better.
+const ENOUGH: f64 = 0.7;
 
 /// Tunes a law for a device and judges it.
 ///
 /// # Errors
 /// A scene that no law can run in.
-pub fn row(seed: u64, class: Class, number: u64, rival: &'static Rival, ticks: f64) -> Result<Row> {
+pub fn row(
+    seed: u64,
+    class: Class,
+    number: u64,
+    rival: &'static Rival,
+    budget: Budget,
+) -> Result<Row> {
     let device = scene(seed, class, number);
     // Ripple is not judged here.
     let reference = Reference::none();
     let judgement = Judgement::at_rest(&device, reference);
-    let looks = ticks / judgement.ticks(&device);
-    let Tuned { scene, .. } = search_by(
-        &device,
-        rival,
-        reference,
-        &judgement,
-        looks,
-        seed,
-        &mut |_, _| (),
-    );
-    let programme = Programme::of(&scene);
     let rate = f64::from(device.timing.rate_hz);
     let mut row = Row {
         class,
@@ -213,47 +207,78 @@ pub fn row(seed: u64, class: Class, number: u64, rival: &'static Rival, ticks: f
             / (rate * device.device.inertia_kg_m2),
         rests: false,
         moves: false,
+        ends_at_rest: false,
         displayed_error: None,
         modulus_error: None,
         phase_deg: None,
+        looks: 0,
+        guard_refill_w: None,
         certificate: String::new(),
-        cause: String::new(),
+        certificate_causes: String::new(),
+        rest_cause: None,
+        motion_cause: None,
     };
-    let (felt, _) = match figures(&scene, &programme, &CASES[0], false) {
-        Ok(felt) => felt,
-        Err(refused) => {
-            row.cause = format!("refused: {refused}");
-            return Ok(row);
+    let mut best: Option<(Scene, Outcome)> = None;
+    for (try_number, ticks) in [budget.first, budget.second].into_iter().enumerate() {
+        if ticks <= 0.0 || best.as_ref().is_some_and(|(_, outcome)| outcome.holds()) {
+            continue;
         }
-    };
-    let finite = |measure| Some(felt.get(measure)).filter(|value| value.is_finite());
-    row.modulus_error = finite(Measure::ModulusError);
-    row.phase_deg = finite(Measure::PhaseDeg);
-    row.moves = row.modulus_error.is_some_and(|error| error <= 0.15)
-        && row.phase_deg.is_some_and(|phase| phase <= 15.0);
-    let mut error = Some(0.0_f64);
-    for grip in GRIPS {
-        let run = run::run(&programme.scene(&scene, grip, Deed::Press), false)?.summary;
-        let own = run
-            .k_displayed
-            .filter(|_| matches!(run.verdict, Verdict::Passive | Verdict::Active))
-            .map(|k| (k / row.k_desired - 1.0).abs());
-        error = error.zip(own).map(|(a, b)| a.max(b));
+        let looks = Looks {
+            most: ticks / judgement.ticks(&device),
+            enough: ENOUGH,
+            seed: seed + try_number as u64,
+        };
+        let Tuned {
+            scene, evaluations, ..
+        } = search_by(&device, rival, reference, &judgement, looks, &mut |_, _| ());
+        row.looks += evaluations;
+        if let Ok(outcome) = Outcome::of(&scene)
+            && best
+                .as_ref()
+                .is_none_or(|(_, before)| rank(before) < rank(&outcome))
+        {
+            best = Some((scene, outcome));
+        }
     }
-    row.displayed_error = error;
-    row.rests = error.is_some_and(|error| error <= 0.05);
-    let pressed = programme.scene(&scene, GRIPS[1], Deed::Press);
+    let Some((scene, outcome)) = best else {
+        row.rest_cause = Some(FailureCause::Refused);
+        row.motion_cause = Some(FailureCause::Refused);
+        return Ok(row);
+    };
+    let guard = &scene.law.guard;
+    row.guard_refill_w = guard.on.then_some(guard.refill_w);
+    row.rests = outcome.rests();
+    row.moves = outcome.moves();
+    row.ends_at_rest = outcome.ends_at_rest();
+    row.displayed_error = outcome.displayed_error;
+    row.modulus_error = outcome.modulus_error;
+    row.phase_deg = outcome.phase_deg;
+    let said = certificate(&scene)?;
+    row.certificate = said.verdict.word().to_owned();
+    row.certificate_causes = said.hands[said.worst].causes.join("; ");
+    let why = |fails| diagnosis::cause(&scene, &outcome, said.verdict, fails);
+    row.rest_cause = (!row.rests).then(|| why(|outcome| !outcome.rests()));
+    row.motion_cause = (!row.moves).then(|| why(|outcome| !outcome.moves()));
+    Ok(row)
+}
+
+fn rank(outcome: &Outcome) -> (bool, bool, bool) {
+    (outcome.holds(), outcome.rests(), outcome.moves())
+}
+
+/// What `certify` says of a wall in the three grips.
+fn certificate(scene: &Scene) -> Result<Certificate> {
+    let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
     let asked = certify::Options {
         family: Family::Grips,
         margins: false,
         current_loop_hz: None,
     };
-    match certify::certify(&pressed, &asked) {
-        Ok(certificate) => {
-            row.certificate = certificate.verdict.word().to_owned();
-            row.cause = certificate.hands[certificate.worst].causes.join("; ");
-        }
-        Err(refused) => row.cause = format!("no certificate: {refused}"),
-    }
-    Ok(row)
+    certify::certify(&pressed, &asked)
+}
+
+/// The best of a device's laws, which is what a user would take.
+#[must_use]
+pub fn best<'a>(rows: &[&'a Row]) -> Option<&'a Row> {
+    rows.iter().copied().max_by_key(|row| row.rank())
 }

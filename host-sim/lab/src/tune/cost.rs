@@ -1,10 +1,15 @@
 //! How bad a setting is: the scorecard as one number to be made small.
 
-use crate::scorecard::cases::{CASES, Case, GRIPS, Programme};
+use super::outcome;
+use crate::scorecard::cases::{CASES, Case, Deed, GRIPS, Programme};
 use crate::scorecard::measure::{Figures, Measure};
 use crate::scorecard::reference::Reference;
 use crate::scorecard::{asked, watch};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::run::judge::Judge;
+use touchstone_sim::run::terms::Terms;
+use touchstone_sim::scene::{Grip, Scene};
 
 /// A figure so far beyond its limit counts no more for going further.
 const WORST_SHARE: f64 = 20.0;
@@ -21,8 +26,16 @@ pub struct Judgement {
     programme: Programme,
     cases: Vec<&'static Case>,
     reference: Reference,
-    /// How many times its limit each figure may be.
-    allowances: [f64; 8],
+    aim: Aim,
+}
+
+/// What is asked of a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Aim {
+    /// Every figure of the scorecard.
+    Scorecard,
+    /// A press that comes to rest, and a hand that moves: see [`super::outcome`].
+    Outcome,
 }
 
 /// What is known of a setting.
@@ -49,23 +62,21 @@ impl Judgement {
             programme,
             cases,
             reference,
-            allowances: [1.0; 8],
+            aim: Aim::Scorecard,
         }
     }
 
-    /// Of the nominal device alone: a press that rests, and a hand that moves within 15 % and 15°; of nothing else.
+    /// Of the nominal device alone: a press that comes to rest at `k_de`, touch and all, and a hand that moves at 4 Hz; by the limits of
+    /// [`super::outcome`] and by nothing else.
     #[must_use]
     pub fn at_rest(scene: &Scene, reference: Reference) -> Self {
+        let mut programme = Programme::of(scene);
+        programme.frequencies_hz = vec![4.0];
         Self {
-            programme: Programme::of(scene).shortened(),
+            programme,
             cases: vec![&CASES[0]],
             reference,
-            allowances: Measure::ALL.map(|measure| match measure {
-                Measure::StiffnessErrorHeld => 1.0,
-                Measure::ModulusError => 1.5,
-                Measure::PhaseDeg => 1.25,
-                _ => f64::INFINITY,
-            }),
+            aim: Aim::Outcome,
         }
     }
 
@@ -83,32 +94,26 @@ impl Judgement {
         let (mut over, mut most) = (0.0, 0.0_f64);
         for case in &self.cases {
             let changed = case.of(scene);
-            let limits = self.reference.limits(case);
             for grip in GRIPS {
-                let mut figures = Figures::NONE;
-                for deed in self.programme.deeds() {
-                    let of_deed = self.programme.scene(&changed, grip, deed);
-                    match watch::watch(&of_deed, deed, false) {
-                        Ok((seen, _)) => figures = figures.worst(&seen),
-                        Err(_) => {
-                            return Cost {
-                                value: REFUSED,
-                                worst: f64::INFINITY,
-                            };
-                        }
-                    }
-                }
-                for (share, allowance) in figures.shares(&limits).iter().zip(&self.allowances) {
-                    if allowance.is_infinite() {
-                        continue;
-                    }
-                    let share = share / allowance;
+                let shares = match self.aim {
+                    Aim::Scorecard => self.of_scorecard(&changed, case, grip),
+                    Aim::Outcome => self.of_outcome(&changed, grip),
+                };
+                let Ok(shares) = shares else {
+                    return Cost {
+                        value: REFUSED,
+                        worst: f64::INFINITY,
+                    };
+                };
+                for share in shares {
                     over += (share - NEAR).clamp(0.0, WORST_SHARE);
                     most = most.max(share);
                 }
                 if over > HOPELESS {
+                    // Lost is lost by every figure; by how much, the eigenvalues say.
+                    let radius = super::linear::radius(scene).min(10.0);
                     return Cost {
-                        value: 1e3 + over,
+                        value: 1e3 + over + 1e2 * radius,
                         worst: f64::INFINITY,
                     };
                 }
@@ -118,6 +123,45 @@ impl Judgement {
             value: over + 0.1 * most.min(WORST_SHARE),
             worst: most,
         }
+    }
+
+    /// Each figure over its limit.
+    fn of_scorecard(&self, scene: &Scene, case: &Case, grip: Grip) -> Result<Vec<f64>> {
+        let mut figures = Figures::NONE;
+        for deed in self.programme.deeds() {
+            let of_deed = self.programme.scene(scene, grip, deed);
+            figures = figures.worst(&watch::watch(&of_deed, deed, false)?.0);
+        }
+        Ok(figures.shares(&self.reference.limits(case)).to_vec())
+    }
+
+    /// Motion at rest and displayed stiffness of the press, modulus and phase of the motion, each over its limit.
+    fn of_outcome(&self, scene: &Scene, grip: Grip) -> Result<Vec<f64>> {
+        let mut shares = Vec::with_capacity(4);
+        for deed in self.programme.deeds() {
+            let of_deed = self.programme.scene(scene, grip, deed);
+            if deed == Deed::Press {
+                let terms = Terms::of(&of_deed);
+                let most_rad = terms.limit_cycle_rad;
+                let judged = run::watch(&of_deed, Judge::new(terms))?.finish();
+                let motion = judged.limit_cycle_peak_to_peak.unwrap_or(f64::INFINITY);
+                let error = judged.k_displayed.map_or(f64::INFINITY, |k| {
+                    (k / scene.wall.k_desired_n_m_per_rad - 1.0).abs()
+                });
+                shares.extend([motion / most_rad, error / outcome::RESTING]);
+            } else {
+                let (figures, _) = watch::watch(&of_deed, deed, false)?;
+                shares.extend([
+                    figures.get(Measure::ModulusError) / outcome::MODULUS,
+                    figures.get(Measure::PhaseDeg) / outcome::PHASE_DEG,
+                ]);
+            }
+        }
+        // What is no number is as bad as can be.
+        Ok(shares
+            .into_iter()
+            .map(|share| if share.is_nan() { f64::INFINITY } else { share })
+            .collect())
     }
 
     /// Whether a wall holds apart from its ripple: for the Pareto table.

@@ -7,6 +7,9 @@
 
 pub mod campaign;
 pub mod cost;
+pub mod diagnosis;
+pub mod linear;
+pub mod outcome;
 pub mod parameters;
 pub mod pareto;
 pub mod search;
@@ -97,36 +100,59 @@ pub fn tune(
         reference.limit_n_m = limit;
     }
     let judgement = Judgement::new(scene, reference, options.effort.is_quick());
-    let looks = options.effort.ticks() / judgement.ticks(scene);
+    let looks = Looks {
+        most: options.effort.ticks() / judgement.ticks(scene),
+        // As good as can be found.
+        enough: 0.0,
+        seed: options.seed,
+    };
     Ok(search_by(
         scene,
         rival,
         reference,
         &judgement,
         looks,
-        options.seed,
         &mut progress,
     ))
 }
 
-/// Tunes by a judgement of one's own, with so many looks at most.
+/// How long a search looks, and from where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Looks {
+    /// Most settings.
+    most: f64,
+    /// Largest share of a limit that needs no better.
+    enough: f64,
+    seed: u64,
+}
+
+/// Tunes by a judgement of one's own.
 fn search_by(
     scene: &Scene,
     rival: &'static Rival,
     reference: Reference,
     judgement: &Judgement,
-    looks: f64,
-    seed: u64,
+    looks: Looks,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Tuned {
     let axes = axes(rival, scene);
-    let looks = looks.min(LOOKS_PER_PARAMETER * axes.len() as f64).max(4.0) as u64;
+    let most = looks
+        .most
+        .min(LOOKS_PER_PARAMETER * axes.len() as f64)
+        .max(4.0) as u64;
+    let mut starts = starts(scene, &axes);
+    if !axes.is_empty() && rival.is_linear() {
+        starts.push(linear::start(rival, scene, &axes, &starts, looks.seed));
+    }
     let found = search::minimise(
-        &starts(scene, &axes),
-        looks,
-        seed,
+        &starts,
+        &search::Until {
+            evaluations: most,
+            worst: looks.enough,
+            seed: looks.seed,
+        },
         |point| judgement.cost(&at(rival, scene, &axes, point)),
-        |done| progress(done, looks),
+        |done| progress(done, most),
     );
     let mut scene = at(rival, scene, &axes, &found.point);
     let parameters = axes
@@ -141,7 +167,7 @@ fn search_by(
         worst,
         evaluations: found.evaluations,
         reference,
-        seed,
+        seed: looks.seed,
     }
 }
 

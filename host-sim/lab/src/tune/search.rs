@@ -17,11 +17,21 @@ pub struct Found {
 /// First step, as the logarithm of a ratio.
 const STEP: f64 = 0.3;
 
-/// Minimises `cost` from the best of `starts`, with so many looks at most. The same seed finds the same, on any number of cores.
+/// When a search ends, and the seed of its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Until {
+    /// Most points.
+    pub evaluations: u64,
+    /// It also ends where [`Cost::worst`] of the best point is this or less.
+    pub worst: f64,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// Minimises `cost` from the best of `starts`. The same seed finds the same, on any number of cores.
 pub fn minimise(
     starts: &[Vec<f64>],
-    evaluations: u64,
-    seed: u64,
+    until: &Until,
     cost: impl Fn(&[f64]) -> Cost + Sync,
     mut progress: impl FnMut(u64),
 ) -> Found {
@@ -53,14 +63,17 @@ pub fn minimise(
             }
             found.value
         };
-        let generations = evaluations.saturating_sub(done) / population;
+        let generations = until.evaluations.saturating_sub(done) / population;
         let mut search = CMAESOptions::new(best.0.clone(), STEP)
             .population_size(population as usize)
-            .seed(seed)
+            .seed(until.seed)
             // A plain objective on the threads of its own pool: one generation is one parallel step.
             .build(objective)
             .ok();
         for _ in 0..generations {
+            if best.1.worst <= until.worst {
+                break;
+            }
             let Some(running) = &mut search else { break };
             let ended = running.next_parallel().is_some();
             if let Ok(mut looked) = looked.lock() {

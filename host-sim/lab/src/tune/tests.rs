@@ -1,9 +1,9 @@
 //! The search finds what is there, the same every time, and writes down what it judged.
 
-use super::campaign::{Class, row, scene};
+use super::campaign::{Budget, Class, row, scene};
 use super::cost::{Cost, Judgement};
 use super::parameters::{at, axes};
-use super::search::minimise;
+use super::search::{Until, minimise};
 use super::{Effort, Options, pareto, settings, tune};
 use crate::scorecard::reference::Reference;
 use crate::scorecard::rivals::{RIVALS, Rival};
@@ -21,7 +21,19 @@ fn a_bowl_has_a_bottom_and_every_seed_its_own_way_there() {
         value: (x[0] - 1.0).powi(2) + 10.0 * (x[1] + 2.0).powi(2),
         worst: 0.0,
     };
-    let find = |seed| minimise(&[vec![0.0, 0.0], vec![5.0, 5.0]], 600, seed, bowl, |_| ());
+    let until = |evaluations, seed| Until {
+        evaluations,
+        worst: -1.0,
+        seed,
+    };
+    let find = |seed| {
+        minimise(
+            &[vec![0.0, 0.0], vec![5.0, 5.0]],
+            &until(600, seed),
+            bowl,
+            |_| (),
+        )
+    };
     let found = find(1);
     assert!(found.cost.value < 1e-6, "{found:?}");
     assert!(found.evaluations <= 600);
@@ -30,8 +42,7 @@ fn a_bowl_has_a_bottom_and_every_seed_its_own_way_there() {
     // Without a parameter there is nothing to look for.
     let none = minimise(
         &[Vec::new()],
-        100,
-        1,
+        &until(100, 1),
         |_| Cost {
             value: 3.0,
             worst: 3.0,
@@ -142,8 +153,14 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
         let class = Class::ALL[number as usize % 3];
         let device = scene(1, class, number);
         assert_eq!(device, scene(1, class, number), "a number has one device");
-        let row = row(1, class, number, rival, 1e5).expect("runs");
-        assert!(!row.certificate.is_empty() || !row.cause.is_empty());
+        let budget = Budget {
+            first: 1e5,
+            second: 0.0,
+        };
+        let row = row(1, class, number, rival, budget).expect("runs");
+        // Every failure has a cause, and what holds has none.
+        assert_eq!(row.rests, row.rest_cause.is_none(), "{row:?}");
+        assert_eq!(row.moves, row.motion_cause.is_none(), "{row:?}");
         println!("{row:?}");
         rest += u32::from(row.rests);
     }

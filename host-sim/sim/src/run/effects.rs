@@ -2,51 +2,14 @@
 //!
 //! The cost ladder, the tests that absence is free, `touchstone plan` and the table of `docs/effects.md` all read this one table.
 
+mod place;
+
+pub use place::Place;
+
 use crate::scene::{
     Cogging, CurrentLoop, CurrentSensor, Encoder, Friction, Grip, HandReflex, HandTremor,
     Imbalance, PeriodicError, Scene, SensorNoise, Transmission,
 };
-
-/// Where in the loop an effect stands, and with it what naming it costs at least.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// The innermost part: how the law is told the angle.
-    Sensor,
-    /// A stage on the way of the angle to the law.
-    Angle,
-    /// A stage on the way of the torque to the motor.
-    Torque,
-    /// Around the whole of the law's side.
-    Law,
-    /// Between torque and plant, and in time.
-    Crossing,
-    /// In the exact step of the plant.
-    Exact,
-    /// A linear state more in the exact step of a drive train.
-    State,
-    /// At the shaft of a drive train, in substeps.
-    Shaft,
-    /// Between a motion and the hand.
-    Hand,
-}
-
-impl Place {
-    /// In words.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Place::Sensor => "how the law is told the angle",
-            Place::Angle => "stage on the angle",
-            Place::Torque => "stage on the torque",
-            Place::Law => "around the law's side",
-            Place::Crossing => "between torque and plant",
-            Place::Exact => "in the exact step",
-            Place::State => "a state of the exact step",
-            Place::Shaft => "at the shaft, in substeps",
-            Place::Hand => "between motion and hand",
-        }
-    }
-}
 
 /// An effect.
 #[derive(Debug, Clone, Copy)]

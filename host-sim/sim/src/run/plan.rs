@@ -207,6 +207,13 @@ pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
         .as_ref()
         .filter(|plant| plant.integrator != Integrator::Exact)
     {
+        if asymmetry(scene).is_some() {
+            return Err(scene.error(
+                "plant.integrator",
+                "no integrator knows friction that differs by direction",
+                "leave device.friction.asymmetry_n_m out, or give plant.integrator = \"exact\"",
+            ));
+        }
         let refused = |invalid| refused(scene, &invalid);
         return match hand(scene) {
             None => {

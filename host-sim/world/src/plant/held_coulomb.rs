@@ -23,7 +23,9 @@ use events::Mode;
 ///
 /// Each tick is therefore first judged by a bound that holds without exception: on an interval of length `h` a function
 /// stays within `h²/8 max|f''|` of the straight line between its end values. Where that leaves no room for an event,
-/// which is nearly always, the precomputed matrix is the answer. Otherwise the events are found one after the other on the
+/// which is nearly always, the precomputed matrix is the answer. The bound is taken twice: from the magnitudes of the drive, which
+/// costs least, and where that leaves room, from the magnitudes of its rate of change, which are small wherever a hand's press is
+/// in balance. Otherwise the events are found one after the other on the
 /// power series of the exact solution, to rounding.
 ///
 /// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`; with both levels of friction zero,
@@ -35,11 +37,19 @@ pub struct HeldCoulomb {
     breakaway: f64,
     /// `h²/8` times a bound of `d²v/dt²` per magnitude of each entry of the drive.
     slide_guard: [f64; 5],
+    /// The same per magnitude of each entry of the drive's own rate of change.
+    slide_rate_guard: [f64; 5],
+    /// That rate of change for each entry of the drive.
+    rates: [[f64; 5]; 5],
     /// Increment of `[x_h, v_h]` for the stuck drive `[d, v_h, g]`.
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
     /// `h²/8` times a bound of the second derivative of the pad's torque per magnitude of each entry of the stuck drive.
     stick_guard: [f64; 3],
+    /// The same per magnitude of each entry of the stuck drive's own rate of change.
+    stick_rate_guard: [f64; 3],
+    /// That rate of change for each entry of the stuck drive.
+    stuck_rates: [[f64; 3]; 3],
     /// Longest interval that one power series covers, s.
     piece_s: f64,
 }
@@ -58,6 +68,13 @@ fn curvature_guard<const K: usize>(
     std::array::from_fn(|column| bound[column])
 }
 
+/// The same factor by factor for the rate of change `M y`, of which the first factor of `M` has gone into its entries.
+fn rate_guard<const K: usize>(row: RowSVector<f64, K>, m: &SMatrix<f64, K, K>, h: f64) -> [f64; K] {
+    let m = m.abs();
+    let bound = row.abs() * m * flow(&m, h) * (h * h / 8.0);
+    std::array::from_fn(|column| bound[column])
+}
+
 #[inline(always)]
 fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
     factors
@@ -66,6 +83,9 @@ fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
         .map(|(factor, entry)| factor * entry.abs())
         .sum()
 }
+
+/// Of the rougher bound, what is left to rounding beside the finer one, which may be nothing at all.
+const ROUNDING: f64 = 1e-9;
 
 impl HeldCoulomb {
     /// Prepares steps of `interval_s` seconds (zero or more).
@@ -118,9 +138,13 @@ impl HeldCoulomb {
             kinetic,
             breakaway,
             slide_guard: curvature_guard(matrix![1.0, 0.0, 0.0, 0.0, 0.0], &m, interval_s),
+            slide_rate_guard: rate_guard(matrix![1.0, 0.0, 0.0, 0.0, 0.0], &m, interval_s),
+            rates: columns(&m),
             stuck: columns(&(stuck_rates * flow_integral(&stuck, interval_s))),
             stuck_loss: columns(&quadratic_integral(&stuck, &stuck_viscous, interval_s)),
             stick_guard: curvature_guard(matrix![k_p, b_p, 0.0], &stuck, interval_s),
+            stick_rate_guard: rate_guard(matrix![k_p, b_p, 0.0], &stuck, interval_s),
+            stuck_rates: columns(&stuck),
             piece_s: NORM / rate,
         })
     }
@@ -151,7 +175,11 @@ impl HeldCoulomb {
         let increment = self.sliding.increment(&sliding);
         let slowest = (sign * v).min(sign * (v + increment[1]));
         // False as well where the bound is no number: then it decides nothing.
-        let clear = slowest > guard(&self.slide_guard, &sliding);
+        let rough = guard(&self.slide_guard, &sliding);
+        let clear = slowest > rough || {
+            let fine = guard(&self.slide_rate_guard, &apply(&self.rates, &sliding));
+            slowest > fine + ROUNDING * rough
+        };
         if !clear && let Some(loss) = self.follow::<LOSS>(state, torque, rest, Mode::Sliding(sign))
         {
             return loss;
@@ -177,8 +205,12 @@ impl HeldCoulomb {
     ) -> Loss {
         let increment = apply(&self.stuck, &stuck);
         let at_end = self.torque_at_rest(stuck[0] + increment[0], stuck[1] + increment[1], torque);
-        let most = at_rest.abs().max(at_end.abs()) + guard(&self.stick_guard, &stuck);
-        let clear = most <= self.breakaway;
+        let most = at_rest.abs().max(at_end.abs());
+        let rough = guard(&self.stick_guard, &stuck);
+        let clear = most + rough <= self.breakaway || {
+            let fine = guard(&self.stick_rate_guard, &apply(&self.stuck_rates, &stuck));
+            most + (fine + ROUNDING * rough) <= self.breakaway
+        };
         if !clear && let Some(loss) = self.follow::<LOSS>(state, torque, rest, Mode::Stuck) {
             return loss;
         }

@@ -82,6 +82,11 @@ impl Series {
         if c[0] < 0.0 {
             return Some(0.0);
         }
+        // Where all that follows together cannot bring it down, and by more than rounding, the search would find nothing either.
+        let rest: f64 = c[1..].iter().map(|c| c.abs()).sum();
+        if c[0] > rest * (1.0 + 1e-9) {
+            return None;
+        }
         let curvature: f64 = c
             .iter()
             .enumerate()
@@ -178,6 +183,20 @@ mod tests {
                 assert!((t - (0.5 - f64::sqrt(m))).abs() < 1e-9, "{t}");
             }
         }
+    }
+
+    #[test]
+    fn what_cannot_come_down_is_not_searched_and_what_just_can_is_found() {
+        // 1 - s t falls to 1 - s.
+        for (fall, hit) in [(1.0 + 1e-9, true), (1.0 + 1e-12, true), (1.0 - 1e-6, false)] {
+            let found = series(&[1.0, -fall]).first_negative();
+            assert_eq!(found.is_some(), hit, "{fall}");
+        }
+        // All falling, none of them far enough alone.
+        assert!(series(&[1.0, -0.3, -0.3, -0.5]).first_negative().is_some());
+        assert_eq!(series(&[1.0, -0.3, -0.3, -0.3]).first_negative(), None);
+        // With opposite signs the sum of magnitudes is no judge.
+        assert_eq!(series(&[1.0, -1.5, 1.0]).first_negative(), None);
     }
 
     #[test]

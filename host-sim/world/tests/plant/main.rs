@@ -7,3 +7,4 @@ mod friction;
 mod oracle;
 mod sampled_loop;
 mod train;
+mod train_friction;

@@ -69,8 +69,14 @@ impl HeldCoulomb {
             if LOSS {
                 loss += self.piece_loss(&piece, mode, until);
             }
-            now.0[0] += piece.length_s * piece.v.integral(until);
-            now.0[1] = piece.v.at(until);
+            match mode {
+                Mode::Sliding(_) => {
+                    now.0[0] += piece.length_s * piece.v.integral(until);
+                    now.0[1] = piece.v.at(until);
+                }
+                // Its series is nothing but zeros.
+                Mode::Stuck => now.0[1] = 0.0,
+            }
             now.0[2] += piece.length_s * piece.v_h.integral(until);
             now.0[3] = piece.v_h.at(until);
             elapsed += piece.length_s * until;

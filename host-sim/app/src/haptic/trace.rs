@@ -1,0 +1,58 @@
+//! Every tick of a run on a haptic device, kept in memory that was there before the motors were on, and written after they are off.
+
+use std::path::Path;
+use touchstone_device::servo::ServoTick;
+use touchstone_sim::error::{Error, Result};
+
+/// Places and forces along the three axes.
+const COLUMNS: [&str; 7] = [
+    "time_s",
+    "position_x_m",
+    "position_y_m",
+    "position_z_m",
+    "force_x_n",
+    "force_y_n",
+    "force_z_n",
+];
+
+/// Ticks.
+pub struct DeviceTrace {
+    ticks: Vec<ServoTick>,
+}
+
+impl DeviceTrace {
+    /// With room for all ticks of a run; those that are more are not kept.
+    pub fn for_ticks(most: u64) -> Self {
+        Self {
+            ticks: Vec::with_capacity(usize::try_from(most).unwrap_or(0)),
+        }
+    }
+
+    /// Keeps a tick. Nothing is allocated.
+    pub fn keep(&mut self, tick: &ServoTick) {
+        if self.ticks.len() < self.ticks.capacity() {
+            self.ticks.push(*tick);
+        }
+    }
+
+    /// Writes it. Ticks that were missed are not in it, but their time is: times of neighbours are then further apart.
+    pub fn write(&self, path: &Path, rate_hz: u32) -> Result<()> {
+        let wrong = |error: csv::Error| Error::Io {
+            path: path.to_owned(),
+            problem: error.to_string(),
+            fix: "choose another file with --csv".into(),
+        };
+        let mut file = csv::Writer::from_path(path).map_err(wrong)?;
+        file.write_record(COLUMNS).map_err(wrong)?;
+        for tick in &self.ticks {
+            let time_s = tick.due as f64 / f64::from(rate_hz);
+            let numbers = [time_s]
+                .into_iter()
+                .chain(tick.position_m)
+                .chain(tick.force_n);
+            file.write_record(numbers.map(|x| x.to_string()))
+                .map_err(wrong)?;
+        }
+        file.flush().map_err(|error| wrong(error.into()))
+    }
+}

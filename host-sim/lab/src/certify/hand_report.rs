@@ -1,0 +1,178 @@
+//! What is known of a loop in one hand: its phases, and what the matrices alone do not say.
+
+use super::contact::Contact;
+use super::judge::{ROUNDING_GAIN, SWING, judge};
+use super::law::{LinearLaw, Switching};
+use super::state_space::Mode;
+use super::{Verdict, hands, sector};
+use serde::Serialize;
+use touchstone_world::plant::Hand;
+
+/// A phase of the law in one hand.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhaseReport {
+    /// Its name.
+    pub phase: &'static str,
+    /// Largest magnitude of an eigenvalue.
+    pub radius: f64,
+    /// How fast its slowest motion dies out, 1/s.
+    pub decay_per_s: f64,
+    /// That motion's frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// One hand.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HandReport {
+    /// `scene`, a grip, `worst of all`, or `nobody`.
+    pub name: String,
+    /// Inertia, damping, stiffness, pad's damping, pad's stiffness, SI; absent: nobody holds the device.
+    pub parameters: Option<[f64; 5]>,
+    /// What is said of it.
+    pub verdict: Verdict,
+    /// Why not stable.
+    pub causes: Vec<String>,
+    /// Every phase, the first contact last.
+    pub phases: Vec<PhaseReport>,
+    /// Largest eigenvalue over the lasting phases.
+    pub radius: f64,
+    /// How fast the slowest motion dies out, 1/s.
+    pub decay_per_s: f64,
+    /// The same with what dry friction takes from a swing of [`SWING`] times the press' depth, as damping; absent without either.
+    pub decay_with_friction_per_s: Option<f64>,
+    /// That motion's frequency, Hz.
+    pub frequency_hz: f64,
+    /// Largest radius while a reading is taken 1 to [`ROUNDING_GAIN`] times.
+    pub radius_rounded: f64,
+    /// Motion from rounding to a count at rest, root mean square, counts; absent without an encoder or a stable loop.
+    pub rounding_rms_counts: Option<f64>,
+    /// Most motion from rounding that there can be, counts.
+    pub rounding_most_counts: Option<f64>,
+    /// Largest radius over gains between the phases.
+    pub radius_between: f64,
+    /// Least cosine of (16); above 0: whatever way the gain changes is covered. Absent where it does not, or an end is unstable.
+    pub switching: Option<f64>,
+    /// Largest speed of a bounce's return over that of its touch.
+    pub bounce: f64,
+    /// What the press borrows at most, of the loan; absent without a loan or a press.
+    pub loan_used: Option<f64>,
+    /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
+    pub friction_holds_rad: f64,
+}
+
+/// What is played because no matrix says it: see [`super::touch`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Played {
+    /// Largest speed of a bounce's return over that of its touch.
+    pub bounce: f64,
+    /// What the press borrows at most, of the loan.
+    pub loan_used: Option<f64>,
+}
+
+/// What is said of one hand.
+#[must_use]
+pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played) -> HandReport {
+    let rate_hz = 1.0 / contact.clock.period_s;
+    let (mode, phase) = contact.worst(hand);
+    let damped = with_friction(contact, &mode);
+    let decay_with_friction_per_s = damped
+        .as_ref()
+        .map(|damped| damped.worst(hand).0.decay_per_s(rate_hz));
+    // What rounding and gains between the phases do, they do against dry friction too.
+    let undamped = contact;
+    let contact = damped.as_ref().unwrap_or(contact);
+    let mut phases: Vec<_> = contact
+        .phases
+        .lasting
+        .iter()
+        .map(|phase| (phase.name, phase.law.clone()))
+        .collect();
+    if let Some(stiffness) = contact.phases.first_contact {
+        phases.push(("first contact, k_de", LinearLaw::spring(stiffness, 0.0)));
+    }
+    let plant = contact.plant(hand);
+    let phases = phases
+        .into_iter()
+        .filter_map(|(phase, law)| {
+            let mode = Mode::dominant(&plant.as_ref()?.closed_by(&contact.law(&law), 1.0));
+            Some(PhaseReport {
+                phase,
+                radius: mode.radius,
+                decay_per_s: mode.decay_per_s(rate_hz),
+                frequency_hz: mode.frequency_hz(rate_hz),
+            })
+        })
+        .collect();
+    let switching = match &contact.phases.switching {
+        Switching::Never => None,
+        Switching::Between(ends) => plant.as_ref().and_then(|plant| {
+            let [from, to] = ends
+                .each_ref()
+                .map(|law| plant.closed_by(&contact.law(law), 1.0));
+            sector::least_cosine(&from, &to)
+        }),
+    };
+    let rounding = contact
+        .count_rad
+        .and_then(|_| undamped.rounding(hand).or_else(|| contact.rounding(hand)));
+    let radius_rounded = match contact.count_rad {
+        Some(_) => contact
+            .radius_at_gain(hand, ROUNDING_GAIN)
+            .max(contact.radius(hand)),
+        None => mode.radius,
+    };
+    let mut report = HandReport {
+        name: name.to_owned(),
+        parameters: hand.map(hands::parameters),
+        verdict: Verdict::Stable,
+        causes: Vec::new(),
+        phases,
+        radius: mode.radius,
+        decay_per_s: mode.decay_per_s(rate_hz),
+        decay_with_friction_per_s,
+        frequency_hz: mode.frequency_hz(rate_hz),
+        radius_rounded,
+        radius_between: contact.radius_between(hand),
+        rounding_rms_counts: rounding.map(|(rms, _)| rms),
+        rounding_most_counts: rounding.map(|(_, most)| most),
+        switching,
+        bounce: played.bounce,
+        loan_used: played.loan_used,
+        friction_holds_rad: friction_holds(undamped, hand, &mode),
+    };
+    judge(undamped, &mut report, phase);
+    report
+}
+
+/// The contact with what dry friction takes from a swing of [`SWING`] times the press' depth at a motion's frequency, by its describing
+/// function `4 F/(π ω A)`: a smaller swing it damps more.
+fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
+    let friction = contact.device.friction?;
+    let swing = SWING * contact.press_n_m? / contact.k_desired;
+    let speed = mode.angle_rad / contact.clock.period_s;
+    (speed > 0.0).then(|| {
+        contact.with_damping(4.0 * friction.kinetic / (std::f64::consts::PI * speed * swing))
+    })
+}
+
+/// Amplitude at which dry friction takes as much as the loop gives: with the describing function of friction, `4 F/(π ω A)`, in
+/// place of the damping that just makes the loop stable.
+fn friction_holds(contact: &Contact, hand: Option<&Hand>, mode: &Mode) -> f64 {
+    let Some(friction) = contact.device.friction.filter(|_| mode.radius >= 1.0) else {
+        return 0.0;
+    };
+    let stable = |damping: f64| contact.with_damping(damping).radius(hand) < 1.0;
+    let unit = contact.device.damping.max(1e-9);
+    let Some(enough) = (0..40)
+        .map(|step| 1e-3 * unit * 1.5_f64.powi(step))
+        .find(|&damping| stable(damping))
+    else {
+        return 0.0;
+    };
+    let speed = mode.angle_rad / contact.clock.period_s;
+    if speed > 0.0 {
+        4.0 * friction.kinetic / (std::f64::consts::PI * speed * enough)
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,73 @@
+//! What a certificate says nothing about.
+
+use touchstone_sim::run::effects::EFFECTS;
+use touchstone_sim::scene::Scene;
+
+use super::contact::Contact;
+use super::law::Clamp;
+
+/// Effects of a scene that the certificate knows, or says something of by itself.
+const COVERED: [&str; 6] = [
+    "encoder",
+    "delay",
+    "torque-limit",
+    "amplifier-steps",
+    "friction",
+    "hand",
+];
+
+/// All of it, a line each.
+pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
+    let mut list = vec![
+        "hands outside the family, and hands that push back on purpose".to_owned(),
+        "loss of contact in the middle of an oscillation, and how hard a wall throws back"
+            .to_owned(),
+        "force limits: a law or drive at its limit is softer than its matrix".to_owned(),
+        "compliance between encoder and hand, cogging, noise, a wrong torque constant".to_owned(),
+        format!(
+            "rounding inside the law ({}); rounding of readings and torques but for its gain and mean square",
+            touchstone_control::Choice::word(scene.law.number)
+        ),
+    ];
+    let beyond: Vec<&str> = EFFECTS
+        .iter()
+        .filter(|effect| (effect.is_named)(scene) && !COVERED.contains(&effect.name))
+        .map(|effect| effect.name)
+        .collect();
+    if !beyond.is_empty() {
+        list.push(format!(
+            "effects that the scene names and no matrix has: {}",
+            beyond.join(", ")
+        ));
+    }
+    if scene.law.guard.on {
+        list.push(
+            "the energy guard: where it gives less force, the wall is a softer one".to_owned(),
+        );
+    }
+    if contact.current_loop_hz.is_none() {
+        list.push("a current loop: the torque follows its command at once".to_owned());
+    }
+    if contact.device.friction.is_some() {
+        list.push("dry friction: left out of the matrices, where it could only damp".to_owned());
+    }
+    match contact.phases.clamps {
+        Some(Clamp::Tdpa) => {
+            list.push("the law's passivity control: the spring alone is certified".to_owned())
+        }
+        Some(Clamp::Fba) => {
+            list.push("the law's force bound: the spring alone is certified".to_owned())
+        }
+        None => {}
+    }
+    if contact.phases.first_contact.is_some() {
+        list.push(
+            "first contact at k_de: judged by how fast a bounce comes back, as it ends at the first turn"
+                .to_owned(),
+        );
+        list.push(
+            "the passivity control at the virtual mass, where the credit is spent".to_owned(),
+        );
+    }
+    list
+}

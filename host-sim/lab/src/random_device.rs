@@ -1,0 +1,97 @@
+//! Random devices for campaigns, by seed.
+//!
+//! Inertia 1e-6 to 1e-3 kg·m², damping 1e-5 to 1e-2 N·m·s/rad, dry friction none (a third) or 1e-4 to 0.02 N·m, 1e3 to 1e5
+//! counts, 0.5 to 20 kHz, delay none (a third) or up to 2 ticks; each drawn evenly on a logarithmic scale but for the delay.
+
+use touchstone_sim::scene::{Encoder, Friction, Scene};
+
+/// Damping of a fingertip, which `c_i` holds beside the device's own, N·m·s/rad.
+pub const FINGERTIP: f64 = 1e-4;
+
+/// SplitMix64 (Steele, Lea and Flood, 2014).
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    /// A stream of its own for every seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        let mut random = Self(seed);
+        random.unit();
+        random
+    }
+
+    /// Evenly in `[0, 1)`.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Evenly on a logarithmic scale.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+}
+
+/// A device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomDevice {
+    /// kg·m².
+    pub inertia: f64,
+    /// N·m·s/rad.
+    pub damping: f64,
+    /// Kinetic dry friction, N·m; two thirds have some.
+    pub friction: Option<f64>,
+    /// Counts a revolution.
+    pub counts: f64,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Computational delay, ticks.
+    pub delay_ticks: f64,
+}
+
+impl RandomDevice {
+    /// The next one.
+    pub fn drawn(random: &mut Random) -> Self {
+        let inertia = random.between(1e-6, 1e-3);
+        let damping = random.between(1e-5, 1e-2);
+        let friction = random.between(1e-4, 0.02);
+        let has_friction = random.unit() < 2.0 / 3.0;
+        let counts = random.between(1e3, 1e5).round();
+        let rate_hz = random.between(500.0, 20_000.0).round();
+        let late = 2.0 * random.unit();
+        let is_late = random.unit() < 2.0 / 3.0;
+        Self {
+            inertia,
+            damping,
+            friction: has_friction.then_some(friction),
+            counts,
+            rate_hz,
+            delay_ticks: if is_late { late } else { 0.0 },
+        }
+    }
+
+    /// Dry friction, N·m.
+    #[must_use]
+    pub fn friction_n_m(&self) -> f64 {
+        self.friction.unwrap_or(0.0)
+    }
+
+    /// Makes it the device of a scene.
+    pub fn put_into(&self, scene: &mut Scene) {
+        scene.device.inertia_kg_m2 = self.inertia;
+        scene.device.damping_n_m_s_per_rad = self.damping;
+        scene.device.friction = self.friction.map(|kinetic_n_m| Friction {
+            kinetic_n_m,
+            ..Friction::default()
+        });
+        scene.encoder = Some(Encoder {
+            counts_per_rev: self.counts,
+        });
+        scene.timing.rate_hz = self.rate_hz as u32;
+        scene.timing.computational_delay_s = self.delay_ticks / self.rate_hz;
+    }
+}

@@ -1,0 +1,148 @@
+//! Why a tuned wall fails: it is run again with one thing changed at a time, and what mends it is the cause.
+//!
+//! A certificate speaks of the linear loop alone. A wall that it rightly calls stable may still chatter by a count, be held back
+//! by its guard, or show too little: this says which.
+
+use super::outcome::Outcome;
+use crate::certify::Verdict as Said;
+use serde::{Deserialize, Serialize};
+use touchstone_sim::scene::{MotionSpec, Number, Scene};
+
+/// Why a wall fails. The order is that in which they are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FailureCause {
+    /// The law cannot take the settings for such a device.
+    Refused,
+    /// The linear loop grows: so says the certificate.
+    UnstableLoop,
+    /// Without the energy guard it holds.
+    Guard,
+    /// With a hundred times the torque it holds.
+    TorqueLimit,
+    /// In `f64` it holds.
+    LawRounding,
+    /// With the exact angle it holds: a limit cycle by counts, or a wall too shallow for them.
+    Counts,
+    /// Without dry friction it holds: the device sticks where the hand should move it.
+    Friction,
+    /// Where the light touch before the press is as deep as the press it holds: it is the touch, some counts deep, that does not
+    /// come to rest.
+    LightTouch,
+    /// With a hold of ten times the length it holds.
+    Slow,
+    /// Touched and pressed slowly it holds: the blow is what it does not survive.
+    Contact,
+    /// With the exact angle and without dry friction it holds, with either it does not.
+    CountsAndFriction,
+    /// It comes to rest, and shows another stiffness for none of these reasons.
+    Stiffness,
+    /// A hand that moves feels another stiffness for none of these reasons: the law's own dynamics.
+    Dynamics,
+    /// None of these mends it.
+    Unexplained,
+}
+
+impl FailureCause {
+    /// All.
+    pub const ALL: [FailureCause; 14] = [
+        FailureCause::Refused,
+        FailureCause::UnstableLoop,
+        FailureCause::Guard,
+        FailureCause::TorqueLimit,
+        FailureCause::LawRounding,
+        FailureCause::Counts,
+        FailureCause::Friction,
+        FailureCause::LightTouch,
+        FailureCause::Slow,
+        FailureCause::Contact,
+        FailureCause::CountsAndFriction,
+        FailureCause::Stiffness,
+        FailureCause::Dynamics,
+        FailureCause::Unexplained,
+    ];
+
+    /// What it is called for people.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Refused => "refused: the law takes no such settings",
+            Self::UnstableLoop => "unstable: the linear loop grows",
+            Self::Guard => "the energy guard holds the force back",
+            Self::TorqueLimit => "the torque limit",
+            Self::LawRounding => "rounding inside the law",
+            Self::Counts => "limit cycle or offset by counts",
+            Self::Friction => "dry friction holds what the hand should move",
+            Self::LightTouch => "the light touch chatters, the press rests",
+            Self::Slow => "too slow: it rests later",
+            Self::Contact => "the blow of the touch",
+            Self::CountsAndFriction => "counts and dry friction together",
+            Self::Stiffness => "rests at another stiffness",
+            Self::Dynamics => "another stiffness to a hand that moves",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// What a wall's failure is made of, one thing changed at a time.
+type Remedy = (FailureCause, fn(&mut Scene));
+
+const REMEDIES: [Remedy; 9] = [
+    (FailureCause::Guard, |scene| scene.law.guard.on = false),
+    (FailureCause::TorqueLimit, |scene| {
+        scene.device.torque_limit_n_m = None;
+        scene.law.force_limit_n_m *= 100.0;
+        scene.law.guard.on = false;
+    }),
+    (FailureCause::LawRounding, |scene| {
+        scene.law.number = Number::F64
+    }),
+    (FailureCause::Counts, |scene| scene.encoder = None),
+    (FailureCause::Friction, |scene| scene.device.friction = None),
+    (FailureCause::LightTouch, |scene| {
+        if let MotionSpec::TouchAndPress(press) = &mut scene.operator.motion {
+            press.touch_torque_n_m = press.push_torque_n_m;
+        }
+    }),
+    (FailureCause::Slow, |scene| {
+        if let MotionSpec::TouchAndPress(press) = &mut scene.operator.motion {
+            press.hold_s *= 10.0;
+            press.touch_s *= 10.0;
+        }
+    }),
+    (FailureCause::Contact, |scene| {
+        if let MotionSpec::TouchAndPress(press) = &mut scene.operator.motion {
+            press.approach_rad *= 0.01;
+            press.touch_ramp_s *= 10.0;
+            press.ramp_s *= 10.0;
+        }
+    }),
+    (FailureCause::CountsAndFriction, |scene| {
+        scene.encoder = None;
+        scene.device.friction = None;
+    }),
+];
+
+/// The cause of a failure; `fails` is told what came of a run and says whether it still fails.
+#[must_use]
+pub fn cause(
+    scene: &Scene,
+    found: &Outcome,
+    certificate: Said,
+    fails: fn(&Outcome) -> bool,
+) -> FailureCause {
+    for (cause, remedy) in REMEDIES {
+        let mut mended = scene.clone();
+        remedy(&mut mended);
+        // What the law refuses mends nothing.
+        if Outcome::of(&mended).is_ok_and(|outcome| !fails(&outcome)) {
+            return cause;
+        }
+    }
+    match certificate {
+        Said::Unstable => FailureCause::UnstableLoop,
+        _ if !found.rests() && found.ends_at_rest() => FailureCause::Stiffness,
+        _ if found.rests() => FailureCause::Dynamics,
+        _ => FailureCause::Unexplained,
+    }
+}

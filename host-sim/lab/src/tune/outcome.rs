@@ -1,0 +1,86 @@
+//! What a press and a moving hand find of a wall: the two things that a campaign asks of every device.
+
+use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
+use crate::scorecard::figures;
+use crate::scorecard::measure::Measure;
+use touchstone_sim::error::Result;
+use touchstone_sim::run;
+use touchstone_sim::run::record::Verdict;
+use touchstone_sim::scene::Scene;
+
+/// Largest deviation at rest, share of `k_de`.
+pub const RESTING: f64 = 0.05;
+/// Largest deviation of the modulus of a moving hand, share of `k_de`.
+pub const MODULUS: f64 = 0.15;
+/// Largest phase of a moving hand, degrees.
+pub const PHASE_DEG: f64 = 15.0;
+
+/// The worst of three grips.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// How the worst press ended.
+    pub ended: Verdict,
+    /// Largest deviation at rest, share of `k_de`; absent where a press does not come to rest.
+    pub displayed_error: Option<f64>,
+    /// Deviation of the modulus for a hand that moves, share; absent where the wall was left.
+    pub modulus_error: Option<f64>,
+    /// Its phase, degrees.
+    pub phase_deg: Option<f64>,
+}
+
+impl Outcome {
+    /// Of a scene's device and law, in the scene's press.
+    ///
+    /// # Errors
+    /// Settings that the law cannot take.
+    pub fn of(scene: &Scene) -> Result<Self> {
+        let programme = Programme::of(scene);
+        let (felt, _) = figures(scene, &programme, &CASES[0], false)?;
+        let finite = |measure| Some(felt.get(measure)).filter(|value| value.is_finite());
+        let mut outcome = Self {
+            ended: Verdict::Passive,
+            displayed_error: Some(0.0),
+            modulus_error: finite(Measure::ModulusError),
+            phase_deg: finite(Measure::PhaseDeg),
+        };
+        for grip in GRIPS {
+            let run = run::run(&programme.scene(scene, grip, Deed::Press), false)?.summary;
+            let own = run
+                .k_displayed
+                .filter(|_| at_rest(run.verdict))
+                .map(|k| (k / scene.wall.k_desired_n_m_per_rad - 1.0).abs());
+            outcome.displayed_error = outcome.displayed_error.zip(own).map(|(a, b)| a.max(b));
+            outcome.ended = outcome.ended.max(run.verdict);
+        }
+        Ok(outcome)
+    }
+
+    /// Whether a press in every grip comes to rest, however stiff it is there.
+    #[must_use]
+    pub fn ends_at_rest(&self) -> bool {
+        at_rest(self.ended)
+    }
+
+    /// Whether a press in every grip comes to rest within [`RESTING`] of `k_de`.
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        self.displayed_error.is_some_and(|error| error <= RESTING)
+    }
+
+    /// Whether a hand that moves feels `k_de` within [`MODULUS`] and [`PHASE_DEG`] up to 4 Hz in every grip.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.modulus_error.is_some_and(|error| error <= MODULUS)
+            && self.phase_deg.is_some_and(|phase| phase <= PHASE_DEG)
+    }
+
+    /// Both.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.rests() && self.moves()
+    }
+}
+
+fn at_rest(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Passive | Verdict::Active)
+}
