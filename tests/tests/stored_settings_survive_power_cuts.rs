@@ -158,7 +158,7 @@ fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
         Some(Refused::Invalid(invalid)) => {
             assert_eq!(
                 invalid.to_string(),
-                "limits.bus_max_v = 49 is outside 8 to 48 V"
+                "limits.bus_max_v = 49 is outside 10 to 48 V"
             );
         }
         other => panic!("{other:?}"),

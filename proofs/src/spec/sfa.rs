@@ -71,7 +71,8 @@ impl Sfa {
             return 0;
         }
         let step = towards_zero(self.gain * moved, 1 << SIGNAL).clamp(-HIGHEST, HIGHEST);
-        let wanted = spring(self.desired, m.last);
+        // What the limit takes away again is no reason for an offset.
+        let wanted = spring(self.desired, m.last).min(self.limit);
         match (m.last > 0, m.force.cmp(&wanted)) {
             (true, std::cmp::Ordering::Less) => step,
             (true, std::cmp::Ordering::Equal) => 0,
