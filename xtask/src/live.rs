@@ -24,8 +24,9 @@ fn about(compiler: &Compiler, bytes: &[u8]) -> Option<String> {
             .arg(folder().join(NAME)),
     )?;
     Some(format!(
-        "made by    cargo xtask live\ncompiler   rustc {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\ngit blob   {hash}\n",
+        "made by    cargo xtask live\ncompiler   rustc {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\ngit blob   {hash}\n",
         compiler.version,
+        compiler.library(),
         bytes.len()
     ))
 }
@@ -113,10 +114,10 @@ pub fn check(compiler: &Compiler) -> Outcome {
         .lines()
         .find_map(|line| line.strip_prefix("compiler   rustc "))
         .unwrap_or("an unknown compiler");
-    if made_with != compiler.version {
+    let here = format!("{}, its library {}", compiler.version, compiler.library());
+    if made_with != here {
         return Outcome::NotRun(format!(
-            "{NAME} not compared: made with rustc {made_with}, here is {}",
-            compiler.version
+            "{NAME} not compared: made with rustc {made_with}, here is {here}"
         ));
     }
     let committed = std::fs::read(folder().join(NAME)).unwrap_or_default();

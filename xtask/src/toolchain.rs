@@ -81,16 +81,21 @@ impl fmt::Display for Compiler {
             Origin::Toolchain(name) => write!(f, "{name}")?,
             Origin::System => write!(f, "{SYSTEM}")?,
         }
-        let core = if self.from_source {
-            "built from source"
-        } else {
-            "as installed"
-        };
+        let core = self.library();
         write!(f, " ({}) for {}, `core` {core}", self.version, self.target)
     }
 }
 
 impl Compiler {
+    /// How it has the target's library: the same source gives other bytes with one and with the other.
+    pub const fn library(&self) -> &'static str {
+        if self.from_source {
+            "built from source"
+        } else {
+            "as installed"
+        }
+    }
+
     /// `cargo build` with it, and the options that belong to it. `libraries`: of Rust's own, where they are not installed.
     pub fn cargo(&self, libraries: &[&str]) -> (Command, Vec<String>) {
         self.cargo_for("build", libraries)

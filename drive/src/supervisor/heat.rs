@@ -29,7 +29,7 @@ const MEAN_BITS: u32 = 48;
 /// The whole of the current.
 const ALL: u32 = 1 << 16;
 
-/// Coefficients; squares in A² with [`SQUARE_BITS`].
+/// Coefficients; squares in A² with `SQUARE_BITS`.
 #[derive(Debug, Clone, Copy)]
 pub struct HeatConfig {
     /// Share of the difference that a tick takes, 2^-32: tick over time constant, at most 2^-7.

@@ -54,7 +54,7 @@ impl Recorder for Bounce {
     }
 }
 
-/// Largest speed of a return over that of the touch before, on the mean of [`RETURNS`]; 0 where the device stays inside or outside. Infinite where a run leaves all
+/// Largest speed of a return over that of the touch before, on the mean of `RETURNS`; 0 where the device stays inside or outside. Infinite where a run leaves all
 /// numbers. For nobody's device: the speed with which it is thrown out.
 ///
 /// # Errors

@@ -23,7 +23,7 @@ const MOVING_HZ: f64 = 4.0;
 /// What cannot be built at all.
 const REFUSED: f64 = 1e3;
 
-/// Largest eigenvalue of the loop over grips, phases and [`GAINS`]; infinite for settings that the law refuses.
+/// Largest eigenvalue of the loop over grips, phases and `GAINS`; infinite for settings that the law refuses.
 #[must_use]
 pub fn radius(scene: &Scene) -> f64 {
     let Ok(contact) = Contact::of(scene) else {
