@@ -194,6 +194,8 @@ impl MotionSpec {
 pub const FASTEST_RAMP_S: f64 = 0.05;
 /// Upper end of voluntary motion, Hz.
 pub const FASTEST_MOTION_HZ: f64 = 10.0;
+/// Fastest wiggle, Hz: a probe of `F/x`, above voluntary motion and up to the end of what a hand passes on of a tremor.
+pub const FASTEST_WIGGLE_HZ: f64 = 16.0;
 
 /// Distance outside the wall at which a hand waits unless told otherwise, rad.
 ///
@@ -321,7 +323,7 @@ pub struct PressWiggleRelease {
     pub push_torque_n_m: f64,
     /// Static torque by which the push rises and falls, N·m, 0 or more. Default 0.03.
     pub wiggle_amplitude_n_m: f64,
-    /// Rate of the wiggling, Hz, above 0, at most 10. Default 2.
+    /// Rate of the wiggling, Hz, above 0, at most 16 (a hand by itself ends near 10). Default 2.
     pub wiggle_frequency_hz: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,

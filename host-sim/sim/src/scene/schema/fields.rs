@@ -5,7 +5,7 @@ use super::Range::{Any, AtLeast, Exactly, NotNegative, NotZero, Positive, UpTo, 
 use super::{Field, Kind, Range};
 use crate::scene::device::Integrator;
 use crate::scene::law::Number;
-use crate::scene::operator::{FASTEST_MOTION_HZ, FASTEST_RAMP_S};
+use crate::scene::operator::{FASTEST_RAMP_S, FASTEST_WIGGLE_HZ};
 use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
 use touchstone_control::{Choice as _, setting_path};
@@ -477,7 +477,7 @@ const OPERATOR: &[Field] = &[
     number(
         "operator.motion.wiggle_frequency_hz",
         "hz",
-        UpTo(FASTEST_MOTION_HZ),
+        UpTo(FASTEST_WIGGLE_HZ),
         "the rate of the wiggling",
     )
     .only(WIGGLE),
