@@ -28,7 +28,10 @@ def text(page, element):
 
 
 def phase(page, wanted, limit=20):
-    page.until(f"document.getElementById('phase').textContent === {wanted!r}", limit)
+    try:
+        page.until(f"document.getElementById('phase').textContent === {wanted!r}", limit)
+    except TimeoutError as error:
+        raise TimeoutError(f"{text(page, 'phase')!r}, {text(page, 'fault-name')!r}, {text(page, 'error')!r} instead of {wanted!r}") from error
 
 
 def press(page, what):
