@@ -6,12 +6,11 @@
 use super::Expect::{Off, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Starting};
 use super::{Injection, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
-use crate::fil::fault::{CURRENT_LOOP, Fault};
+use crate::fil::fault::{CURRENT_LOOP, Fault, LPTIM1};
 use touchstone_protocol::FaultCode::*;
 
-/// The current loop's interrupt, the control tick's, the serial port's, the time driver's.
+/// The current loop's interrupt, the serial port's, the time driver's.
 const ADC1_2: u32 = 18;
-const LPTIM1: u32 = 49;
 const LPUART1: u32 = 91;
 const TIM5: u32 = 50;
 
@@ -36,10 +35,9 @@ pub const ASKED_FOR: &[Injection] = &[
         Reset(2 * TICK + 1_000, &[Watchdog]),
     ),
     row(
-        // Where a tick falls due early in it: one that is begun less than half a period late is no miss.
         "control tick is left out once",
         Pressed,
-        100,
+        700,
         Fault::Lost(LPTIM1, 1_200),
         Off(2 * TICK, &[DeadlineMiss]),
     ),

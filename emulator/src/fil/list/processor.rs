@@ -96,7 +96,6 @@ pub const PROCESSOR: &[Injection] = &[
         Reset(WINDOW_WATCHDOG, &[Watchdog]),
     ),
     row(
-        // Where a tick falls due in the first 0.4 ms of it: a later one is begun less than half a period late, which is no miss.
         "control tick held off for 0.9 ms",
         Pressed,
         300,

@@ -38,8 +38,8 @@ pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number};
 pub use motion::{Curve, Recording, RestPath, SMOOTHING_HZ};
 pub use operator::{
-    APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, FASTEST_WIGGLE_HZ, Grip, Hand, MotionSpec, Operator,
-    PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
+    APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, FASTEST_WIGGLE_HZ, Grip, Hand, MotionSpec,
+    Operator, PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
 };
 pub use origin::Origin;
 pub use overrides::path_of;
