@@ -5,8 +5,9 @@
 //! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
 //! the same on a busy machine. Without ARGS, each name that `EXAMPLE --list` prints is counted.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
 use crate::{ladder, packages, shell};
 
@@ -38,20 +39,6 @@ impl Plan {
             args,
         })
     }
-}
-
-/// Instructions in all, from callgrind's output file.
-pub fn instructions(file: &str) -> Option<u64> {
-    let value = |key| {
-        file.lines()
-            .find_map(|line: &str| line.strip_prefix(key)?.trim().parse().ok())
-    };
-    value("totals:").or_else(|| value("summary:"))
-}
-
-/// `(Ir(n2) - Ir(n1)) / (n2 - n1)`.
-pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
-    (counted[1] as f64 - counted[0] as f64) / (ticks[1] - ticks[0]) as f64
 }
 
 pub fn run(words: &[String]) -> Outcome {
@@ -106,17 +93,6 @@ fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
             costs.len()
         )
     }))
-}
-
-/// An example of `host-sim/sim`, as a user would run it.
-pub fn built(example: &str) -> Result<PathBuf, Outcome> {
-    let mut build = shell::cargo_locked("build");
-    build.args(["--release", "--package", "touchstone-sim", "--example"]);
-    let built = shell::run(build.arg(example));
-    if built.is_failure() {
-        return Err(built);
-    }
-    Ok(shell::target("release/examples").join(example))
 }
 
 fn count(plan: &Plan, binary: &Path, args: &[String]) -> Result<f64, Outcome> {

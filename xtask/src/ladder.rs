@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::bench::{built, instructions, per_tick};
+use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
 use crate::{packages, shell};
 

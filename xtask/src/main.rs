@@ -6,6 +6,7 @@
 
 mod bench;
 mod changes;
+mod counted;
 mod cycles;
 mod doc;
 mod emulator;

@@ -2,11 +2,10 @@
 
 use super::SceneOptions;
 use super::board_page;
+use super::browser::open;
 use super::out::{note, result, tell};
-use super::report_options::program;
-use std::ffi::OsStr;
+use super::report_options::program_name;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use touchstone_device::Address;
 use touchstone_live::page::{self, Content};
 use touchstone_sim::error::{Error, Result};
@@ -62,22 +61,6 @@ pub fn main(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Name, version and commit of this program.
-pub fn program_name() -> String {
-    let program = program();
-    let commit = program.commit.map(|commit| format!(", commit {commit}"));
-    let changed = if program.modified {
-        " with changes"
-    } else {
-        ""
-    };
-    format!(
-        "Touchstone {}{}{changed}",
-        program.version,
-        commit.unwrap_or_default()
-    )
-}
-
 /// The scene's words on the command line, without the options that are this page's own.
 fn source(scene: &str, command: &str) -> String {
     let mut words = command
@@ -127,25 +110,4 @@ fn write(path: &Path, page: &str) -> Result<()> {
     let beside = PathBuf::from(beside);
     std::fs::write(&beside, page).map_err(io)?;
     std::fs::rename(&beside, path).map_err(io)
-}
-
-/// Hands a file or an address to the desktop's browser; whether something took it.
-pub fn open(page: &OsStr) -> bool {
-    let openers: &[&[&str]] = if cfg!(target_os = "macos") {
-        &[&["open"]]
-    } else if cfg!(windows) {
-        &[&["cmd", "/C", "start", ""]]
-    } else {
-        &[&["xdg-open"], &["gio", "open"]]
-    };
-    openers.iter().any(|words| {
-        Command::new(words[0])
-            .args(&words[1..])
-            .arg(page)
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status()
-            .is_ok_and(|status| status.success())
-    })
 }

@@ -3,6 +3,7 @@
 mod accuracy;
 mod baseline;
 mod board_page;
+mod browser;
 mod certify;
 mod check;
 mod complain;

@@ -37,3 +37,19 @@ pub fn program() -> ProgramVersion {
         ..ProgramVersion::default()
     }
 }
+
+/// Name, version and commit of this program.
+pub fn program_name() -> String {
+    let program = program();
+    let commit = program.commit.map(|commit| format!(", commit {commit}"));
+    let changed = if program.modified {
+        " with changes"
+    } else {
+        ""
+    };
+    format!(
+        "Touchstone {}{}{changed}",
+        program.version,
+        commit.unwrap_or_default()
+    )
+}

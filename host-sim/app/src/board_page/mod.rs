@@ -13,8 +13,8 @@ mod rows;
 mod told;
 mod visitor;
 
+use super::browser::open;
 use super::interrupt::noted;
-use super::live::open;
 use super::out::{note, result, tell};
 use device_side::DeviceSide;
 use door::Door;
@@ -28,7 +28,7 @@ use visitor::Visitor;
 pub fn main(address: &Address, opens: bool) -> Result<()> {
     let stop = noted()?;
     let mut link = DeviceSide::new(address.clone(), Client::connect(address)?)?;
-    let program = super::live::program_name();
+    let program = super::report_options::program_name();
     let door = Door::open(|socket| {
         page::render(&page::Content {
             socket,

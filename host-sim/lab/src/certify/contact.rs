@@ -1,7 +1,6 @@
 //! A scene's law against a hand: the loop's matrix for each phase, and what the matrix alone does not say.
 
 use super::estimator::Estimator;
-use super::judge::SWING;
 use super::law::{LinearLaw, Phases, Switching};
 use super::plant::{Clock, Mechanics, sampled};
 use super::state_space::{Mode, StateSpace};
@@ -11,6 +10,10 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{plan, settings};
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
+
+/// How far a press swings about where it rests, in depths, where dry friction has to end it: one that comes at once swings by
+/// one.
+pub const SWING: f64 = 1.25;
 
 /// A law on a device.
 #[derive(Debug, Clone, PartialEq)]

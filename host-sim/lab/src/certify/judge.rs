@@ -2,7 +2,7 @@
 
 use super::Verdict;
 use super::contact::Contact;
-use super::hand_report::HandReport;
+use serde::Serialize;
 
 /// Slowest decay that still is called stable, 1/s.
 pub const SLOWEST_PER_S: f64 = 1.0;
@@ -20,9 +20,6 @@ pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
 pub const ROUNDING_GAIN: f64 = 1.05;
 /// Largest motion from rounding, root mean square, counts: four counts peak to peak, the threshold of a limit cycle, are nine times it.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
-/// How far a press swings about where it rests, in depths, where dry friction has to end it: one that comes at once swings by
-/// one.
-pub const SWING: f64 = 1.25;
 /// Largest speed of a bounce's return over that of its touch, over all phases of the tick, that is called stable: bounces, which meet
 /// every phase, die away.
 pub const BOUNCE: f64 = 1.1;
@@ -30,6 +27,58 @@ pub const BOUNCE: f64 = 1.1;
 pub const BOUNCE_GROWS: f64 = 1.7;
 /// Amplitude of a motion that still is rest, counts.
 pub const LEFT_COUNTS: f64 = 2.0;
+
+/// A phase of the law in one hand.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhaseReport {
+    /// Its name.
+    pub phase: &'static str,
+    /// Largest magnitude of an eigenvalue.
+    pub radius: f64,
+    /// How fast its slowest motion dies out, 1/s.
+    pub decay_per_s: f64,
+    /// That motion's frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// One hand.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HandReport {
+    /// `scene`, a grip, `worst of all`, or `nobody`.
+    pub name: String,
+    /// Inertia, damping, stiffness, pad's damping, pad's stiffness, SI; absent: nobody holds the device.
+    pub parameters: Option<[f64; 5]>,
+    /// What is said of it.
+    pub verdict: Verdict,
+    /// Why not stable.
+    pub causes: Vec<String>,
+    /// Every phase, the first contact last.
+    pub phases: Vec<PhaseReport>,
+    /// Largest eigenvalue over the lasting phases.
+    pub radius: f64,
+    /// How fast the slowest motion dies out, 1/s.
+    pub decay_per_s: f64,
+    /// The same with what dry friction takes from a swing of [`SWING`](super::contact::SWING) times the press' depth, as damping; absent without either.
+    pub decay_with_friction_per_s: Option<f64>,
+    /// That motion's frequency, Hz.
+    pub frequency_hz: f64,
+    /// Largest radius while a reading is taken 1 to [`ROUNDING_GAIN`] times.
+    pub radius_rounded: f64,
+    /// Motion from rounding to a count at rest, root mean square, counts; absent without an encoder or a stable loop.
+    pub rounding_rms_counts: Option<f64>,
+    /// Most motion from rounding that there can be, counts.
+    pub rounding_most_counts: Option<f64>,
+    /// Largest radius over gains between the phases.
+    pub radius_between: f64,
+    /// Least cosine of (16); above 0: whatever way the gain changes is covered. Absent where it does not, or an end is unstable.
+    pub switching: Option<f64>,
+    /// Largest speed of a bounce's return over that of its touch.
+    pub bounce: f64,
+    /// What the press borrows at most, of the loan; absent without a loan or a press.
+    pub loan_used: Option<f64>,
+    /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
+    pub friction_holds_rad: f64,
+}
 
 /// Gives a report its verdict and causes; `phase` is that of its slowest motion.
 pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {

@@ -32,8 +32,9 @@ mod tests;
 pub mod touch;
 
 use contact::Contact;
-use hand_report::{HandReport, Played, report};
+use hand_report::{Played, report};
 use hands::Family;
+use judge::HandReport;
 use margins::Margins;
 use serde::Serialize;
 use touchstone_sim::error::Result;

@@ -111,7 +111,7 @@ impl Judgement {
                 }
                 if over > HOPELESS {
                     // Lost is lost by every figure; by how much, the eigenvalues say.
-                    let radius = super::linear::radius(scene).min(10.0);
+                    let radius = super::eigenvalue::radius(scene).min(10.0);
                     return Cost {
                         value: 1e3 + over + 1e2 * radius,
                         worst: f64::INFINITY,

@@ -4,36 +4,22 @@
 //! loop's eigenvalues say it. So a search begins where they are best.
 
 use super::cost::Cost;
+use super::eigenvalue::radius;
 use super::parameters::{Axis, at};
 use super::search::{self, Until};
 use crate::certify::contact::Contact;
-use crate::certify::hands::GRIPS;
 use crate::certify::state_space::StateSpace;
 use crate::scorecard::rivals::Rival;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 use touchstone_sim::scene::Scene;
 
-/// Gains of the position that a loop should survive: counts, friction and a touch that is lost at times all act as such.
-const GAINS: [f64; 3] = [0.7, 1.0, 1.3];
 /// Looks of a search for each parameter.
 const LOOKS_PER_PARAMETER: u64 = 60;
 /// Frequency at which a hand should feel `k_de`, Hz.
 const MOVING_HZ: f64 = 4.0;
 /// What cannot be built at all.
 const REFUSED: f64 = 1e3;
-
-/// Largest eigenvalue of the loop over grips, phases and `GAINS`; infinite for settings that the law refuses.
-#[must_use]
-pub fn radius(scene: &Scene) -> f64 {
-    let Ok(contact) = Contact::of(scene) else {
-        return f64::INFINITY;
-    };
-    GRIPS
-        .iter()
-        .flat_map(|(_, hand)| GAINS.map(|gain| contact.radius_at_gain(Some(hand), gain)))
-        .fold(0.0, f64::max)
-}
 
 /// To be made small: how slowly or how fast the worst motion dies out or grows, and how far the law is from `k_de` at 4 Hz.
 fn cost(scene: &Scene) -> f64 {

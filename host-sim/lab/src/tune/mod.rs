@@ -8,6 +8,7 @@
 pub mod campaign;
 pub mod cost;
 pub mod diagnosis;
+mod eigenvalue;
 pub mod linear;
 pub mod outcome;
 pub mod parameters;

@@ -4,6 +4,7 @@
 //! of the control crate), [`chain::Stage`] (limit, steps), [`chain::Crossing`] (delay, plant), then what is recorded.
 
 pub mod chain;
+mod crossed;
 pub mod effects;
 pub mod judge;
 pub mod live;

@@ -4,8 +4,8 @@ use touchstone_world::plant::train::{
     Current, DriveTrain, Friction, Harmonic, Links, LuGre, Shaft, Sliding, TrainState, Transmission,
 };
 
+use super::crossed;
 use super::mechanics::{Mechanics, Standing};
-use super::plan;
 use crate::error::Result;
 use crate::scene::{Integrator, Scene};
 
@@ -99,7 +99,7 @@ impl Train {
         // The parts of a tick share its substeps by their lengths.
         let per_s = f64::from(self.substeps) / scene.timing.period_s();
         let substeps = |interval_s: f64| (interval_s * per_s).ceil().max(1.0) as u32;
-        plan::crossed_apart(
+        crossed::crossed_apart(
             scene,
             |h| DriveTrain::<N, K>::new(&self.links, &self.shaft, h, substeps(h)),
             TrainState::moving(device, hand),
@@ -114,7 +114,7 @@ pub fn links(scene: &Scene) -> Links {
     Links {
         device: touchstone_world::plant::Device {
             friction: None,
-            ..plan::device(scene)
+            ..crossed::device(scene)
         },
         current: device.current_loop.as_ref().map(|current| Current {
             bandwidth_hz: current.bandwidth_hz,
@@ -126,7 +126,7 @@ pub fn links(scene: &Scene) -> Links {
             knob_inertia: it.knob_share * device.inertia_kg_m2,
             gap: it.play_rad,
         }),
-        hand: plan::hand(scene),
+        hand: crossed::hand(scene),
     }
 }
 

@@ -1,29 +1,34 @@
 //! The table itself.
 
 use super::Kind::{Choice, Flag, Text, Whole};
-use super::Range::{Any, AtLeast, Exactly, NotNegative, NotZero, Positive, UpTo, Within};
+use super::Range::{Any, Exactly, NotNegative, Positive, UpTo, Within};
+use super::hand_fields::OPERATOR;
 use super::{Field, Kind, Range};
 use crate::scene::device::Integrator;
 use crate::scene::law::Number;
-use crate::scene::operator::{FASTEST_RAMP_S, FASTEST_WIGGLE_HZ};
 use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
 use touchstone_control::{Choice as _, setting_path};
 
 impl Field {
-    const fn absent(self, meaning: &'static str) -> Field {
+    pub(super) const fn absent(self, meaning: &'static str) -> Field {
         Field {
             absent: Some(meaning),
             ..self
         }
     }
 
-    const fn only(self, motions: &'static [&'static str]) -> Field {
+    pub(super) const fn only(self, motions: &'static [&'static str]) -> Field {
         Field { motions, ..self }
     }
 }
 
-const fn field(path: &'static str, unit: &'static str, kind: Kind, about: &'static str) -> Field {
+pub(super) const fn field(
+    path: &'static str,
+    unit: &'static str,
+    kind: Kind,
+    about: &'static str,
+) -> Field {
     Field {
         path,
         unit,
@@ -34,7 +39,7 @@ const fn field(path: &'static str, unit: &'static str, kind: Kind, about: &'stat
     }
 }
 
-const fn number(
+pub(super) const fn number(
     path: &'static str,
     unit: &'static str,
     range: Range,
@@ -42,32 +47,6 @@ const fn number(
 ) -> Field {
     field(path, unit, Kind::Number(range), about)
 }
-
-const PRESSES: &[&str] = &["ramp-and-hold", "press-wiggle-release", "touch-and-press"];
-const TIMED: &[&str] = &[
-    "ramp-and-hold",
-    "tap",
-    "press-wiggle-release",
-    "touch-and-press",
-];
-const TOUCH: &[&str] = &["touch-and-press"];
-const WIGGLE: &[&str] = &["press-wiggle-release"];
-const TAP: &[&str] = &["tap"];
-const RECORDED: &[&str] = &["recorded"];
-
-/// Grips and motions by their names in scenes.
-const GRIPS: &[&str] = &["none", "light", "medium", "firm", "custom"];
-const MOTIONS: &[&str] = &[
-    "none",
-    "ramp-and-hold",
-    "tap",
-    "press-wiggle-release",
-    "touch-and-press",
-    "recorded",
-];
-
-/// Path of the field that decides which other fields a motion has.
-pub(crate) const MOTION_KIND: &str = "operator.motion.kind";
 
 /// Tables that may be left out as a whole, and what that means.
 pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
@@ -341,189 +320,6 @@ const NUMBER: &[Field] = &[field(
     Choice(Number::WORDS),
     "the number format that the law computes in",
 )];
-
-const OPERATOR: &[Field] = &[
-    field("operator.grip", "", Choice(GRIPS), "how the knob is held"),
-    number(
-        "operator.hand.pad_stiffness_n_m_per_rad",
-        "n_m_per_rad",
-        Positive,
-        "the fingertip pad's stiffness",
-    ),
-    number(
-        "operator.hand.pad_damping_n_m_s_per_rad",
-        "n_m_s_per_rad",
-        NotNegative,
-        "the fingertip pad's damping",
-    ),
-    number(
-        "operator.hand.inertia_kg_m2",
-        "kg_m2",
-        Positive,
-        "the hand's moment of inertia",
-    ),
-    number(
-        "operator.hand.damping_n_m_s_per_rad",
-        "n_m_s_per_rad",
-        NotNegative,
-        "the hand's damping",
-    ),
-    number(
-        "operator.hand.stiffness_n_m_per_rad",
-        "n_m_per_rad",
-        Positive,
-        "the stiffness between hand and rest point",
-    ),
-    number(
-        "operator.tremor.amplitude_rad",
-        "rad",
-        NotNegative,
-        "the amplitude of the rest point's tremor",
-    ),
-    number(
-        "operator.tremor.frequency_hz",
-        "hz",
-        UpTo(30.0),
-        "the tremor's rate",
-    ),
-    number(
-        "operator.reflex.delay_s",
-        "s",
-        Within(0.0, 1.0),
-        "the time from a stretch to the muscles' answer",
-    ),
-    number(
-        "operator.reflex.muscle_stiffness_n_m_per_rad",
-        "n_m_per_rad",
-        NotNegative,
-        "the torque of that answer by stretch",
-    ),
-    field(
-        MOTION_KIND,
-        "",
-        Choice(MOTIONS),
-        "what the hand sets out to do",
-    ),
-    number(
-        "operator.motion.start_s",
-        "s",
-        NotNegative,
-        "the time at which the hand starts to move",
-    )
-    .only(TIMED),
-    number(
-        "operator.motion.touch_ramp_s",
-        "s",
-        AtLeast(FASTEST_RAMP_S),
-        "the time from rest to the light touch",
-    )
-    .only(TOUCH),
-    number(
-        "operator.motion.touch_s",
-        "s",
-        Positive,
-        "the time of the light touch",
-    )
-    .only(TOUCH),
-    number(
-        "operator.motion.touch_torque_n_m",
-        "n_m",
-        Positive,
-        "the static torque of the light touch",
-    )
-    .only(TOUCH),
-    number(
-        "operator.motion.ramp_s",
-        "s",
-        AtLeast(FASTEST_RAMP_S),
-        "the time from rest to the full push",
-    )
-    .only(PRESSES),
-    number(
-        "operator.motion.wiggle_s",
-        "s",
-        Positive,
-        "the time of the wiggling",
-    )
-    .only(WIGGLE),
-    number(
-        "operator.motion.hold_s",
-        "s",
-        Positive,
-        "the time of the steady push",
-    )
-    .only(PRESSES),
-    number(
-        "operator.motion.release_s",
-        "s",
-        AtLeast(FASTEST_RAMP_S),
-        "the time from the push back to rest",
-    )
-    .only(PRESSES),
-    number(
-        "operator.motion.push_torque_n_m",
-        "n_m",
-        Positive,
-        "the static torque of the push",
-    )
-    .only(PRESSES),
-    number(
-        "operator.motion.wiggle_amplitude_n_m",
-        "n_m",
-        NotNegative,
-        "the torque by which the push rises and falls",
-    )
-    .only(WIGGLE),
-    number(
-        "operator.motion.wiggle_frequency_hz",
-        "hz",
-        UpTo(FASTEST_WIGGLE_HZ),
-        "the rate of the wiggling",
-    )
-    .only(WIGGLE),
-    number(
-        "operator.motion.velocity_rad_per_s",
-        "rad_per_s",
-        Positive,
-        "the device's speed at the wall",
-    )
-    .only(TAP),
-    number(
-        "operator.motion.approach_rad",
-        "rad",
-        Positive,
-        "the distance outside the wall at which the hand starts",
-    )
-    .only(TIMED),
-    field(
-        "operator.motion.file",
-        "",
-        Text,
-        "the recording, a CSV file",
-    )
-    .only(RECORDED),
-    number(
-        "operator.motion.scale",
-        "",
-        NotZero,
-        "the factor on the recorded motion",
-    )
-    .only(RECORDED),
-    number(
-        "operator.motion.offset_rad",
-        "rad",
-        Any,
-        "the distance of the recording's mean from the surface (positive inside)",
-    )
-    .only(RECORDED),
-    field(
-        "operator.motion.exact",
-        "",
-        Flag,
-        "whether the angles are the rest point as they stand, each until the next",
-    )
-    .only(RECORDED),
-];
 
 /// Of the law's table: its rows as fields, and all fields in their order.
 macro_rules! table {

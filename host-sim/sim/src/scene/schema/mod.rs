@@ -5,9 +5,11 @@
 //! [`touchstone_control::law_settings`].
 
 mod fields;
+mod hand_fields;
 
 pub use fields::FIELDS;
-pub(crate) use fields::{MOTION_KIND, OPTIONAL_TABLES};
+pub(crate) use fields::OPTIONAL_TABLES;
+pub(crate) use hand_fields::MOTION_KIND;
 
 /// What a field may hold.
 #[derive(Debug, Clone, Copy, PartialEq)]

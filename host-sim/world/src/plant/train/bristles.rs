@@ -1,6 +1,6 @@
 //! LuGre friction over a substep.
 
-use super::shaft::{LuGre, level};
+use super::friction::{LuGre, level};
 
 /// Advances the bristles; gives their mean torque against the positive direction, N·m.
 ///

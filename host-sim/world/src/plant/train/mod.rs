@@ -14,12 +14,14 @@
 //! exact.
 
 mod bristles;
+mod friction;
 mod links;
 mod shaft;
 mod state;
 
+pub use friction::{Friction, LuGre, Sliding};
 pub use links::{Current, Links, Transmission};
-pub use shaft::{Friction, Harmonic, LuGre, Shaft, Sliding};
+pub use shaft::{Harmonic, Shaft};
 pub use state::TrainState;
 
 use super::device::{Invalid, not_negative};

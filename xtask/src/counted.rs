@@ -1,0 +1,31 @@
+//! Instructions that valgrind counts, of an example.
+
+use std::path::PathBuf;
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+/// Instructions in all, from callgrind's output file.
+pub fn instructions(file: &str) -> Option<u64> {
+    let value = |key| {
+        file.lines()
+            .find_map(|line: &str| line.strip_prefix(key)?.trim().parse().ok())
+    };
+    value("totals:").or_else(|| value("summary:"))
+}
+
+/// `(Ir(n2) - Ir(n1)) / (n2 - n1)`.
+pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
+    (counted[1] as f64 - counted[0] as f64) / (ticks[1] - ticks[0]) as f64
+}
+
+/// An example of `host-sim/sim`, as a user would run it.
+pub fn built(example: &str) -> Result<PathBuf, Outcome> {
+    let mut build = shell::cargo_locked("build");
+    build.args(["--release", "--package", "touchstone-sim", "--example"]);
+    let built = shell::run(build.arg(example));
+    if built.is_failure() {
+        return Err(built);
+    }
+    Ok(shell::target("release/examples").join(example))
+}
