@@ -3,50 +3,12 @@
 use super::Kind::{Choice, Flag, Text, Whole};
 use super::Range::{Any, Exactly, NotNegative, Positive, UpTo, Within};
 use super::hand_fields::OPERATOR;
-use super::{Field, Kind, Range};
+use super::{Field, field, number};
 use crate::scene::device::Integrator;
 use crate::scene::law::Number;
 use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
 use touchstone_control::{Choice as _, setting_path};
-
-impl Field {
-    pub(super) const fn absent(self, meaning: &'static str) -> Field {
-        Field {
-            absent: Some(meaning),
-            ..self
-        }
-    }
-
-    pub(super) const fn only(self, motions: &'static [&'static str]) -> Field {
-        Field { motions, ..self }
-    }
-}
-
-pub(super) const fn field(
-    path: &'static str,
-    unit: &'static str,
-    kind: Kind,
-    about: &'static str,
-) -> Field {
-    Field {
-        path,
-        unit,
-        kind,
-        about,
-        absent: None,
-        motions: &[],
-    }
-}
-
-pub(super) const fn number(
-    path: &'static str,
-    unit: &'static str,
-    range: Range,
-    about: &'static str,
-) -> Field {
-    field(path, unit, Kind::Number(range), about)
-}
 
 /// Tables that may be left out as a whole, and what that means.
 pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[

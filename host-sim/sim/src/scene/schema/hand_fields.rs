@@ -1,9 +1,8 @@
 //! The fields of the operator: hand, what it does by itself, motion.
 
-use super::Field;
 use super::Kind::{Choice, Flag, Text};
 use super::Range::{Any, AtLeast, NotNegative, NotZero, Positive, UpTo, Within};
-use super::fields::{field, number};
+use super::{Field, field, number};
 use crate::scene::operator::{FASTEST_RAMP_S, FASTEST_WIGGLE_HZ};
 
 const PRESSES: &[&str] = &["ramp-and-hold", "press-wiggle-release", "touch-and-press"];

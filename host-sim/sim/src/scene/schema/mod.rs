@@ -98,6 +98,39 @@ pub struct Field {
 }
 
 impl Field {
+    const fn absent(self, meaning: &'static str) -> Field {
+        Field {
+            absent: Some(meaning),
+            ..self
+        }
+    }
+
+    const fn only(self, motions: &'static [&'static str]) -> Field {
+        Field { motions, ..self }
+    }
+}
+
+const fn field(path: &'static str, unit: &'static str, kind: Kind, about: &'static str) -> Field {
+    Field {
+        path,
+        unit,
+        kind,
+        about,
+        absent: None,
+        motions: &[],
+    }
+}
+
+const fn number(
+    path: &'static str,
+    unit: &'static str,
+    range: Range,
+    about: &'static str,
+) -> Field {
+    field(path, unit, Kind::Number(range), about)
+}
+
+impl Field {
     /// Last part of the path.
     pub fn name(&self) -> &'static str {
         self.path
