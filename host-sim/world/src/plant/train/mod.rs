@@ -30,7 +30,7 @@ use super::stepper::{Loss, Port, Stepper};
 use links::{GAP, REST, SHAFT, TORQUE};
 
 /// A drive train with `N` linear states, prepared for intervals of one length. `K` is `N + 4`: the states and what is held during a
-/// substep, see [`links`].
+/// substep, see `links`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveTrain<const N: usize, const K: usize> {
     links: Links,
