@@ -2,24 +2,11 @@
 
 use serde_json::{Value, json};
 
-use crate::report::plain_schema::{array, document, object};
+use crate::report::plain_schema::{array, document, object, program};
 
 /// The schema.
 #[must_use]
 pub fn schema() -> Value {
-    let program = object(
-        &[
-            ("name", "string", "the program"),
-            ("version", "string", "its version"),
-            ("commit", "string?", "commit that it was built from"),
-            (
-                "modified",
-                "boolean",
-                "whether its sources differed from the commit",
-            ),
-        ],
-        &[],
-    );
     let eigenvalue = object(
         &[
             (
@@ -120,7 +107,7 @@ pub fn schema() -> Value {
                 ),
             ],
             &[
-                ("program", program),
+                ("program", program()),
                 ("states", words()),
                 ("eigenvalues", array(eigenvalue)),
                 ("reasons", words()),
