@@ -11,7 +11,7 @@
 //! ```
 
 use crate::format::Format;
-use crate::source::Source;
+use crate::source::{Source, one_with};
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Position, Stiffness};
@@ -24,16 +24,6 @@ fn quarter<N: Format>() -> i64 {
 /// A position of at most a quarter, and not negative.
 fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
-}
-
-/// A value of which a condition is likely to hold: the sampler tries a few times, the checker takes any.
-fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
-    loop {
-        let value = any(s);
-        if likes(&value) || !s.shortcut() {
-            return value;
-        }
-    }
 }
 
 impl<N: Format> Valid<N> for Guard<N> {
