@@ -15,11 +15,11 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any number; on samples more often one of a size that settings have.
-fn value<S: Source>(s: &mut S) -> Si {
+/// Any number; on samples mostly the thesis' or a part of it, or hardly any would be accepted.
+fn value<S: Source>(s: &mut S, base: Si) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
-        (bits & i64::MAX) >> (20 + (bits & 31))
+        base.to_bits() >> (bits & 7)
     } else {
         bits
     })
@@ -27,13 +27,19 @@ fn value<S: Source>(s: &mut S) -> Si {
 
 /// Any settings of a law; guard and estimator off.
 fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
+    let base = Settings::thesis();
+    let rate_hz = s.u32();
     Settings {
         law,
-        rate_hz: s.u32(),
-        k_desired: value(s),
-        k_soft: value(s),
-        device_damping: value(s),
-        virtual_damping: value(s),
+        rate_hz: if s.shortcut() {
+            1 + rate_hz % 4000
+        } else {
+            rate_hz
+        },
+        k_desired: value(s, base.k_desired),
+        k_soft: value(s, base.k_soft),
+        device_damping: value(s, base.device_damping),
+        virtual_damping: value(s, base.virtual_damping),
         observer: if s.bool() {
             ObserverForm::Exact
         } else {
@@ -60,18 +66,18 @@ fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
         } else {
             IdealStep::Force
         },
-        step_of_ideal: value(s),
-        limit_of_force: value(s),
-        limit_of_penetration: value(s),
+        step_of_ideal: value(s, base.step_of_ideal),
+        limit_of_force: value(s, base.limit_of_force),
+        limit_of_penetration: value(s, base.limit_of_penetration),
         filter: FilterSettings {
-            mass: value(s),
-            stiffness: value(s),
-            damping: value(s),
-            ground_damping: value(s),
+            mass: value(s, base.filter.mass),
+            stiffness: value(s, base.filter.stiffness),
+            damping: value(s, base.filter.damping),
+            ground_damping: value(s, base.filter.ground_damping),
         },
-        energy_credit: value(s),
-        force_limit: value(s),
-        ..Settings::thesis()
+        energy_credit: value(s, base.energy_credit),
+        force_limit: value(s, base.force_limit),
+        ..base
     }
 }
 

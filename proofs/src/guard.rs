@@ -400,7 +400,7 @@ mod accepted {
             damping: Si::from_bits(i64::from(s.u32()) >> (s.bits(5) as u32)),
         };
         let device = GuardedDevice {
-            rate_hz: 100 << (s.bits(3)),
+            rate_hz: 1 << s.bits(4),
             force_limit: Si::from_bits(i64::from(s.u32())),
             count: Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> 8),
         };

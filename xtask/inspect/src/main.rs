@@ -25,7 +25,7 @@ use cortex::ProgramCode;
 
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
-                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] | refuted REPORT HARNESS | refuting REPORT | \
+                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | \
                      operators instrument WORK WITHOUT | operators refused WORK MESSAGES | operators alone NUMBER WORK | operators table OUTCOMES; \
                      `cargo xtask` calls it from the workspace's folder";
 
@@ -48,14 +48,22 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
                 report: &text(report)?,
                 usage: &text(usage)?,
                 memory_kib: memory.parse().map_err(|_| USAGE.to_owned())?,
+                memo: &path(report).with_file_name("proved.tsv"),
             };
             match rest {
                 [part] => proofs::some(&run, part),
-                [words, machine] => proofs::whole(&run, words, machine, false),
-                [words, machine, "--bless"] => proofs::whole(&run, words, machine, true),
+                [words, machine] => proofs::whole(&run, words, machine, false, None),
+                [words, machine, "--bless"] => proofs::whole(&run, words, machine, true, None),
+                [words, machine, "--resume", list] => {
+                    proofs::whole(&run, words, machine, false, Some(&text(list)?))
+                }
+                [words, machine, "--bless", "--resume", list] => {
+                    proofs::whole(&run, words, machine, true, Some(&text(list)?))
+                }
                 _ => Ok(Answer::Usage(USAGE.into())),
             }
         }
+        ["remaining", list, memo] => proofs::remaining(&text(list)?, path(memo)),
         ["statements", lock] => proofs::unchanged(&text(lock)?),
         ["operators", "instrument", work, without] => {
             operators::instrument(path(work), path(without))

@@ -21,7 +21,7 @@ const BRIDGE: &str = "specified";
 pub struct Statements(BTreeMap<String, u64>);
 
 /// FNV-1a.
-fn add(hash: u64, text: &str) -> u64 {
+pub fn add(hash: u64, text: &str) -> u64 {
     text.bytes().chain([0]).fold(hash, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
