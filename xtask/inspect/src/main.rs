@@ -12,6 +12,7 @@ mod changes;
 mod cortex;
 mod firmware;
 mod floats;
+mod operators;
 mod proofs;
 mod thumb;
 mod vectors;
@@ -24,7 +25,8 @@ use cortex::ProgramCode;
 
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
-                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] | refuted REPORT HARNESS; \
+                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] | refuted REPORT HARNESS | refuting REPORT | \
+                     operators instrument WORK WITHOUT | operators refused WORK MESSAGES | operators alone NUMBER WORK | operators table OUTCOMES; \
                      `cargo xtask` calls it from the workspace's folder";
 
 fn answer(words: &[&str]) -> Result<Answer, String> {
@@ -55,6 +57,13 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
             }
         }
         ["statements", lock] => proofs::unchanged(&text(lock)?),
+        ["operators", "instrument", work, without] => {
+            operators::instrument(path(work), path(without))
+        }
+        ["operators", "refused", work, messages] => operators::refused(path(work), path(messages)),
+        ["operators", "alone", number, work] => operators::alone(number, path(work)),
+        ["operators", "table", outcomes] => operators::table(path(outcomes)),
+        ["refuting", report] => proofs::refuting(&text(report)?),
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
         _ => Ok(Answer::Usage(USAGE.into())),
     }

@@ -7,6 +7,7 @@
 
 pub mod checker;
 mod coq;
+mod systematic;
 mod usage;
 
 use std::ffi::OsStr;
@@ -17,10 +18,10 @@ use std::time::Instant;
 use crate::outcome::Outcome;
 use crate::{inspect, mutants, shell};
 use checker::{Left, MEMORY_KIB, Which};
+use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str =
-    "cargo xtask prove [--harness NAME] [--bless] [--theorems] | --mutants [--tests | --theorems]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--theorems] | --mutants [--tests | --theorems | --systematic [--shard I/N] [--proofs]]";
 const LOCK: &str = "proofs/harnesses.lock";
 /// Harnesses that run at the same time.
 const JOBS: u32 = 2;
@@ -41,6 +42,7 @@ pub fn run(args: &[String]) -> Outcome {
     match words.as_slice() {
         ["--theorems"] => return coq::run(),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
+        ["--mutants", "--systematic", rest @ ..] => return by_rule(rest),
         _ => {}
     }
     match words.as_slice() {
@@ -59,6 +61,22 @@ pub fn run(args: &[String]) -> Outcome {
             with_theorems(theorems, whole(words.contains(&"--bless")))
         }
     }
+}
+
+/// `--shard I/N` and `--proofs`, either, both or none.
+fn by_rule(words: &[&str]) -> Outcome {
+    let (proofs, words) = match words {
+        [words @ .., "--proofs"] => (true, words),
+        words => (false, words),
+    };
+    let shard = match words {
+        [] => Some(Shard::ALL),
+        ["--shard", text] => Shard::read(text),
+        _ => None,
+    };
+    shard.map_or(Outcome::Usage(USAGE.into()), |shard| {
+        systematic::run(shard, proofs)
+    })
 }
 
 /// Harnesses with theorems: what failed, else what did not run, else both.

@@ -206,6 +206,22 @@ pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
     })
 }
 
+/// The harnesses of which an assertion of their own failed.
+pub fn refuting(report: &str) -> Result<Answer, String> {
+    let found = report::read(report)?;
+    let refuted: Vec<&String> = found
+        .iter()
+        .filter(|(_, verdict)| {
+            matches!(verdict.answer, report::Answer::Refuted(_)) && verdict.own_failed
+        })
+        .map(|(name, _)| name)
+        .collect();
+    for name in &refuted {
+        println!("{name}");
+    }
+    Ok(Answer::Right(format!("{} refuted", refuted.len())))
+}
+
 fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, String> {
     let verdict = found.get(harness).ok_or("the harness did not run")?;
     if found.len() != 1 {
