@@ -16,8 +16,8 @@ use touchstone_control::law::{
     Contact, EnhancedSfa, EnhancedState, Fba, Law, Sample, Sfa, Spring, Tdpa,
 };
 use touchstone_control::{
-    Compliance, Divisor, Energy, Fixed8, Fixed32, Force, Guard, Number, ObserverForm, Position,
-    Ratio, Stiffness,
+    Compliance, Divisor, Energy, FirstContact, Fixed8, Fixed32, Force, Guard, Number, ObserverForm,
+    Position, Ratio, Stiffness,
 };
 
 fn any_sample<N: Format, S: Source>(s: &mut S) -> Sample<N> {
@@ -206,12 +206,12 @@ macro_rules! refines {
                 }
             }
             property! {
-                /// P11, enhanced law, the hand-over to the mass.
+                /// P11, enhanced law, the hand-over to the mass, with its force kept.
                 equation "memory' = spec(memory)"
-                over "valid configuration, memory in the invariant in first contact"
-                by $enhanced fn p11_hand_over(s) {
-                    let observer = if s.bool() { ObserverForm::Exact } else { ObserverForm::Thesis };
-                    let (law, series) = such!(s, any_enhanced::<N, S>(s, observer), |it| enhanced_ok(&it), "validate");
+                over "valid configuration that keeps the force, memory in the invariant in first contact"
+                by $enhanced fn p11_hand_over_force(s) {
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
+                    let law = EnhancedSfa { first_contact: FirstContact::KeepForce, ..law };
                     let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let mut state = before;
                     law.hand_over(&mut state);
@@ -219,7 +219,22 @@ macro_rules! refines {
                     let expected = spec.hand_over(&specified::of_enhanced(&before));
                     assert!(expected == specified::of_enhanced(&state));
                     cover!(s, state.augmented.mass.position != before.last, "behind");
-                    cover!(s, state.energy == before.energy && before.energy > Energy::zero(), "not covered, or not stretched");
+                }
+            }
+            property! {
+                /// P11, enhanced law, the hand-over to the mass, at rest between its springs.
+                equation "memory' = spec(memory)"
+                over "valid configuration that starts without an offset, memory in the invariant in first contact"
+                by $enhanced fn p11_hand_over_rest(s) {
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
+                    let law = EnhancedSfa { first_contact: FirstContact::ZeroOffset, ..law };
+                    let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
+                    let mut state = before;
+                    law.hand_over(&mut state);
+                    let spec = specified::enhanced(&law, specified::gain(series));
+                    let expected = spec.hand_over(&specified::of_enhanced(&before));
+                    assert!(expected == specified::of_enhanced(&state));
+                    cover!(s, state.augmented.mass.position != before.last, "behind");
                 }
             }
             property! {
