@@ -60,6 +60,7 @@ impl<N: Spatial> SurfacePoint<N> {
             at,
             normal: nearest.normal,
             depth: nearest.depth,
+            moved: None,
         };
         if nearest.depth <= Position::zero() {
             self.inside = None;
@@ -104,6 +105,7 @@ fn restricted<N: Spatial>(
             at,
             normal: nearest.normal,
             depth: nearest.depth,
+            moved: None,
         };
     }
     let side = &nearest.normal;
@@ -112,10 +114,18 @@ fn restricted<N: Spatial>(
         if let Some(depth) = surface.exit(at, &normal, side)
             && best.is_none_or(|best| depth < best.depth)
         {
-            best = Some(Touch { at, normal, depth });
+            best = Some(Touch {
+                at,
+                normal,
+                depth,
+                moved: None,
+            });
         }
     };
-    consider(*direction);
+    if !surface.is_round() {
+        consider(*direction);
+    }
+    // Of the closest one it is known already that it is outside the cone.
     let mut towards = |way: Direction<N>| {
         let inside = Position::<N>(direction.cosine(&way)) >= Position(turn.cosine);
         consider(if inside {
@@ -124,12 +134,13 @@ fn restricted<N: Spatial>(
             direction.turned(&way, turn)
         });
     };
-    towards(nearest.normal);
+    towards(*side);
     surface.ways(&mut towards);
     // Where no way leads out, the direction stays until one does.
     best.unwrap_or(Touch {
         at,
         normal: *direction,
         depth: nearest.depth,
+        moved: None,
     })
 }

@@ -14,6 +14,8 @@ pub struct Touch<N: Spatial> {
     pub normal: Direction<N>,
     /// How deep the HIP is below the surface point, positive inside.
     pub depth: Position<N>,
+    /// Displacement per tick, where it is estimated; else it is that since the last tick.
+    pub moved: Option<Vector<Position<N>>>,
 }
 
 /// The last tick, for displacements.
@@ -29,23 +31,32 @@ fn is_rounding<N: Spatial>(change: Position<N>, moved: Position<N>) -> bool {
 }
 
 impl<N: Spatial> Track<N> {
-    /// How far the HIP moved, as a vector; zero in the first tick.
+    /// How far the HIP moved, as a vector; zero in the first tick, where it is not estimated.
     #[inline]
     #[must_use]
     pub fn moved(&self, touch: &Touch<N>) -> Vector<Position<N>> {
-        self.last
-            .map_or(Vector::default(), |last| touch.at - last.at)
+        touch.moved.unwrap_or_else(|| {
+            self.last
+                .map_or(Vector::default(), |last| touch.at - last.at)
+        })
     }
 
     /// Penetration and inward displacement along the normal **of the last tick**, along which the last force acts: so that force
     /// times displacement is the work at the port, `F·Δx`.
     ///
     /// On a surface that does not turn it is the change of the penetration, to the bit: what a law of one degree of
-    /// freedom is told.
+    /// freedom is told. An estimated displacement is taken along the same normal, as it is.
     #[inline]
     #[must_use]
     pub fn sample(&self, touch: &Touch<N>) -> Sample<N> {
         let e = touch.depth;
+        if let Some(moved) = touch.moved {
+            let normal = self.normal().unwrap_or(touch.normal);
+            return Sample {
+                e,
+                moved: normal.opposite().component(moved),
+            };
+        }
         let Some(last) = &self.last else {
             return Sample::measured(e, Position::zero());
         };
