@@ -19,8 +19,8 @@ pub trait Spatial: Number {
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
     /// `x · part / whole` towards zero with one rounding, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
-    /// `u · v` rounded down once, saturating; exact for `u` of whole numbers.
-    fn dot(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
+    /// `u · v` of a direction and a vector, rounded down once, saturating; exact for `u` of whole numbers.
+    fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
     /// `|v|` rounded down: less than a quantum below. Saturates at the largest signal.
     fn length_down(v: Axes<Self::Signal>) -> Self::Signal;
     /// `|v|` rounded up: less than a quantum above. Saturates at the largest signal.
@@ -126,6 +126,20 @@ macro_rules! fixed_spatial {
             fn long(v: Axes<<$name as Number>::Signal>) -> Axes<i64> {
                 v.map(|x| i64::from(x.to_bits()))
             }
+            /// The scalar product of a direction, which is at most 1 long, and a vector: all of its sums fit.
+            #[inline(always)]
+            fn inner([ux, uy, uz]: Axes<i64>, [vx, vy, vz]: Axes<i64>) -> i64 {
+                ux.wrapping_mul(vx)
+                    .wrapping_add(uy.wrapping_mul(vy))
+                    .wrapping_add(uz.wrapping_mul(vz))
+            }
+            /// A product of two signals as a signal, rounded down, saturating.
+            #[inline(always)]
+            fn rounded_down(product: i64) -> <$name as Number>::Signal {
+                let down = product >> <$name as Number>::Signal::FRAC_NBITS;
+                let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
+                <$name as Number>::Signal::from_bits(down.max(least).min(most) as $int)
+            }
             /// The leading digits of a long vector, its largest component with the highest bit but two of a word; `None` of the zero vector.
             #[inline(always)]
             fn leading(v: Axes<i64>) -> Option<Axes<<$name as Number>::Signal>> {
@@ -176,18 +190,8 @@ macro_rules! fixed_spatial {
                 Self::with_sign(size, x < 0)
             }
             #[inline(always)]
-            fn dot(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal {
-                let product = |a: Self::Signal, b: Self::Signal| {
-                    i64::from(a.to_bits()).wrapping_mul(i64::from(b.to_bits()))
-                };
-                let ([ux, uy, uz], [vx, vy, vz]) = (u, v);
-                // Of words of 32 bits, three largest products do not fit; of a direction and a vector, they do.
-                let sum = product(ux, vx)
-                    .saturating_add(product(uy, vy))
-                    .saturating_add(product(uz, vz));
-                let down = sum >> Self::Signal::FRAC_NBITS;
-                let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
-                Self::Signal::from_bits(down.max(least).min(most) as $int)
+            fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal {
+                Self::rounded_down(Self::inner(Self::long(u), Self::long(v)))
             }
             #[inline(always)]
             fn length_down(v: Axes<Self::Signal>) -> Self::Signal {
@@ -229,12 +233,7 @@ macro_rules! fixed_spatial {
             fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal> {
                 const ONE_BITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
                 let ([ux, uy, uz], [vx, vy, vz]) = (Self::long(u), Self::long(v));
-                // A direction is at most 1 long, so every sum below is at most that of a vector's length and 2^ONE_BITS.
-                let along = ux
-                    .wrapping_mul(vx)
-                    .wrapping_add(uy.wrapping_mul(vy))
-                    .wrapping_add(uz.wrapping_mul(vz));
-                let along = towards_zero(along, ONE_BITS);
+                let along = towards_zero(Self::inner([ux, uy, uz], [vx, vy, vz]), ONE_BITS);
                 let part = |u: i64, v: i64| {
                     let long = (v << ONE_BITS).wrapping_sub(along.wrapping_mul(u));
                     Self::Signal::from_bits(towards_zero(long, ONE_BITS) as $int)
@@ -338,20 +337,20 @@ macro_rules! float_spatial {
                 }
             }
             #[inline(always)]
-            fn dot(u: Axes<$float>, v: Axes<$float>) -> $float {
+            fn along(u: Axes<$float>, v: Axes<$float>) -> $float {
                 u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
             }
             #[inline(always)]
             fn length_down(v: Axes<$float>) -> $float {
-                Self::dot(v, v).sqrt()
+                Self::along(v, v).sqrt()
             }
             #[inline(always)]
             fn length_up(v: Axes<$float>) -> $float {
-                Self::dot(v, v).sqrt()
+                Self::along(v, v).sqrt()
             }
             #[inline(always)]
             fn longer(v: Axes<$float>, limit: $float) -> bool {
-                Self::dot(v, v) > limit * limit
+                Self::along(v, v) > limit * limit
             }
             #[inline(always)]
             fn three_quarters(x: $float) -> $float {
@@ -367,7 +366,7 @@ macro_rules! float_spatial {
             }
             #[inline(always)]
             fn across(u: Axes<$float>, v: Axes<$float>) -> Axes<$float> {
-                let along = Self::dot(u, v);
+                let along = Self::along(u, v);
                 let [x, y, z] = u.map(|u| along * u);
                 [v[0] - x, v[1] - y, v[2] - z]
             }

@@ -1,5 +1,6 @@
 //! What the shells are told of a contact, and how the hand moved along its normal.
 
+use super::environment::Nearest;
 use super::number::Spatial;
 use super::vector::{Direction, Vector};
 use crate::Position;
@@ -18,10 +19,24 @@ pub struct Touch<N: Spatial> {
     pub moved: Option<Vector<Position<N>>>,
 }
 
+impl<N: Spatial> Touch<N> {
+    /// Of a measured place.
+    #[inline(always)]
+    #[must_use]
+    pub fn measured(at: Vector<Position<N>>, seen: Nearest<N>) -> Self {
+        Self {
+            at,
+            normal: seen.normal,
+            depth: seen.depth,
+            moved: None,
+        }
+    }
+}
+
 /// The last tick, for displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Track<N: Spatial> {
-    last: Option<Touch<N>>,
+    last: Option<(Vector<Position<N>>, Nearest<N>)>,
 }
 
 /// A change of the penetration that is the displacement but for the rounding of two projections.
@@ -37,7 +52,7 @@ impl<N: Spatial> Track<N> {
     pub fn moved(&self, touch: &Touch<N>) -> Vector<Position<N>> {
         touch.moved.unwrap_or_else(|| {
             self.last
-                .map_or(Vector::default(), |last| touch.at - last.at)
+                .map_or(Vector::default(), |(last, _)| touch.at - last)
         })
     }
 
@@ -57,12 +72,12 @@ impl<N: Spatial> Track<N> {
                 moved: normal.opposite().component(moved),
             };
         }
-        let Some(last) = &self.last else {
+        let Some((at, last)) = &self.last else {
             return Sample::measured(e, Position::zero());
         };
         let change = e - last.depth;
         // Rounded down: never further in than it went, so that no law books work that was not done.
-        let moved = last.normal.opposite().component(touch.at - last.at);
+        let moved = last.normal.opposite().component(touch.at - *at);
         let straight = last.normal == touch.normal && is_rounding(change, moved);
         Sample {
             e,
@@ -73,18 +88,22 @@ impl<N: Spatial> Track<N> {
     /// The normal of the last tick.
     #[must_use]
     pub fn normal(&self) -> Option<Direction<N>> {
-        self.last.map(|last| last.normal)
+        self.last.map(|(_, last)| last.normal)
     }
 
     /// The penetration of the last tick; 0 before the first.
     #[must_use]
     pub fn depth(&self) -> Position<N> {
-        self.last.map_or(Position::zero(), |last| last.depth)
+        self.last.map_or(Position::zero(), |(_, last)| last.depth)
     }
 
     /// After the tick.
     #[inline]
     pub fn keep(&mut self, touch: &Touch<N>) {
-        self.last = Some(*touch);
+        let seen = Nearest {
+            normal: touch.normal,
+            depth: touch.depth,
+        };
+        self.last = Some((touch.at, seen));
     }
 }

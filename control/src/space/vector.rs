@@ -160,19 +160,19 @@ impl<N: Spatial> Direction<N> {
     #[inline(always)]
     #[must_use]
     pub fn component(&self, v: Vector<Position<N>>) -> Position<N> {
-        Position(N::dot(self.0, v.signals()))
+        Position(N::along(self.0, v.signals()))
     }
     /// The component of a force along it, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn component_of_force(&self, v: Vector<Force<N>>) -> Force<N> {
-        Force(N::dot(self.0, v.signals()))
+        Force(N::along(self.0, v.signals()))
     }
     /// The cosine of the angle to another, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn cosine(&self, other: &Self) -> N::Signal {
-        N::dot(self.0, other.0)
+        N::along(self.0, other.0)
     }
     /// So far along it: each component towards zero.
     #[inline(always)]
