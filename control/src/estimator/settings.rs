@@ -1,6 +1,6 @@
 //! What the estimator is told, in SI, and the coefficients that it becomes.
 
-use super::flow::{DeviceInTicks, LONGEST_DELAY};
+use super::flow::{DeviceInTicks, LONGEST_DELAY, approach};
 use super::{Estimator, Weight};
 use crate::number::Exact;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
@@ -19,6 +19,34 @@ fn over(a: Si, b: Si) -> Si {
     a.checked_div(b).unwrap_or(Si::MAX)
 }
 
+/// A bandwidth against its range, a 500th to a fifth of the control rate.
+pub(crate) fn check_bandwidth(
+    field: Field,
+    bandwidth_hz: Si,
+    rate_hz: u32,
+) -> Result<(), SettingsError> {
+    let rate = Si::saturating_from_num(rate_hz.max(1));
+    let (min, max) = (
+        over(rate, const { Si::const_from_int(500) }),
+        over(rate, const { Si::const_from_int(5) }),
+    );
+    if bandwidth_hz < min || bandwidth_hz > max {
+        return Err(SettingsError::OutOfRange {
+            field,
+            value: bandwidth_hz,
+            min,
+            max,
+        });
+    }
+    Ok(())
+}
+
+/// `2π p T`.
+pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
+    let rate = Si::saturating_from_num(rate_hz.max(1));
+    ratio(bandwidth_hz, rate).saturating_mul(Exact::TAU)
+}
+
 /// - `bandwidth_hz` is `p`: the three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
 /// - `inertia`: so large that the largest force gives at most 1 rad a tick², and at most 6e7 T².
 /// - `damping`: what would make the device slower to coast than the estimator is fast to see (`b/J` above `2π p`) is left to the
@@ -32,24 +60,7 @@ impl EstimatorSettings {
     pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), SettingsError> {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
-        let check = |field, value: Si, min: Si, max: Si| {
-            if value < min || value > max {
-                Err(SettingsError::OutOfRange {
-                    field,
-                    value,
-                    min,
-                    max,
-                })
-            } else {
-                Ok(())
-            }
-        };
-        check(
-            Field::EstimatorBandwidth,
-            self.bandwidth_hz,
-            over(rate, const { Si::const_from_int(500) }),
-            over(rate, const { Si::const_from_int(5) }),
-        )?;
+        check_bandwidth(Field::EstimatorBandwidth, self.bandwidth_hz, rate_hz)?;
         // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
         // digits.)
         let (lightest, heaviest) = (
@@ -81,7 +92,7 @@ impl EstimatorSettings {
         self.validate(rate_hz, force_limit)?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         let inertia = self.inertia.saturating_mul(rate).saturating_mul(rate);
-        let angle = ratio(self.bandwidth_hz, rate).saturating_mul(Exact::TAU);
+        let angle = per_tick(self.bandwidth_hz, rate_hz);
         let device = DeviceInTicks {
             loss: ratio(self.damping.saturating_mul(rate), inertia).min(angle),
             per_torque: ratio(Si::ONE, inertia),
@@ -106,12 +117,7 @@ impl EstimatorSettings {
 
 /// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`.
 fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
-    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
-    let decay = DeviceInTicks {
-        loss: angle,
-        ..*device
-    };
-    let fast = angle.saturating_mul(decay.integrals(Exact::ONE).0);
+    let fast = approach(angle);
     let pole = Exact::ONE.saturating_sub(fast);
     let (reach, drift) = device.integrals(Exact::ONE);
     let kept = Exact::ONE.saturating_sub(device.loss.saturating_mul(reach));

@@ -9,7 +9,10 @@
 //! What still does not fit (0.7 kg at 10 kHz) is refused by the error of the coefficient's own field.
 
 use crate::settings::{FilterSettings, Settings, Si};
-use crate::{AnyLaw, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind};
+use crate::{
+    AnyLaw, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind, VelocityKind,
+    VelocitySettings,
+};
 
 /// Which length is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,6 +71,11 @@ impl LengthUnit {
                 ..GuardSettings::default()
             },
             states: StatesKind::Measured,
+            // A direction that turns is no axis whose velocity could be filtered.
+            velocity: VelocitySettings {
+                from: VelocityKind::Told,
+                ..VelocitySettings::default()
+            },
             ..*si
         }
     }
