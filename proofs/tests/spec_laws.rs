@@ -117,7 +117,11 @@ fn every_tick_of_the_spring_is_its_specification() {
         let AnyLaw::Spring(law, state) = law else {
             panic!("{settings:?}")
         };
-        let (k, b, limit) = (at32::gain(law.desired), at32::gain(law.damping), wide(law.limit.0));
+        let (k, b, limit) = (
+            at32::gain(law.desired),
+            at32::gain(law.damping),
+            wide(law.limit.0),
+        );
         let force = sfa::spring_tick(k, b, limit, wide(e), wide(moved));
         let got = law.tick(state, sample(e, moved));
         assert_eq!(
