@@ -6,6 +6,7 @@ mod survey;
 mod trace;
 
 pub use choice::{described, library};
+pub use run::guard;
 
 use super::out::{self, say};
 use choice::WhichDevice;

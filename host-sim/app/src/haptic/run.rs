@@ -132,8 +132,8 @@ impl fmt::Display for Scenery {
     }
 }
 
-/// What the guard takes for sure of a device, SI: its damping is the thesis' (§5.2), its delay the sheet's.
-fn guard(sheet: &DataSheet, rate_hz: u32) -> GuardSettings {
+/// What the guard takes for sure of a device, SI: its damping is the thesis' (§5.2).
+pub fn guard(delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
     // Rounded down, as the guard's own range is.
     let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
@@ -141,7 +141,7 @@ fn guard(sheet: &DataSheet, rate_hz: u32) -> GuardSettings {
         capacity: si(0.04),
         damping: si(2.5),
         overspeed: si(1.5),
-        delay: si(sheet.delay_s).min(tick_s),
+        delay: si(delay_s).min(tick_s),
         ..GuardSettings::default()
     }
 }
@@ -155,7 +155,8 @@ fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) 
     WallSettings {
         law,
         per_axis: options.per_axis,
-        guard: (!options.no_guard).then(|| guard(sheet, rate_hz)),
+        estimator: None,
+        guard: (!options.no_guard).then(|| guard(sheet.delay_s, rate_hz)),
         count_m: sheet.count_m,
     }
 }
