@@ -84,7 +84,7 @@ pub mod w64 {
 }
 
 macro_rules! space {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, unit $unit:ident, within $within:ident, work $work:ident, leaving $leaving:ident, friction $friction:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -94,7 +94,7 @@ macro_rules! space {
                 /// P4: a direction is never longer than one, its components have the signs of the vector's, and only the zero vector has none.
                 equation "|u| <= 1"
                 over "every vector"
-                by $solver fn p4_unit(s) {
+                by $unit fn p4_unit(s) {
                     let v = positions::<N, S>(s);
                     let bits = position_bits(v);
                     let Some(u) = Direction::of(v) else {
@@ -115,7 +115,7 @@ macro_rules! space {
                 /// P4: a limited vector is within the limit, none of its components grows or changes its sign, and one within the limit is left as it is.
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
                 over "every vector, every limit from 0 to below the end of the format"
-                by $solver fn p4_within(s) {
+                by $within fn p4_within(s) {
                     let (v, limit) = (forces::<N, S>(s), N::any_force(s));
                     let bits = force_bits(v);
                     let most = i128::from(N::of_signal(limit.0));
@@ -163,7 +163,7 @@ macro_rules! space {
                 /// P1: the work of a vector is the exact sum of three exact products.
                 equation "W = Σ F_i d_i"
                 over "forces and displacements of at most a quarter of the format"
-                by $solver fn p1_vector_work(s) {
+                by $work fn p1_vector_work(s) {
                     let quarter = N::of_signal(N::HIGHEST) >> 2;
                     let f = such!(s, forces::<N, S>(s), |f| short(force_bits(f), quarter), "VectorGuard::new");
                     let d = such!(s, positions::<N, S>(s), |d| short(position_bits(d), quarter), "VectorGuard::tick: overspeed");
@@ -178,7 +178,7 @@ macro_rules! space {
                 /// and where no axis has left, no rule ends it.
                 equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
                 over "penetrations outside, offsets, of at most a quarter of the format"
-                by $solver fn p7_leaving(s) {
+                by $leaving fn p7_leaving(s) {
                     let quarter = N::of_signal(N::HIGHEST) >> 2;
                     let outside = |v: &[i64; 3]| v.iter().all(|x| (-quarter..=0).contains(x));
                     let e = such!(s, positions::<N, S>(s), |e| outside(&position_bits(e)), "outside: PerAxis::tick");
@@ -198,7 +198,7 @@ macro_rules! space {
                 /// P4 and P7: friction is never longer than what its state allows, sliding or not, and without a normal force nothing is remembered.
                 equation "|z| <= reach_k f_n  or stuck and  |z| <= reach_s f_n"
                 over "configuration with kinetic at most static, any memory, position along the axes"
-                by $solver fn p4_friction(s) {
+                by $friction fn p4_friction(s) {
                     let eighth = N::of_signal(N::HIGHEST) >> 3;
                     let near = |v: [i64; 3]| v.iter().all(|x| x.abs() <= eighth);
                     let law = Friction::<N> {
@@ -245,11 +245,11 @@ macro_rules! space {
 }
 space!(
     /// 8 bits, all inputs.
-    w8, Fixed8, by cadical
+    w8, Fixed8, unit cadical, within cadical, work cadical, leaving cadical, friction cadical
 );
 space!(
     /// As shipped, on samples.
-    w32, Fixed32, by sampled
+    w32, Fixed32, unit sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 
 /// A direction that turns, as shipped, on samples: products of products are beyond the solvers.
