@@ -84,7 +84,7 @@ pub mod w64 {
 }
 
 macro_rules! space {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, unit $unit:ident, within $within:ident, work $work:ident, leaving $leaving:ident, friction $friction:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, unit $unit:ident, across $across:ident, within $within:ident, work $work:ident, leaving $leaving:ident, friction $friction:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -149,7 +149,7 @@ macro_rules! space {
                 /// P4: what of a vector is across a direction is never longer than the vector.
                 equation "|v - (v·u) u| <= |v|"
                 over "every direction that a vector can have, every vector"
-                by $solver fn p4_across(s) {
+                by $across fn p4_across(s) {
                     let (along, v) = (positions::<N, S>(s), positions::<N, S>(s));
                     let Some(u) = Direction::of(along) else {
                         return;
@@ -245,11 +245,11 @@ macro_rules! space {
 }
 space!(
     /// 8 bits, all inputs.
-    w8, Fixed8, unit cadical, within cadical, work cadical, leaving cadical, friction cadical
+    w8, Fixed8, unit cadical, across cadical, within cadical, work cadical, leaving cadical, friction cadical
 );
 space!(
     /// As shipped, on samples.
-    w32, Fixed32, unit sampled, within sampled, work sampled, leaving sampled, friction sampled
+    w32, Fixed32, unit sampled, across sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 
 /// A direction that turns, as shipped, on samples: products of products are beyond the solvers.
