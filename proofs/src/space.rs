@@ -3,6 +3,9 @@
 //! ```text
 //! r² <= n < (r + 1)²                       p5_root_karatsuba
 //! |u| <= 1, no zero vector has one         p4_unit
+//! |v| > l  <=>  Σ v_i² > l²                p4_longer
+//! |v across u| <= |v|                      p4_across
+//! |u turned| <= 1, by no more than asked   p4_turned
 //! |F'| <= limit, no component grows        p4_within
 //! W = Σ F_i d_i                            p1_vector_work
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
@@ -127,6 +130,36 @@ macro_rules! space {
                 }
             }
             property! {
+                /// P4: a vector is told to be longer than a limit just where it is, and its length and direction by one root are those by two.
+                equation "|v| > l  <=>  Σ v_i² > l²"
+                over "every vector, every limit that is not negative"
+                by $solver fn p4_longer(s) {
+                    let (v, limit) = (positions::<N, S>(s), N::any_position(s));
+                    assume!(s, limit >= Position::zero(), "limits are not negative");
+                    let most = i128::from(N::of_signal(limit.0));
+                    let longer = v.is_longer(limit);
+                    assert!(longer == (squares(position_bits(v)) > most * most));
+                    let (length, direction) = Direction::polar(v);
+                    assert!(length == v.length_down() && direction == Direction::of(v));
+                    cover!(s, longer, "longer");
+                    cover!(s, !longer && position_bits(v)[0] < 0, "within");
+                }
+            }
+            property! {
+                /// P4: what of a vector is across a direction is never longer than the vector.
+                equation "|v - (v·u) u| <= |v|"
+                over "every direction that a vector can have, every vector"
+                by $solver fn p4_across(s) {
+                    let (along, v) = (positions::<N, S>(s), positions::<N, S>(s));
+                    let Some(u) = Direction::of(along) else {
+                        return;
+                    };
+                    let across = position_bits(u.across(v));
+                    assert!(squares(across) <= squares(position_bits(v)));
+                    cover!(s, across != [0; 3] && across != position_bits(v), "a part is across");
+                }
+            }
+            property! {
                 /// P1: the work of a vector is the exact sum of three exact products.
                 equation "W = Σ F_i d_i"
                 over "forces and displacements of at most a quarter of the format"
@@ -185,6 +218,7 @@ macro_rules! space {
                         at,
                         normal: Direction::along(2, s.bool()),
                         depth: Position::quantum(),
+                        moved: None,
                     };
                     let at = such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length");
                     let home = Touch { at, ..touch };
@@ -217,6 +251,42 @@ space!(
     /// As shipped, on samples.
     w32, Fixed32, by sampled
 );
+
+/// A direction that turns, as shipped, on samples: products of products are beyond the solvers.
+pub mod turn {
+    use super::*;
+    use touchstone_control::space::Turn;
+    type N = Fixed32;
+
+    property! {
+        /// P4: a turned direction is never longer than 1, nor shorter than 1 by two quanta, and lies from the old one by the angle that was asked for.
+        equation "|u'| <= 1, u·u' = cos a"
+        over "directions, ratios of across to along"
+        by sampled fn p4_turned(s) {
+            let (a, b) = (positions::<N, S>(s), positions::<N, S>(s));
+            let (Some(from), Some(to)) = (Direction::of(a), Direction::of(b)) else {
+                return;
+            };
+            let ratio = N::any_position(s);
+            assume!(s, ratio > Position::zero(), "Rule::Restricted: a cone");
+            let turn = Turn::of_ratio(ratio.0);
+            let turned = from.turned(&to, &turn);
+            let bits = turned.0.map(|x| N::of_signal(x));
+            let one = i128::from(1_i64 << N::SIGNAL_BITS);
+            assert!(squares(bits) <= one * one);
+            assert!(squares(bits) >= (one - 3) * (one - 3));
+            if turned == from {
+                return;
+            }
+            let was = from.0.map(|x| N::of_signal(x));
+            let cosine: i128 = bits.iter().zip(was).map(|(x, y)| i128::from(*x) * i128::from(y)).sum();
+            let asked = i128::from(N::of_signal(turn.cosine)) * one;
+            assert!((cosine - asked).abs() <= 8 * one);
+            cover!(s, turn.sine > turn.cosine, "far");
+            cover!(s, N::of_signal(turn.sine) < 1000, "by a hair");
+        }
+    }
+}
 
 /// The vector guard as shipped, on samples: three axes of products are beyond the solvers at 8 bits already.
 pub mod guard {

@@ -164,6 +164,7 @@ impl<N: Number> Guard<N> {
         };
         N::signal(device.force_limit).ok_or(refused::<N>(Field::ForceLimit, device.force_limit))?;
         quarter(Field::GuardCapacity, settings.capacity)?;
+        quarter(Field::GuardRefill, over(settings.refill, rate))?;
         quarter(
             Field::GuardDamping,
             derived.damping.saturating_mul(derived.distance),

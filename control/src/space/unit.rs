@@ -8,10 +8,12 @@
 //!
 //! What still does not fit (0.7 kg at 10 kHz) is refused by the error of the coefficient's own field.
 
+use super::number::Spatial;
+use super::place_estimator::PlaceEstimator;
 use crate::settings::{FilterSettings, Settings, Si};
 use crate::{
-    AnyLaw, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind, VelocityKind,
-    VelocitySettings,
+    AnyLaw, EstimatorSettings, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind,
+    VelocityKind, VelocitySettings,
 };
 
 /// Which length is 1.
@@ -94,6 +96,28 @@ impl LengthUnit {
         }
         .validate()?;
         AnyLaw::new(&unit)
+    }
+
+    /// An estimator an axis, of settings given in SI.
+    ///
+    /// # Errors
+    /// As [`EstimatorSettings::estimator`]; ranges are told in this unit.
+    pub fn estimator<N: Spatial>(
+        self,
+        si: &[EstimatorSettings; 3],
+        rate_hz: u32,
+        force_limit: Si,
+    ) -> Result<PlaceEstimator<N>, SettingsError> {
+        let axis = |si: &EstimatorSettings| {
+            let unit = EstimatorSettings {
+                inertia: self.per_length(si.inertia),
+                damping: self.per_length(si.damping),
+                ..*si
+            };
+            unit.estimator(rate_hz, force_limit)
+        };
+        let [x, y, z] = si;
+        Ok(PlaceEstimator::new([axis(x)?, axis(y)?, axis(z)?]))
     }
 
     /// The settings of the energy guard and its device, given in SI, in this unit.

@@ -84,7 +84,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Calibrate { no_wait } => {
             command(DeviceCommand::Calibrate)?;
             if !no_wait {
-                return calibrated(&mut client);
+                calibrated(&mut client)?;
             }
         }
         BoardAction::Arm => command(DeviceCommand::Arm)?,
@@ -113,7 +113,7 @@ fn state(name: &str) -> Result<()> {
 }
 
 /// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
-fn calibration_limit(settings: &DeviceSettings) -> Duration {
+pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
     // Positive by its range; what is not is no reason to panic.
@@ -121,13 +121,13 @@ fn calibration_limit(settings: &DeviceSettings) -> Duration {
 }
 
 /// Waits for the end of a calibration.
-fn calibrated(client: &mut Client) -> Result<()> {
+pub fn calibrated(client: &mut Client) -> Result<()> {
     let limit = calibration_limit(&client.settings()?);
     let until = Instant::now() + limit;
     loop {
         let status = status_of(client)?;
         let (problem, fix) = match status.phase {
-            Phase::Ready | Phase::Armed => return state(status.phase.name()),
+            Phase::Ready | Phase::Armed => return Ok(()),
             Phase::Calibrating if Instant::now() < until => {
                 std::thread::sleep(Duration::from_millis(50));
                 continue;

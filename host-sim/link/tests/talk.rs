@@ -95,6 +95,7 @@ impl Device {
             cycles: 0,
             lateness_cycles: 0,
             current_q_ma: 0,
+            measuring: None,
         }))
     }
 }

@@ -1,6 +1,6 @@
 //! `touchstone config`: the settings of a device, one by one or all at once.
 
-mod toml_file;
+pub mod toml_file;
 
 use super::out::{self, print, say, tell};
 use super::port::PortOption;

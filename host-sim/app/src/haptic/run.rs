@@ -155,6 +155,7 @@ fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) 
     WallSettings {
         law,
         per_axis: options.per_axis,
+        estimator: None,
         guard: (!options.no_guard).then(|| guard(sheet.delay_s, rate_hz)),
         count_m: sheet.count_m,
     }
