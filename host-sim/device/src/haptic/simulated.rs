@@ -32,6 +32,10 @@ impl Default for DeviceTwin {
 
 /// A plant with its state.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one in a device, and it stays where it is"
+)]
 enum Simulated {
     Held(Cartesian<HeldLinear>, [State<4>; 3]),
     Alone(Cartesian<BareLinear>, [State<2>; 3]),
