@@ -104,7 +104,7 @@ macro_rules! space {
                     };
                     assert!(bits != [0; 3]);
                     let one = N::exact(1 << N::SIGNAL_BITS);
-                    let unit = u.0.map(|x| N::of_signal(x));
+                    let unit = u.0.map(N::of_signal);
                     assert!(squares::<N>(unit) <= one * one);
                     let signs = unit.iter().zip(bits).all(|(u, v)| *u == 0 || (*u < 0) == (v < 0));
                     assert!(signs);
@@ -274,14 +274,14 @@ pub mod turn {
             assume!(s, ratio > Position::zero(), "Rule::Restricted: a cone");
             let turn = Turn::of_ratio(ratio.0);
             let turned = from.turned(&to, &turn);
-            let bits = turned.0.map(|x| N::of_signal(x));
+            let bits = turned.0.map(N::of_signal);
             let one = i128::from(1_i64 << N::SIGNAL_BITS);
             assert!(squares::<N>(bits) <= one * one);
             assert!(squares::<N>(bits) >= (one - 3) * (one - 3));
             if turned == from {
                 return;
             }
-            let was = from.0.map(|x| N::of_signal(x));
+            let was = from.0.map(N::of_signal);
             let cosine: i128 = bits.iter().zip(was).map(|(x, y)| i128::from(*x) * i128::from(y)).sum();
             let asked = i128::from(N::of_signal(turn.cosine)) * one;
             assert!((cosine - asked).abs() <= 8 * one);
