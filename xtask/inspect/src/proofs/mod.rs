@@ -83,9 +83,9 @@ pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
         .iter()
         .filter(|name| !known.contains_key(*name))
         .collect();
-    // What was never proved first: there is most to learn of it.
+    // What was proved once, first: it is known to come to an end.
     let locked = std::fs::read_to_string(LOCK).unwrap_or_default();
-    left.sort_by_key(|name| locked.contains(&format!("{name} ")));
+    left.sort_by_key(|name| !locked.contains(&format!("{name} ")));
     for name in left {
         println!("{name}");
     }
