@@ -120,11 +120,18 @@ pub fn whole(
         missing.extend(not_there.map(|name| format!("{name}: did not run")));
     }
     if bless {
-        // What was proved, and nothing else.
+        // What was proved; and what was before and is not now, with the number that it had then, so that it is named.
         let proved = found.iter().filter(|(_, verdict)| verdict.proved());
-        let lines: String = proved.fold(String::new(), |text, (name, _)| {
-            text + &statements.line(name) + "\n"
-        });
+        let mut lines: Vec<String> = proved.map(|(name, _)| statements.line(name)).collect();
+        let before = std::fs::read_to_string(LOCK).unwrap_or_default();
+        let is_there = |line: &str| {
+            let name = line.split(' ').next().unwrap_or_default();
+            found.get(name).is_some_and(Verdict::proved)
+        };
+        let old = before.lines().filter(|line| !is_there(line));
+        lines.extend(old.map(str::to_owned));
+        lines.sort();
+        let lines: String = lines.into_iter().map(|line| line + "\n").collect();
         std::fs::write(LOCK, lines).map_err(|why| format!("{LOCK}: {why}"))?;
     }
     let mut wrong = wrong(&found, run.memory_kib);
