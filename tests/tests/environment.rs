@@ -114,6 +114,8 @@ fn a_mirrored_environment_answers_a_mirrored_motion_with_mirrored_forces() {
         for (seed, mut settings) in (1..).zip(laws()) {
             // A guard that has to limit, and one that has not: its roundings must be mirrored as well.
             settings.guard.capacity = si(if seed % 2 == 0 { "0.001" } else { "0.045" });
+            // And one that answers for a late force, whose share of a displacement is rounded.
+            settings.guard.delay = si(if seed % 3 == 0 { "0.0004" } else { "0" });
             let mut here = built::<N>(&settings, &walls, Some(&detent));
             let mut there = built::<N>(&settings, &images, Some(&image));
             let (mut limited, mut pushed) = (0, [0, 0]);
@@ -338,6 +340,28 @@ fn one_account_answers_for_all_walls_and_detents() {
     );
     assert!(guarded[1] > 5.0 * capacity);
     assert!(apart > 1.5 * capacity);
+}
+
+#[test]
+fn what_all_of_them_ask_for_is_limited_as_one_force() {
+    let settings = Settings {
+        law: LawKind::Spring,
+        states: StatesKind::Measured,
+        ..Settings::thesis()
+    };
+    let limit = Force::<Fixed32>::from_si(settings.force_limit).unwrap();
+    let nested = [wall("0", Side::Above), wall("0.01", Side::Above)];
+    let mut both = built::<Fixed32>(&settings, &nested, Some(&detents()));
+    // 0.06 rad deep: 0.3 and 0.25 N·m of springs, and detents that push as well.
+    let deep = (0.06 / COUNT_RAD) as i64;
+    assert_eq!(both.tick(&at(deep), None), limit);
+    let images = nested.each_ref().map(mirrored);
+    let mut both = built::<Fixed32>(&settings, &images, None);
+    assert_eq!(both.tick(&at(-deep), None), -limit);
+    // Two that overlap from either side push against each other.
+    let facing = [wall("-0.02", Side::Above), wall("0.02", Side::Below)];
+    let mut squeezed = built::<Fixed32>(&settings, &facing, None);
+    assert_eq!(squeezed.tick(&at(0), None), Force::zero());
 }
 
 #[test]

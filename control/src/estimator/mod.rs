@@ -30,7 +30,7 @@ mod settings;
 pub use crate::settings::EstimatorSettings;
 pub use flow::{Flow, TAPS, UNDER_WAY};
 pub(crate) use flow::{approach, free};
-pub(crate) use settings::{check_bandwidth, per_tick};
+pub(crate) use settings::{check_bandwidth, per_tick, ratio_of_bits};
 
 use crate::law::Sample;
 use crate::number::Wide as _;

@@ -7,9 +7,14 @@ use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
 /// `a / b` for two positive values, saturating.
 fn ratio(a: Si, b: Si) -> Exact {
-    let bits = i128::from(a.to_bits())
+    ratio_of_bits(a.to_bits(), b.to_bits())
+}
+
+/// The same for two positive values of one format, by their bits.
+pub(crate) fn ratio_of_bits(a: i64, b: i64) -> Exact {
+    let bits = i128::from(a)
         .wrapping_shl(Exact::FRAC_NBITS)
-        .checked_div(i128::from(b.to_bits()))
+        .checked_div(i128::from(b))
         .unwrap_or(i128::from(i64::MAX));
     Exact::from_bits(i64::try_from(bits).unwrap_or(i64::MAX))
 }

@@ -1,7 +1,7 @@
 //! What a velocity filter is told, in SI, and the coefficients that it becomes.
 
 use super::{FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope, Smoothed, Tracker, Velocity};
-use crate::estimator::{Weight, approach, per_tick};
+use crate::estimator::{Weight, approach, per_tick, ratio_of_bits};
 use crate::number::Exact;
 use crate::{
     Field, Number, Position, Ratio, SettingsError, Si, Stiffness, VelocityKind, VelocitySettings,
@@ -72,9 +72,8 @@ fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let alpha = lost.saturating_mul(two.saturating_sub(lost));
     let beta = two.saturating_mul(lost).saturating_mul(lost);
     let gamma = if accelerates {
-        beta.saturating_mul(beta)
-            .checked_div(alpha.saturating_mul(two))
-            .unwrap_or_default()
+        let twice = alpha.saturating_mul(two);
+        ratio_of_bits(beta.saturating_mul(beta).to_bits(), twice.to_bits())
     } else {
         Exact::ZERO
     };

@@ -69,10 +69,10 @@ pub fn run(args: &[String]) -> Outcome {
         ["--mutants"] => mutants::by_proofs(),
         ["--harness", part] => some(part, jobs),
         _ => {
-            let theorems = coq::run();
-            println!("theorems over traces: {theorems}");
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            with_theorems(theorems, whole(bless, resume, jobs))
+            let harnesses = whole(bless, resume, jobs);
+            println!("harnesses: {harnesses}");
+            with_theorems(coq::run(), harnesses)
         }
     }
 }

@@ -212,6 +212,7 @@ fn every_number_ends_in_its_unit() {
             "periods_per_rev",
             "substeps",
             "lost_share",
+            "per_rev",
             "step_of_ideal",
             "limit_of_force",
             "limit_of_penetration",
