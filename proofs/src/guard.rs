@@ -120,7 +120,7 @@ fn too_fast<N: Format>(law: &Guard<N>, moved: Position<N>) -> bool {
 }
 
 macro_rules! guard {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sum $sum:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -160,7 +160,7 @@ macro_rules! guard {
                 /// trusted damping, and the charge for the change; not below the reserve, not above the capacity.
                 equation "B' = max(min(B + P T + f Δ - g u - |g| q + c m m, C), R)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
-                by $solver fn p1_account_is_the_sum(s) {
+                by $sum fn p1_account_is_the_sum(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
@@ -371,11 +371,11 @@ macro_rules! guard {
 guard!(
     /// At the width that the firmware runs: the same bodies on samples. Products of three unknowns are more than a solver follows
     /// there.
-    w32, Fixed32, by sampled
+    w32, Fixed32, by sampled, sum sampled
 );
 guard!(
     /// At 8 bits, where a solver has every case.
-    w8, Fixed8, by cadical
+    w8, Fixed8, by cadical, sum cadical
 );
 
 #[cfg(all(test, not(kani)))]

@@ -16,8 +16,8 @@ use touchstone_control::law::{
     Contact, EnhancedSfa, EnhancedState, Fba, Law, Sample, Sfa, Spring, Tdpa,
 };
 use touchstone_control::{
-    Compliance, Divisor, Energy, Fixed8, Fixed32, Force, Guard, Number, ObserverForm, Position,
-    Ratio, Stiffness,
+    Compliance, Divisor, Energy, FirstContact, Fixed8, Fixed32, Force, Guard, Number, ObserverForm,
+    Position, Ratio, Stiffness,
 };
 
 fn any_sample<N: Format, S: Source>(s: &mut S) -> Sample<N> {
@@ -61,7 +61,7 @@ fn at<N: Number>(contact: Contact, state: EnhancedState<N>) -> EnhancedState<N> 
 }
 
 macro_rules! refines {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $at:ident, by $solver:ident, enhanced $enhanced:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $at:ident, by $solver:ident, spring $spring:ident, thesis $thesis:ident, energy $energy:ident, first $first:ident, held $held:ident, rest $rest:ident, forces $forces:ident, paid $paid:ident, whole $whole:ident, guard $guard:ident, ends $ends:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -73,7 +73,7 @@ macro_rules! refines {
                 /// P11, spring with damping.
                 equation "f = spec(e, Δe), inside' = (e > 0)"
                 over "valid configuration, sample"
-                by $solver fn p11_spring(s) {
+                by $spring fn p11_spring(s) {
                     let law = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
                     let mut state = <Spring<N> as Valid<N>>::any_state(s);
                     let sample = any_sample::<N, S>(s);
@@ -89,7 +89,7 @@ macro_rules! refines {
                 /// P11, TDPA with the thesis' observer, inside.
                 equation "(E', f) = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
-                by $solver fn p11_tdpa_thesis(s) {
+                by $thesis fn p11_tdpa_thesis(s) {
                     let law = such!(s, Tdpa { observer: ObserverForm::Thesis, ..Tdpa::<N>::any(s) }, |law| law.valid(), "validate");
                     let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
@@ -107,7 +107,7 @@ macro_rules! refines {
                 /// P11, TDPA with the exact observer, inside: the energy.
                 equation "E' = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
-                by $solver fn p11_tdpa_exact_energy(s) {
+                by $energy fn p11_tdpa_exact_energy(s) {
                     let law = such!(s, Tdpa { observer: ObserverForm::Exact, ..Tdpa::<N>::any(s) }, |law| law.valid(), "validate");
                     let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
@@ -184,7 +184,7 @@ macro_rules! refines {
                 /// P11, enhanced law, until the first contact ends.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant outside or in first contact, sample that does not turn back inside"
-                by $enhanced fn p11_enhanced_first(s) {
+                by $first fn p11_enhanced_first(s) {
                     let observer = if s.bool() { ObserverForm::Exact } else { ObserverForm::Thesis };
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, observer), |it| enhanced_ok(&it), "validate");
                     let contact = if s.bool() { Contact::First } else { Contact::Free };
@@ -206,12 +206,12 @@ macro_rules! refines {
                 }
             }
             property! {
-                /// P11, enhanced law, the hand-over to the mass.
+                /// P11, enhanced law, the hand-over to the mass, with its force kept.
                 equation "memory' = spec(memory)"
-                over "valid configuration, memory in the invariant in first contact"
-                by $enhanced fn p11_hand_over(s) {
-                    let observer = if s.bool() { ObserverForm::Exact } else { ObserverForm::Thesis };
-                    let (law, series) = such!(s, any_enhanced::<N, S>(s, observer), |it| enhanced_ok(&it), "validate");
+                over "valid configuration that keeps the force, memory in the invariant in first contact"
+                by $held fn p11_hand_over_force(s) {
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
+                    let law = EnhancedSfa { first_contact: FirstContact::KeepForce, ..law };
                     let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let mut state = before;
                     law.hand_over(&mut state);
@@ -219,14 +219,29 @@ macro_rules! refines {
                     let expected = spec.hand_over(&specified::of_enhanced(&before));
                     assert!(expected == specified::of_enhanced(&state));
                     cover!(s, state.augmented.mass.position != before.last, "behind");
-                    cover!(s, state.energy == before.energy && before.energy > Energy::zero(), "not covered, or not stretched");
+                }
+            }
+            property! {
+                /// P11, enhanced law, the hand-over to the mass, at rest between its springs.
+                equation "memory' = spec(memory)"
+                over "valid configuration that starts without an offset, memory in the invariant in first contact"
+                by $rest fn p11_hand_over_rest(s) {
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
+                    let law = EnhancedSfa { first_contact: FirstContact::ZeroOffset, ..law };
+                    let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
+                    let mut state = before;
+                    law.hand_over(&mut state);
+                    let spec = specified::enhanced(&law, specified::gain(series));
+                    let expected = spec.hand_over(&specified::of_enhanced(&before));
+                    assert!(expected == specified::of_enhanced(&state));
+                    cover!(s, state.augmented.mass.position != before.last, "behind");
                 }
             }
             property! {
                 /// P11, enhanced law, the step of the offset (Algorithm 3.1, lines 7 to 13).
                 equation "O' = spec(memory, e)"
                 over "valid configuration, memory in the invariant after the first contact, position"
-                by $enhanced fn p11_offset(s) {
+                by $solver fn p11_offset(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let before = such!(s, at(Contact::Augmenting, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let e = N::any_position(s);
@@ -241,7 +256,7 @@ macro_rules! refines {
                 /// P11, enhanced law with the exact observer, after the first contact: the mass, its energy, the force on the hand.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant after the first contact, sample"
-                by $enhanced fn p11_augmenting_exact(s) {
+                by $whole fn p11_augmenting_exact(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let before = such!(s, at(Contact::Augmenting, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
@@ -259,7 +274,7 @@ macro_rules! refines {
                 /// P11, enhanced law with the thesis' observer, after the first contact.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant after the first contact, sample"
-                by $enhanced fn p11_augmenting_thesis(s) {
+                by $whole fn p11_augmenting_thesis(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Thesis), |it| enhanced_ok(&it), "validate");
                     let before = such!(s, at(Contact::Augmenting, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
@@ -276,7 +291,7 @@ macro_rules! refines {
                 /// P11, enhanced law: what drives the mass, and what the coupling shows.
                 equation "N0 = M d + k_f (e - x) + C Δe, f = floor(k_f (e - x) + C (Δe - d))"
                 over "valid configuration, memory in the invariant after the first contact, sample"
-                by $enhanced fn p11_mass_forces(s) {
+                by $forces fn p11_mass_forces(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let before = such!(s, at(Contact::Augmenting, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
@@ -293,7 +308,7 @@ macro_rules! refines {
                 /// P11, enhanced law: the mass' move that the energy pays for.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
-                by $enhanced fn p11_paid_move(s) {
+                by $paid fn p11_paid_move(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let (from, wanted, stored) = (N::any_position(s), N::any_force(s), N::any_energy(s));
                     let drive = such!(s, N::any_tension(s), |drive| drive_ok(&law.mass, drive), "p6_drive_is_exact");
@@ -313,7 +328,7 @@ macro_rules! refines {
                 /// P11, guard: a tick that is neither overspeed nor a deficit: account and force.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
-                by $solver fn p11_guard(s) {
+                by $guard fn p11_guard(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
@@ -335,7 +350,7 @@ macro_rules! refines {
                 /// P11, guard: overspeed, and a deficit.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
-                by $solver fn p11_guard_ends(s) {
+                by $ends fn p11_guard_ends(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
@@ -363,9 +378,9 @@ macro_rules! refines {
 
 refines!(
     /// At 8 bits: every case.
-    w8, Fixed8, at8, by kissat, enhanced kissat
+    w8, Fixed8, at8, by kissat, spring kissat, thesis kissat, energy kissat, first kissat, held kissat, rest kissat, forces kissat, paid kissat, whole sampled, guard kissat, ends kissat
 );
 refines!(
     /// As shipped, on samples from every memory of the invariant, reachable or not.
-    w32, Fixed32, at32, by sampled, enhanced sampled
+    w32, Fixed32, at32, by sampled, spring sampled, thesis sampled, energy sampled, first sampled, held sampled, rest sampled, forces sampled, paid sampled, whole sampled, guard sampled, ends sampled
 );

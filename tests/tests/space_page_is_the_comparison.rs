@@ -1,6 +1,6 @@
 //! The loop of the page of three axes is that of the thesis' comparison: the same hand gives the same forces, to the bit.
 
-use touchstone_control::LawKind;
+use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{
     Approach, Cell, Object, ProbingMotion, RADIUS_MM, RATE_HZ, run, settings,
 };
@@ -91,7 +91,13 @@ fn a_choice_survives_its_text_and_nonsense_is_refused() {
 #[test]
 fn a_stiff_wall_shows_its_stiffness_and_its_guard_pays_little() {
     let mut choice = choice(Object::Sphere, Approach::Magnitude, 25.0);
-    choice.guard = Some(choice.law.guard);
+    let si = Si::from_num::<f64>;
+    choice.guard = Some(GuardSettings {
+        capacity: si(0.04),
+        damping: si(2.5),
+        overspeed: si(1.5),
+        ..choice.law.guard
+    });
     let mut page = SpaceLoop::new(choice).unwrap();
     let (depth, length, true_j) = (
         column("depth_mm"),

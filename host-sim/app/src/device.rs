@@ -28,6 +28,10 @@ pub struct Options {
 }
 
 #[derive(Debug, Clone, Subcommand)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one in a run of the program"
+)]
 enum Action {
     #[command(flatten)]
     Haptic(haptic::Action),

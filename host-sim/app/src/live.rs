@@ -121,6 +121,17 @@ fn finish(options: &Options, page: &str) -> Result<()> {
     Ok(())
 }
 
+/// The page for whoever puts a scene of their own into it.
+pub fn page_without_scene() -> String {
+    page::render(&Content {
+        scene: "",
+        name: "",
+        description: "",
+        source: "",
+        program: &program_name(),
+    })
+}
+
 /// The scene's words on the command line, without the options that are this page's own.
 fn source(scene: &str, command: &str) -> String {
     let mut words = command

@@ -11,9 +11,9 @@ use super::usage::Watch;
 use crate::inspect;
 use crate::outcome::Outcome;
 
-/// Each process may take so much processor time, by `ulimit -t`, which is no answer either: twice what the gate allows a harness
-/// altogether, for the compiler is under it as well.
-const PROCESS_S: u32 = 240;
+/// Each process may take so much processor time, by `ulimit -t`, which is no answer either: a little more than what the gate allows a
+/// harness altogether.
+const PROCESS_S: u32 = 150;
 /// The checker ends a harness that takes longer by the clock: only to come to an end at all, for what a machine that others use as
 /// well leaves to it nobody knows.
 const TIMEOUT_S: u32 = 2400;

@@ -21,7 +21,7 @@ use checker::{Left, MEMORY_KIB, Which};
 use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--theorems] | --mutants [--tests | --theorems | --systematic [--shard I/N] [--proofs]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --mutants [--tests | --theorems | --systematic [--shard I/N] [--proofs]]";
 const LOCK: &str = "proofs/harnesses.lock";
 /// What was proved, beside the report.
 const MEMO: &str = "proved.tsv";
@@ -57,9 +57,15 @@ pub fn run(args: &[String]) -> Outcome {
         }
         _ => Some(JOBS),
     };
-    let (Some(jobs), [] | ["--bless"] | ["--harness", _] | ["--mutants"]) =
-        (jobs, words.as_slice())
-    else {
+    let known = matches!(
+        words.as_slice(),
+        [] | ["--bless"]
+            | ["--resume"]
+            | ["--bless", "--resume"]
+            | ["--harness", _]
+            | ["--mutants"]
+    );
+    let Some(jobs) = jobs.filter(|_| known) else {
         return Outcome::Usage(USAGE.into());
     };
     if shell::capture(&mut kani_version()).is_none() {
@@ -69,10 +75,10 @@ pub fn run(args: &[String]) -> Outcome {
         ["--mutants"] => mutants::by_proofs(),
         ["--harness", part] => some(part, jobs),
         _ => {
-            let theorems = coq::run();
-            println!("theorems over traces: {theorems}");
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            with_theorems(theorems, whole(bless, resume, jobs))
+            let harnesses = whole(bless, resume, jobs);
+            println!("harnesses: {harnesses}");
+            with_theorems(coq::run(), harnesses)
         }
     }
 }

@@ -272,7 +272,7 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
         tuned.worst
     );
     // Above 1 some device near this one is outside of a limit; above all, the wall is none.
-    if !(tuned.worst <= 1.0) {
+    if tuned.worst.is_nan() || tuned.worst > 1.0 {
         return Err(Error::Option {
             option: "--k-desired".into(),
             problem: format!(

@@ -17,6 +17,8 @@ pub struct Approach {
     pub touch_n: f64,
     /// Step of a measured position, m.
     pub count_m: f64,
+    /// What half a count of each axis is along the normal, m.
+    pub unsure_m: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
 }
@@ -31,13 +33,13 @@ const HOLD_S: f64 = 0.8;
 const RELEASE_S: f64 = 0.4;
 /// Of the push, up and down, while the hand moves.
 const MOVE_SHARE: f64 = 0.3;
-/// From the end of the ramp until a press counts as settled, it is within this share of `F/k_de`.
+/// From the end of the ramp until a press counts as settled, it is within this share of `F/k_de`, after what a count is.
 const SETTLED: f64 = 0.05;
 
-/// From 0 to 1 without a jump of the speed.
+/// From 0 to 1 without a jump of speed or acceleration, as hands move.
 fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
 }
 
 impl Approach {
@@ -108,6 +110,7 @@ impl Approach {
             k_desired: self.k_desired_n_per_m,
             push: self.push_n,
             count: self.count_m,
+            unsure: self.unsure_m,
             ramp_start: self.tick_of(Self::ramp_start_s(deed)),
             held_from: self.tick_of(ramp_end_s + HELD_AFTER_S),
             release: self.tick_of(ramp_end_s + HOLD_S),
@@ -179,8 +182,9 @@ impl DirectionWatch {
     pub fn take(&mut self, index: u64, depth_m: f64, force_n: f64) {
         if let Some(press) = &self.press {
             let _ = press.take(&mut self.figures, index, depth_m, force_n);
-            let off = (depth_m * press.k_desired / press.push - 1.0).abs();
-            if index >= self.ramp_end && index < press.release && off > SETTLED {
+            let goal = press.push / press.k_desired;
+            let off = (depth_m - goal).abs() - press.unsure;
+            if index >= self.ramp_end && index < press.release && off > SETTLED * goal {
                 self.unsettled = Some(index);
             }
         }
@@ -233,6 +237,7 @@ mod tests {
         push_n: 6.0,
         touch_n: 1.0,
         count_m: 1e-5,
+        unsure_m: 5e-6,
         rate_hz: 1000,
     };
 

@@ -16,6 +16,8 @@ pub struct PressFigures {
     pub push: f64,
     /// Step of a measured position.
     pub count: f64,
+    /// What a measured penetration may be off: half a count of a knob, half a count of each axis along a normal.
+    pub unsure: f64,
     /// Tick with which the press' ramp begins; before it is the touch.
     pub ramp_start: u64,
     /// From when on it is held.
@@ -36,7 +38,7 @@ impl PressFigures {
         let holding = index < self.release;
         let held = holding && index >= self.held_from;
         if x > SHALLOW_COUNTS * self.count && x > 0.0 {
-            let off = ((force - k * x).abs() - 0.5 * k * self.count).max(0.0) / (k * x);
+            let off = ((force - k * x).abs() - k * self.unsure).max(0.0) / (k * x);
             let measure = if holding {
                 Measure::StiffnessError
             } else {

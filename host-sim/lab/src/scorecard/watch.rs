@@ -57,6 +57,7 @@ impl Watch {
                     k_desired: terms.k_desired,
                     push: press.push_n_m,
                     count: count_rad,
+                    unsure: 0.5 * count_rad,
                     ramp_start,
                     held_from: press.ramp_end + ticks(HELD_AFTER_S),
                     release: press.release,

@@ -79,7 +79,14 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
 pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
     let known = memo::kept(memo, &Statements::read()?)?;
     let all = memo::listed(list)?;
-    for name in all.iter().filter(|name| !known.contains_key(*name)) {
+    let mut left: Vec<&String> = all
+        .iter()
+        .filter(|name| !known.contains_key(*name))
+        .collect();
+    // What was proved once, first: it is known to come to an end.
+    let locked = std::fs::read_to_string(LOCK).unwrap_or_default();
+    left.sort_by_key(|name| !locked.contains(&format!("{name} ")));
+    for name in left {
         println!("{name}");
     }
     Ok(Answer::Right(format!(

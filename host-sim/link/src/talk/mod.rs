@@ -3,23 +3,24 @@
 //! Bytes that came in, orders of a person and the time go in; bytes to send, messages and rows come out. There is no clock and no port
 //! here: whoever has them calls [`Talk::turn`] some fifty times a second.
 
+mod questions;
+
+pub use questions::{ANSWER_LIMIT_MS, TRIES};
+
 use crate::rows::RecordRows;
 use crate::{setting, told, words};
+use questions::{Purpose, Questions};
 use serde_json::{Value, json};
 use std::collections::VecDeque;
 use touchstone_drive::twin::Twin;
-use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
+use touchstone_protocol::frame::{self, Decoder};
 use touchstone_protocol::reply::version_of_hello;
 use touchstone_protocol::{
     DeviceCommand, DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Phase, Refusal, Reply,
-    Request, Telemetry, ToDevice,
+    Request, Telemetry,
 };
 use touchstone_sim::error::{Error, Result};
 
-/// An answer takes some milliseconds, the erase of a flash page 25.
-pub const ANSWER_LIMIT_MS: f64 = 500.0;
-/// Once more where the answer was lost or damaged.
-pub const TRIES: u32 = 3;
 /// A device that was told to send and is silent for so long is gone.
 const SILENCE_MS: f64 = 2000.0;
 /// A device that is gone is asked again this often.
@@ -28,36 +29,6 @@ const AGAIN_MS: f64 = 1000.0;
 const SIGN_OF_LIFE_MS: f64 = 250.0;
 /// Between two looks at what the device counted.
 const LOOK_MS: f64 = 2000.0;
-
-/// What a question is for.
-#[derive(Debug, Clone, PartialEq)]
-enum Purpose {
-    Hello,
-    /// All settings, after the device said who it is.
-    Begin,
-    /// Telemetry from now on.
-    Records,
-    /// All settings, after some were changed.
-    Settings,
-    State,
-    /// As `State`; a device that is on, and that nobody watched, is switched off.
-    FoundAgain,
-    /// That, and in words what was done.
-    Off(&'static str),
-    Troubles,
-    /// What a person asked for: its name, and the path of a setting.
-    Order(String, Option<String>),
-}
-
-/// A question under way or waiting.
-#[derive(Debug)]
-struct Question {
-    id: u8,
-    frame: Vec<u8>,
-    purpose: Purpose,
-    tries_left: u32,
-    until_ms: f64,
-}
 
 /// Where the conversation stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,10 +47,7 @@ enum Stage {
 pub struct Talk {
     place: String,
     decoder: Decoder,
-    next_id: u8,
-    under_way: Vec<Question>,
-    waiting: VecDeque<Question>,
-    out: Vec<u8>,
+    questions: Questions,
     said: VecDeque<Value>,
     stage: Stage,
     /// A device was there before: what it does now was not watched.
@@ -101,10 +69,7 @@ impl Talk {
         Self {
             place: place.to_owned(),
             decoder: Decoder::new(),
-            next_id: 0,
-            under_way: Vec::new(),
-            waiting: VecDeque::new(),
-            out: Vec::new(),
+            questions: Questions::default(),
             said: VecDeque::new(),
             stage: Stage::Closed,
             again: false,
@@ -121,15 +86,11 @@ impl Talk {
 
     /// A port is open: asks who is there.
     pub fn opened(&mut self, now_ms: f64) {
-        self.under_way.clear();
-        self.waiting.clear();
-        self.out.clear();
-        // Ends whatever noise or half a frame was before.
-        self.out.push(0);
+        self.questions.begin();
         self.state = None;
         self.stage = Stage::Asking;
-        self.ask(&Request::Hello, Purpose::Hello);
-        self.send(now_ms);
+        self.questions.ask(&Request::Hello, Purpose::Hello);
+        self.questions.send(now_ms);
     }
 
     /// The port is gone.
@@ -157,7 +118,7 @@ impl Talk {
                 None => self.decoder.count_error(),
             }
         }
-        self.send(now_ms);
+        self.questions.send(now_ms);
     }
 
     /// Looks at the clock: what was not answered, signs of life, a device that is silent.
@@ -174,17 +135,17 @@ impl Talk {
                 );
             }
             Stage::There => {
-                if now_ms - self.spoken_ms >= SIGN_OF_LIFE_MS && self.waiting.is_empty() {
+                if now_ms - self.spoken_ms >= SIGN_OF_LIFE_MS && !self.questions.wait() {
                     self.spoken_ms = now_ms;
-                    self.ask(&Request::Status, Purpose::State);
+                    self.questions.ask(&Request::Status, Purpose::State);
                 }
                 if now_ms - self.looked_ms >= LOOK_MS {
                     self.looked_ms = now_ms;
-                    self.ask(&Request::Counters, Purpose::Troubles);
+                    self.questions.ask(&Request::Counters, Purpose::Troubles);
                 }
             }
         }
-        self.send(now_ms);
+        self.questions.send(now_ms);
     }
 
     /// An order of the page: `{"do": …}`, with `path` and `value` of a setting.
@@ -199,7 +160,7 @@ impl Talk {
 
     /// What is to be sent, which is gone then.
     pub fn out(&mut self) -> Vec<u8> {
-        std::mem::take(&mut self.out)
+        self.questions.out()
     }
 
     /// The next message for the page.
@@ -217,7 +178,7 @@ impl Talk {
             return Err(self.wrong("there is no connection", "connect the board"));
         }
         let command = |command| Request::Command(command);
-        let mut bytes = Vec::new();
+        let bytes;
         let request = match what {
             "calibrate" => command(DeviceCommand::Calibrate),
             "arm" => command(DeviceCommand::Arm),
@@ -241,15 +202,13 @@ impl Talk {
             _ => return Err(self.wrong("asked for what there is not", "load the page again")),
         };
         let path = (what == "set").then(|| path.to_owned());
-        let question = self.question(&request, Purpose::Order(what.to_owned(), path));
-        drop(bytes);
+        let purpose = Purpose::Order(what.to_owned(), path);
         if what == "stop" {
             // The stop waits for nothing.
-            self.waiting.push_front(question);
-            self.send_first(now_ms);
+            self.questions.overtake(&request, purpose, now_ms);
         } else {
-            self.waiting.push_back(question);
-            self.send(now_ms);
+            self.questions.ask(&request, purpose);
+            self.questions.send(now_ms);
         }
         Ok(())
     }
@@ -258,60 +217,9 @@ impl Talk {
         Error::device(self.place.as_str(), problem.into(), fix)
     }
 
-    fn question(&mut self, request: &Request<'_>, purpose: Purpose) -> Question {
-        let id = self.next_id;
-        self.next_id = id.wrapping_add(1);
-        let mut buffer = [0; FRAME_MAX];
-        let message = ToDevice {
-            id,
-            request: request.clone(),
-        };
-        let frame =
-            frame::encode(&message, &mut buffer).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
-        Question {
-            id,
-            frame,
-            purpose,
-            // A command that is carried out twice is another command; a second `Save` wears the flash.
-            tries_left: match request {
-                Request::Command(_) | Request::Save => 1,
-                _ => TRIES,
-            },
-            until_ms: f64::INFINITY,
-        }
-    }
-
-    fn ask(&mut self, request: &Request<'_>, purpose: Purpose) {
-        let question = self.question(request, purpose);
-        self.waiting.push_back(question);
-    }
-
-    /// One question at a time is under way, and the stop.
-    fn send(&mut self, now_ms: f64) {
-        if self.under_way.is_empty() {
-            self.send_first(now_ms);
-        }
-    }
-
-    fn send_first(&mut self, now_ms: f64) {
-        if let Some(mut question) = self.waiting.pop_front() {
-            question.tries_left -= 1;
-            question.until_ms = now_ms + ANSWER_LIMIT_MS;
-            self.out.extend_from_slice(&question.frame);
-            self.under_way.push(question);
-        }
-    }
-
     fn overdue(&mut self, now_ms: f64) {
-        let late = |question: &Question| question.until_ms <= now_ms;
-        while let Some(at) = self.under_way.iter().position(late) {
-            let question = self.under_way.remove(at);
-            if question.tries_left > 0 {
-                self.waiting.push_front(question);
-                self.send_first(now_ms);
-                continue;
-            }
-            match question.purpose {
+        while let Some(purpose) = self.questions.overdue(now_ms) {
+            match purpose {
                 Purpose::Order(what, path) => {
                     let error = self.wrong(
                         "no answer: it may have been carried out or not",
@@ -339,13 +247,8 @@ impl Talk {
     fn lost(&mut self, why: &str) {
         self.state = None;
         // Whoever asked is told.
-        let open: Vec<_> = self
-            .under_way
-            .drain(..)
-            .chain(self.waiting.drain(..))
-            .collect();
-        for question in open {
-            if let Purpose::Order(what, path) = question.purpose {
+        for purpose in self.questions.forget() {
+            if let Purpose::Order(what, path) = purpose {
                 self.done(&what, path.as_deref(), Some(why));
             }
         }
@@ -363,10 +266,9 @@ impl Talk {
 
     fn answered(&mut self, id: u8, answer: std::result::Result<Reply, Refusal>, now_ms: f64) {
         // Answers that came too late are dropped.
-        let Some(at) = self.under_way.iter().position(|question| question.id == id) else {
+        let Some(purpose) = self.questions.answered(id) else {
             return;
         };
-        let purpose = self.under_way.remove(at).purpose;
         match (purpose, answer) {
             (Purpose::Order(what, path), answer) => self.order_answered(&what, path, answer),
             (purpose, Err(refusal)) => {
@@ -382,7 +284,7 @@ impl Talk {
             }
             (Purpose::Hello, Ok(Reply::Identity(identity))) => {
                 self.identity = Some(identity);
-                self.ask(&Request::GetAll, Purpose::Begin);
+                self.questions.ask(&Request::GetAll, Purpose::Begin);
             }
             (Purpose::Begin, Ok(Reply::Settings(settings))) => self.begin(settings, now_ms),
             (Purpose::Records, Ok(Reply::Done)) => {
@@ -392,12 +294,12 @@ impl Talk {
                     true => Purpose::FoundAgain,
                     false => Purpose::State,
                 };
-                self.ask(&Request::Status, purpose);
+                self.questions.ask(&Request::Status, purpose);
             }
             (Purpose::Settings, Ok(Reply::Settings(settings))) => {
                 self.settings = settings;
                 self.hello();
-                self.ask(&Request::Status, Purpose::State);
+                self.questions.ask(&Request::Status, Purpose::State);
             }
             (Purpose::State, Ok(Reply::Status(status))) => {
                 self.said.push_back(told::state(&status));
@@ -405,7 +307,8 @@ impl Talk {
             (Purpose::FoundAgain, Ok(Reply::Status(status))) => {
                 match told::switched_off(status.phase) {
                     Some((command, done)) => {
-                        self.ask(&Request::Command(command), Purpose::Off(done));
+                        self.questions
+                            .ask(&Request::Command(command), Purpose::Off(done));
                     }
                     None => self.connection(None),
                 }
@@ -413,7 +316,7 @@ impl Talk {
             }
             (Purpose::Off(done), Ok(Reply::Done)) => {
                 self.connection(Some(done));
-                self.ask(&Request::Status, Purpose::State);
+                self.questions.ask(&Request::Status, Purpose::State);
             }
             (Purpose::Troubles, Ok(Reply::Counters(counters))) => {
                 let damaged = self.decoder.errors();
@@ -442,9 +345,9 @@ impl Talk {
         self.done(what, path.as_deref(), error.as_deref());
         // Settings are no part of a record. A value that was refused stays where it was written.
         if error.is_none() && matches!(what, "set" | "defaults") {
-            self.ask(&Request::GetAll, Purpose::Settings);
+            self.questions.ask(&Request::GetAll, Purpose::Settings);
         } else {
-            self.ask(&Request::Status, Purpose::State);
+            self.questions.ask(&Request::Status, Purpose::State);
         }
     }
 
@@ -456,7 +359,8 @@ impl Talk {
         self.model();
         let decimation = self.decimation;
         self.hello();
-        self.ask(&Request::Telemetry { decimation }, Purpose::Records);
+        self.questions
+            .ask(&Request::Telemetry { decimation }, Purpose::Records);
     }
 
     /// The model of these settings.
@@ -492,7 +396,7 @@ impl Talk {
         self.rows.push(record);
         let now = (record.phase, record.fault);
         if self.state.replace(now) != Some(now) {
-            self.ask(&Request::Status, Purpose::State);
+            self.questions.ask(&Request::Status, Purpose::State);
         }
     }
 }
