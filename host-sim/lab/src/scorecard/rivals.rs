@@ -4,7 +4,7 @@ use touchstone_control::choices::{
     ChangeOfForce, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
 };
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::{Preset, Scene, nearest};
+use touchstone_sim::scene::{Differentiation, Preset, Scene, Velocity, nearest};
 
 /// A law of the comparison.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +23,7 @@ pub struct Rival {
 }
 
 /// All of them.
-pub const RIVALS: [Rival; 9] = [
+pub const RIVALS: [Rival; 12] = [
     Rival {
         name: "spring",
         about: "virtual spring",
@@ -39,6 +39,30 @@ pub const RIVALS: [Rival; 9] = [
         damped_spring: true,
         estimated: false,
         apply: |scene| measured(scene, LawKind::SpringDamper),
+    },
+    Rival {
+        name: "spring-damper-filtered",
+        about: "spring with virtual damping, velocity from differences behind a low pass",
+        source: "Colgate and Brown, ICRA 1994; the filter of Brown's thesis, 1995, appendix A",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| differentiated(scene, Differentiation::LowPass),
+    },
+    Rival {
+        name: "spring-damper-levant",
+        about: "spring with virtual damping, velocity from Levant's differentiator",
+        source: "Chawda, Celik and O'Malley, World Haptics 2011; Levant, Automatica 34(3), 1998",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| differentiated(scene, Differentiation::Levant),
+    },
+    Rival {
+        name: "spring-damper-window",
+        about: "spring with virtual damping, velocity from an adaptive window (end-fit FOAW)",
+        source: "Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6), 2000",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| differentiated(scene, Differentiation::Window),
     },
     Rival {
         name: "spring-damper-estimated",
@@ -129,6 +153,20 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
+/// The spring-damper with a velocity as the literature makes it; the window's band is a count of the device's encoder.
+fn differentiated(scene: &mut Scene, kind: Differentiation) {
+    measured(scene, LawKind::SpringDamper);
+    let usual = Velocity::default();
+    scene.law.velocity = Some(Velocity {
+        differentiator: kind,
+        band_rad: scene
+            .encoder
+            .as_ref()
+            .map_or(usual.band_rad, |encoder| encoder.step_rad()),
+        ..usual
+    });
+}
+
 /// Capacity of a guard over what its largest force may cost at the overspeed: with it a full account never holds a press back.
 const CAPACITY_SHARE: f64 = 1.2;
 /// Refill over what a wall costs in the guard's books that changes by a count of `k_de` in every tick, half a count each.
@@ -188,10 +226,11 @@ impl Rival {
             })
     }
 
-    /// Whether its matrices say how a loop moves: it does not hold its force back by an energy that it observed.
+    /// Whether its matrices say how a loop moves: it does not hold its force back by an energy that it observed, and takes its velocity
+    /// from the law's own states.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        self.damped_spring || self.estimated
+        (self.damped_spring || self.estimated) && self.of(&Scene::default()).law.velocity.is_none()
     }
 
     /// The scene with this law as it is tuned.
@@ -209,7 +248,15 @@ impl Rival {
     #[must_use]
     pub fn of(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
+        let own = scene.law.velocity.take();
         (self.apply)(&mut scene);
+        if let (Some(velocity), Some(own)) = (&mut scene.law.velocity, own) {
+            let differentiator = velocity.differentiator;
+            *velocity = Velocity {
+                differentiator,
+                ..own
+            };
+        }
         scene
     }
 }

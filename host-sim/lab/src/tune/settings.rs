@@ -41,9 +41,13 @@ pub fn toml(tuned: &Tuned) -> String {
             "beyond all".to_owned()
         }
     );
+    let on_a_device = match scene.law.velocity {
+        None => "On a device: touchstone config import FILE.",
+        Some(_) => "No device makes its velocity like this.",
+    };
     let _ = writeln!(
         text,
-        "# On a device: touchstone config import FILE. In a scene: touchstone run SCENE --settings FILE."
+        "# {on_a_device} In a scene: touchstone run SCENE --settings FILE."
     );
     text.push_str(&rows(scene));
     text

@@ -5,6 +5,8 @@
 
 pub mod chain;
 mod crossed;
+mod differentiated;
+pub mod differentiator;
 pub mod effects;
 pub mod judge;
 pub mod live;

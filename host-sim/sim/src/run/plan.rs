@@ -8,10 +8,12 @@ use super::chain::{
 };
 use super::crossed::{crossed, crossed_apart, refused, stream};
 pub use super::crossed::{device, hand};
+use super::differentiated::Differentiated;
+use super::differentiator::Differentiator;
 use super::mechanics::{Mechanics, Standing};
 use super::settings;
 use super::train::Train;
-use super::wall::Controlled;
+use super::wall::{Controlled, Wall};
 use crate::error::Result;
 use crate::scene::{self, Integrator, Number, RestPath, Scene};
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
@@ -96,13 +98,29 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     Ok(control)
 }
 
-/// The law with what tells it the angle.
+/// The law with what tells it the angle, and its velocity where the scene wants another than the law's own.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
     let settings = scene.settings()?;
-    let wall = Controlled::<N>::new(&settings, count_scale(scene)?)
+    let controlled = Controlled::<N>::new(&settings, count_scale(scene)?)
         .map_err(|error| settings::refused(scene, &error))?;
+    Ok(match &scene.law.velocity {
+        None => sensed(scene, controlled),
+        Some(velocity) => {
+            let period_s = scene.timing.period_s();
+            let wall = Differentiated {
+                controlled,
+                differentiator: Differentiator::new(velocity, period_s),
+                period_s,
+            };
+            sensed(scene, wall)
+        }
+    })
+}
+
+/// A wall with what tells it the angle.
+fn sensed(scene: &Scene, wall: impl Wall + 'static) -> Box<dyn Control> {
     let surface_rad = scene.wall.surface_rad;
-    Ok(match &scene.encoder {
+    match &scene.encoder {
         None => Box::new(Sampled {
             sensor: ExactAngle { surface_rad },
             wall,
@@ -116,7 +134,7 @@ fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
             };
             Box::new(Sampled { sensor, wall })
         }
-    })
+    }
 }
 
 fn count_scale(scene: &Scene) -> Result<CountScale> {

@@ -1,5 +1,6 @@
 //! The wall that the loop meets once a tick: encoder reading in, force out, whatever law and number format is behind it.
 
+use touchstone_control::law::Sample;
 use touchstone_control::{
     Controller, CountScale, Energy, Force, Position, Reported, Settings, SettingsError,
 };
@@ -64,6 +65,20 @@ impl<N: Reported> Controlled<N> {
             scale,
             at_change: None,
         })
+    }
+
+    /// The penetration at a count.
+    pub(super) fn penetration(&self, count: i64) -> Position<N> {
+        self.scale.penetration(count)
+    }
+
+    /// Law and guard alone, for a sample that comes from elsewhere than from the controller's own states.
+    pub(super) fn told(&mut self, sample: Sample<N>, e: Position<N>) -> Force<N> {
+        let wanted = self.controller.law.tick(sample);
+        match &mut self.controller.guard {
+            None => wanted,
+            Some(guard) => guard.tick(e, self.at_change, wanted),
+        }
     }
 }
 

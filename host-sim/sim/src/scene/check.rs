@@ -6,12 +6,14 @@ use super::operator::{FASTEST_MOTION_HZ, Grip, MotionSpec, Recorded};
 use super::problem::Problem;
 use super::schema::MOTION_KIND;
 use super::units::tidy;
+use touchstone_control::{Choice as _, LawKind, StatesKind};
 
 /// The first contradiction in a scene whose fields are all in range by themselves.
 pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
     friction(scene)
         .or_else(|| shaft(scene))
         .or_else(|| lateness(scene))
+        .or_else(|| velocity(scene))
         .or_else(|| grip(scene))
         .or_else(|| motion(scene))
         .or_else(|| duration(scene))
@@ -79,6 +81,26 @@ fn lateness(scene: &Scene) -> Option<Problem> {
             table,
             "nobody holds the device",
             "give operator.grip = \"medium\", or leave the table out",
+        )
+    })
+}
+
+fn velocity(scene: &Scene) -> Option<Problem> {
+    scene.law.velocity.as_ref()?;
+    let law = &scene.law;
+    if law.kind != LawKind::SpringDamper {
+        let problem = format!(
+            "the law {} takes no velocity from elsewhere",
+            law.kind.word()
+        );
+        let fix = "give law.kind = \"spring-damper\", or leave the table out";
+        return Some(Problem::new("law.velocity", problem, fix));
+    }
+    (law.states == StatesKind::Estimated).then(|| {
+        Problem::new(
+            "law.velocity",
+            "the estimated states have a velocity already",
+            "give law.states = \"measured\", or leave the table out",
         )
     })
 }

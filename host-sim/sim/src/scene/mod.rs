@@ -27,6 +27,7 @@ mod tests;
 mod units;
 mod unknown;
 mod value;
+mod velocity;
 
 pub use device::{DeviceSpec, Encoder, Friction, Integrator, Plant, Timing, Wall};
 pub use effects::{
@@ -49,3 +50,4 @@ pub use shipped::names;
 pub use touchstone_control::Choice;
 pub use unknown::{list, nearest};
 pub use value::choices;
+pub use velocity::{Differentiation, Velocity};

@@ -265,6 +265,16 @@ fn fields_that_contradict_each_other() {
         "s.toml:4: operator.motion.velocity_rad_per_s: 30 rad/s from 0.1 rad outside is a tap of 35.6 Hz, no hand moves above 10 Hz; \
          lower it, or give approach_rad = 0.356 or more",
     );
+    refused(
+        "[law.velocity]\ndifferentiator = \"levant\"",
+        "s.toml:1: law.velocity: the law enhanced-sfa takes no velocity from elsewhere; \
+         give law.kind = \"spring-damper\", or leave the table out",
+    );
+    refused(
+        "[law]\nkind = \"spring-damper\"\nstates = \"estimated\"\n[law.velocity]\ncutoff_hz = 80",
+        "s.toml:4: law.velocity: the estimated states have a velocity already; \
+         give law.states = \"measured\", or leave the table out",
+    );
 }
 
 #[test]

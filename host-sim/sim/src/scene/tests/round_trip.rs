@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::draft::Draft;
 use super::schema::{FIELDS, Kind};
 use super::*;
-use touchstone_control::{FirstContact, LawKind};
+use touchstone_control::{FirstContact, LawKind, StatesKind};
 
 /// A scene that names everything, for each motion, with values unlike the defaults.
 fn full_scenes() -> Vec<Scene> {
@@ -88,7 +88,12 @@ fn full_scenes() -> Vec<Scene> {
             duration_s: 4.25,
         },
         law: Law {
-            kind: LawKind::SfaContinuous,
+            kind: LawKind::SpringDamper,
+            states: StatesKind::Measured,
+            velocity: Some(Velocity {
+                differentiator: Differentiation::Window,
+                ..Velocity::default()
+            }),
             first_contact: Some(FirstContact::KeepForce),
             filter: FilterSettings {
                 mass_kg_m2: 2e-5,
@@ -206,6 +211,9 @@ fn every_number_ends_in_its_unit() {
 #[test]
 fn every_word_of_a_choice_is_understood() {
     let scenes = full_scenes();
+    // Other laws and states take no velocity from elsewhere.
+    let mut without = scenes[0].clone();
+    without.law.velocity = None;
     for field in FIELDS {
         let Kind::Choice(words) = field.kind else {
             continue;
@@ -215,7 +223,8 @@ fn every_word_of_a_choice_is_understood() {
             .iter()
             .filter(|_| !field.path.starts_with("operator."))
         {
-            let scene = scenes[0]
+            let of_velocity = field.path.starts_with("law.velocity.");
+            let scene = if of_velocity { &scenes[0] } else { &without }
                 .with_overrides(&[format!("{}={word}", field.path)])
                 .unwrap_or_else(|error| panic!("{error}"));
             let value = Draft::from_scene(&scene).fields[field.path].clone();
