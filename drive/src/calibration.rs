@@ -40,16 +40,19 @@ pub enum Reason {
     Uneven = 4,
     /// The current did not reach what was asked: a phase is open, or the bus is too low.
     NoCurrent = 5,
+    /// A push of the measurement hardly moved the shaft: it is held, or its friction is more than the push.
+    Held = 6,
 }
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::OffsetsLate,
         Self::PolePairs,
         Self::NotBack,
         Self::Uneven,
         Self::NoCurrent,
+        Self::Held,
     ];
 
     /// The reason behind a fault's value.
@@ -428,6 +431,6 @@ const fn field_turns(field: i64) -> i64 {
     field >> 32
 }
 
-fn failed(reason: Reason) -> Progress {
+pub(crate) fn failed(reason: Reason) -> Progress {
     Progress::Failed(FaultCode::CalibrationFailed, reason as i32)
 }

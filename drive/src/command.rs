@@ -49,6 +49,27 @@ pub struct Rotor {
     pub derating: u32,
 }
 
+impl Rotor {
+    /// The command for a current that pushes along `+x`.
+    #[inline(always)]
+    pub(crate) const fn along(&self, current: Amps) -> CurrentCommand {
+        CurrentCommand {
+            tick: self.tick,
+            mode: CurrentMode::Drive,
+            angle: self.angle,
+            advance: self.advance,
+            current: Dq {
+                d: Amps::ZERO,
+                q: if self.against {
+                    current.saturating_neg()
+                } else {
+                    current
+                },
+            },
+        }
+    }
+}
+
 /// What a drive makes of a torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
@@ -98,23 +119,12 @@ impl ThreePhase {
 impl Drive for ThreePhase {
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
-        let wanted = if rotor.against {
-            along.saturating_neg()
-        } else {
-            along
-        };
         // At most the limit, as the derating is at most 1.
         let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         let left = Amps::from_bits(clamp_i32(left));
-        let q = wanted.min(left).max(left.saturating_neg());
-        let command = CurrentCommand {
-            tick: rotor.tick,
-            mode: CurrentMode::Drive,
-            angle: rotor.angle,
-            advance: rotor.advance,
-            current: Dq { d: Amps::ZERO, q },
-        };
-        let limited = q != wanted;
+        let given = along.min(left).max(left.saturating_neg());
+        let command = rotor.along(given);
+        let limited = given != along;
         let most = product(left.to_bits(), self.nm_per_amp.to_bits(), 16);
         Driven {
             command: DriveCommand::Current(command),

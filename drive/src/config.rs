@@ -5,6 +5,7 @@ use crate::calibration::CalibrationConfig;
 use crate::command::AnyDrive;
 use crate::current::CurrentConfig;
 use crate::hardware::Hardware;
+use crate::measurement::MeasurementConfig;
 use crate::pi::PiGains;
 use crate::settings::{DriveKind, out_of_format, periods_per_tick, validate};
 use crate::supervisor::SupervisorConfig;
@@ -21,6 +22,7 @@ pub struct Config {
     pub(crate) current: CurrentConfig,
     pub(crate) supervisor: SupervisorConfig,
     pub(crate) calibration: CalibrationConfig,
+    pub(crate) measurement: MeasurementConfig,
     pub(crate) drive: AnyDrive,
     /// The law at its beginning.
     pub(crate) law: Controller<Fixed32>,
@@ -52,6 +54,7 @@ impl Config {
             current: CurrentConfig::new(settings, hardware)?,
             supervisor: SupervisorConfig::new(settings, hardware),
             calibration: CalibrationConfig::new(settings, hardware),
+            measurement: MeasurementConfig::new(settings, hardware),
             drive: AnyDrive::new(settings)?,
             law: Controller::new(&settings.law()).map_err(|error| refused(&error))?,
             force_limit: Fixed32::saturating_signal(settings.law.force_limit_n_m),

@@ -9,12 +9,13 @@
 //! current limit, temperature) comes after it and is told to its estimator and its guard.
 
 use crate::angle::Angle;
-use crate::calibration::{Alignment, Calibration, Progress};
+use crate::calibration::{Alignment, Calibration, Progress, failed};
 use crate::command::{DacCode, Drive, DriveCommand, Driven, Rotor};
 use crate::config::{Config, Configs};
 use crate::current::{CurrentCommand, CurrentConfig, CurrentReport};
 use crate::hardware::Hardware;
 use crate::input::ControlInput;
+use crate::measurement::{Measurement, Measuring};
 use crate::record::Record;
 use crate::reset::ResetReason;
 use crate::supervisor::power::Power;
@@ -77,6 +78,7 @@ pub struct Device {
     machine: Machine,
     supervisor: Supervisor,
     calibration: Option<Calibration>,
+    measurement: Option<Measurement>,
     alignment: Alignment,
     law: Controller<Fixed32>,
     /// Count of the unwrapped encoder that is the device's zero.
@@ -104,6 +106,7 @@ impl Device {
             machine: Machine::new(),
             supervisor: Supervisor::new(),
             calibration: None,
+            measurement: None,
             alignment: Alignment::default(),
             law: config.law,
             zero: 0,
@@ -266,10 +269,61 @@ impl Device {
         if !config.aligns() {
             return Progress::Done(Alignment::default());
         }
+        if self.measurement.is_some() {
+            return self.measure(tick, count);
+        }
         // Built by its first tick and not by the one that takes its settings, which has enough to do.
-        self.calibration
+        let progress = self
+            .calibration
             .get_or_insert_with(|| Calibration::new(config.calibration))
-            .tick(tick, count, report)
+            .tick(tick, count, report);
+        match progress {
+            Progress::Done(alignment) if config.measurement.wanted => {
+                self.alignment = alignment;
+                self.measurement = Some(Measurement::new(config.measurement, count));
+                self.measure(tick, count)
+            }
+            progress => progress,
+        }
+    }
+
+    /// One tick of the measurement that follows.
+    fn measure(&mut self, tick: u32, count: i64) -> Progress {
+        let rotor = self.rotor(tick, count, 1 << 16);
+        let shaft = self.supervisor.shaft();
+        let speed = shaft.speed(self.configs.now().supervisor.shaft());
+        let Some(measurement) = &mut self.measurement else {
+            return Progress::Done(self.alignment);
+        };
+        match measurement.tick(count, speed, &rotor) {
+            Measuring::Running(command) => Progress::Running(command),
+            Measuring::Done => Progress::Done(self.alignment),
+            Measuring::Failed(reason) => failed(reason),
+        }
+    }
+
+    /// Where the rotor is.
+    #[inline(always)]
+    fn rotor(&self, tick: u32, count: i64, derating: u32) -> Rotor {
+        let config = self.configs.now();
+        let advance = self.supervisor.shaft().advance(config.supervisor.shaft());
+        let turned = config.electrical.angle(count);
+        let against = self.alignment.against;
+        Rotor {
+            tick,
+            angle: self.alignment.offset.plus(if against {
+                Angle(turned.0.wrapping_neg())
+            } else {
+                turned
+            }),
+            advance: if against {
+                advance.saturating_neg()
+            } else {
+                advance
+            },
+            against,
+            derating,
+        }
     }
 
     /// What a change of state brings with it; whether the current loop must be rebuilt.
@@ -295,6 +349,7 @@ impl Device {
             self.pushes = false;
         }
         self.calibration = None;
+        self.measurement = None;
         if after != State::Calibrating {
             return false;
         }
@@ -317,6 +372,8 @@ impl Device {
         record.speed_rad_per_s = shaft.speed(self.configs.now().supervisor.shaft());
         record.temperature = Power::temperature(&self.configs.now().thermistor, &input.current);
         record.current = input.current.current;
+        record.voltage = input.current.voltage;
+        record.measuring = self.measurement.as_ref().map(Measurement::part);
         record.bus = input.current.bus;
         record.timing = input.timing;
         // Unless the law runs.
@@ -336,29 +393,7 @@ impl Device {
         self.fade = self.fade.saturating_add(self.configs.now().fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
 
-        let shaft = self.supervisor.shaft();
-        let advance = shaft.advance(self.configs.now().supervisor.shaft());
-        let turned = self
-            .configs
-            .now()
-            .electrical
-            .angle(count.unwrap_or_default());
-        let against = self.alignment.against;
-        let rotor = Rotor {
-            tick,
-            angle: self.alignment.offset.plus(if against {
-                Angle(turned.0.wrapping_neg())
-            } else {
-                turned
-            }),
-            advance: if against {
-                advance.saturating_neg()
-            } else {
-                advance
-            },
-            against,
-            derating,
-        };
+        let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
         let driven = self.configs.now().drive.command(torque, &rotor);
         if fading || driven.torque != torque {
             self.law.commanded(Force(I8F24::from_bits(

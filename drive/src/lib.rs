@@ -34,6 +34,7 @@ pub mod exchange;
 pub mod hardware;
 pub mod input;
 pub mod mailbox;
+pub mod measurement;
 pub mod modulation;
 pub mod pi;
 pub mod record;

@@ -2,10 +2,11 @@
 
 use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1};
 use crate::settings::validate;
+use crate::units::milli;
 use crate::{CompactRecord, Record, ResetReason};
 use touchstone_control::Si;
 use touchstone_protocol::settings::{Decimal, DeviceSettings, SettingsError};
-use touchstone_protocol::{Board, Fault, Phase, RingRecord, Telemetry};
+use touchstone_protocol::{Board, Fault, MeasuringTick, Phase, RingRecord, Telemetry};
 
 /// The power stage of a board.
 #[must_use]
@@ -23,12 +24,6 @@ pub const fn hardware(board: Board) -> &'static Hardware {
 pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsError> {
     settings.validate(board)?;
     validate(settings, hardware(board))
-}
-
-/// `A` with 16 fractional bits as mA, towards minus infinity.
-const fn milliamperes(bits: i32) -> i32 {
-    // At most 2^31 · 1000 / 2^16 < 2^31.
-    ((bits as i64 * 1000) >> 16) as i32
 }
 
 impl From<&Record> for Telemetry {
@@ -55,7 +50,13 @@ impl From<&Record> for Telemetry {
             limits: record.limits.to_wire(),
             cycles: record.timing.duration,
             lateness_cycles: record.timing.lateness,
-            current_q_ma: milliamperes(record.current.q.to_bits()),
+            current_q_ma: milli(record.current.q),
+            measuring: record.measuring.map(|part| MeasuringTick {
+                part,
+                current_d_ma: milli(record.current.d),
+                voltage_d_mv: milli(record.voltage.d),
+                voltage_q_mv: milli(record.voltage.q),
+            }),
         }
     }
 }

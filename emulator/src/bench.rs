@@ -10,7 +10,7 @@ use crate::chip::{Chip, ResetCause};
 use crate::cpu::elf::Program;
 use crate::link::Link;
 use crate::machine::{Halt, Machine};
-use crate::world::World;
+use crate::world::{Parts, World};
 
 /// Cycles of a microsecond.
 pub const US: u64 = 170;
@@ -24,6 +24,8 @@ pub struct Setup {
     pub board: Board,
     /// The watchdog's oscillator, Hz.
     pub lsi_hz: u64,
+    /// Motor and knob.
+    pub parts: Parts,
 }
 
 impl Default for Setup {
@@ -31,6 +33,7 @@ impl Default for Setup {
         Self {
             board: Board::nucleo_g474re(Encoder::As5047p),
             lsi_hz: 32_000,
+            parts: Parts::default(),
         }
     }
 }
@@ -51,7 +54,7 @@ impl Bench {
     /// # Errors
     /// What the emulator refuses.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
-        let chip = Chip::new(setup.board.clone(), World::default(), setup.lsi_hz);
+        let chip = Chip::new(setup.board.clone(), World::new(&setup.parts, 0.3), setup.lsi_hz);
         let mut machine = Machine::new(chip, program)?;
         machine.power_on(ResetCause::PowerOn);
         Ok(Self {

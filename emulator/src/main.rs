@@ -7,6 +7,7 @@ use touchstone_emulator::bench::Setup;
 use touchstone_emulator::board::Board;
 use touchstone_emulator::cpu::elf::Program;
 use touchstone_emulator::fil::jobs::Programs;
+use touchstone_emulator::world::Parts;
 use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
@@ -18,8 +19,9 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
   cycles [--nucleo-g474re ELF] [--b-g431b-esc1 ELF]
                               instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
-  serve ELF --tcp HOST:PORT [--hand] [--for SECONDS]
-                              the serial port on a socket, in real time; --hand: a hand presses now and then";
+  serve ELF --tcp HOST:PORT [--hand] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
+                              the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
+                              each of these by a factor";
 
 /// Exit codes beside 0.
 const FAILED: u8 = 1;
@@ -111,14 +113,14 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
             said(fil::report::boot(program, &setup))
         }
         ("serve", ["--tcp", address, more @ ..]) => {
-            let (hand, for_s) = match serve_options(more) {
+            let wanted = match serve_options(more) {
                 Ok(options) => options,
                 Err(error) => {
                     eprintln!("emulator: {error}");
                     return WRONG_USAGE;
                 }
             };
-            match serve::serve(program, address, hand, for_s) {
+            match serve::serve(program, address, wanted) {
                 Ok(()) => 0,
                 Err(error) => {
                     eprintln!("emulator: {error}");
@@ -139,23 +141,34 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     }
 }
 
-/// `--hand` and `--for SECONDS`, in any order.
-fn serve_options(words: &[&str]) -> Result<(bool, Option<u64>), String> {
-    let (mut hand, mut for_s) = (false, None);
+/// `--hand`, `--for SECONDS` and `--parts FACTORS`, in any order.
+fn serve_options(words: &[&str]) -> Result<serve::Wanted, String> {
+    let mut wanted = serve::Wanted::default();
     let mut words = words.iter();
     while let Some(word) = words.next() {
         match *word {
-            "--hand" => hand = true,
+            "--hand" => wanted.hand = true,
             "--for" => {
                 let seconds = words.next().and_then(|seconds| seconds.parse().ok());
-                for_s = Some(seconds.ok_or("--for needs whole seconds, as in --for 60")?);
+                wanted.for_s = Some(seconds.ok_or("--for needs whole seconds, as in --for 60")?);
+            }
+            "--parts" => {
+                let factors: Option<Vec<f64>> = words
+                    .next()
+                    .and_then(|list| list.split(',').map(|it| it.parse().ok()).collect());
+                let factors = factors.and_then(|all| <[f64; 6]>::try_from(all).ok());
+                wanted.parts = Parts::scaled(
+                    factors
+                        .filter(|all| all.iter().all(|it| *it > 0.0))
+                        .ok_or("--parts needs six factors, as in --parts 1,1,1,1,1,1")?,
+                );
             }
             other => {
                 return Err(format!(
-                    "serve takes --hand and --for SECONDS, not `{other}`"
+                    "serve takes --hand, --for SECONDS and --parts FACTORS, not `{other}`"
                 ));
             }
         }
     }
-    Ok((hand, for_s))
+    Ok(wanted)
 }

@@ -9,17 +9,27 @@ use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::elf::Program;
+use crate::world::Parts;
 
-/// Serves one client after the other; the device runs on between them. With `hand`, a hand presses into the wall every four
-/// seconds while the device is armed. `for_s` ends it after that time.
+/// How it is served.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wanted {
+    /// A hand presses into the wall every four seconds while the device is armed.
+    pub hand: bool,
+    /// Ends after so many seconds.
+    pub for_s: Option<u64>,
+    /// Motor and knob.
+    pub parts: Parts,
+}
+
+/// Serves one client after the other; the device runs on between them.
 ///
 /// # Errors
 /// The address cannot be had, or the machine halted.
 pub fn serve(
     program: &Program,
     address: &str,
-    hand: bool,
-    for_s: Option<u64>,
+    Wanted { hand, for_s, parts }: Wanted,
 ) -> Result<(), String> {
     let listener = TcpListener::bind(address).map_err(|error| format!("{address}: {error}"))?;
     listener
@@ -27,7 +37,11 @@ pub fn serve(
         .map_err(|error| error.to_string())?;
     let local = listener.local_addr().map_err(|error| error.to_string())?;
     println!("the serial port is at tcp:{local}");
-    let mut bench = Bench::new(program, &Setup::default())?;
+    let setup = Setup {
+        parts,
+        ..Setup::default()
+    };
+    let mut bench = Bench::new(program, &setup)?;
     let mut client = None;
     let (started, mut told, mut pressed) = (Instant::now(), Instant::now(), 0);
     let mut buffer = [0; 4_096];

@@ -12,6 +12,7 @@ extern crate kani;
 pub mod board;
 pub mod limit;
 pub mod machine;
+pub mod measuring;
 pub mod settings;
 pub mod unwrap;
 
@@ -33,9 +34,12 @@ pub mod telemetry;
 pub use board::Board;
 pub use limit::{Limit, Limits};
 pub use machine::{Command, Context, Event, FaultCode, Machine, Outputs, State};
+pub use measuring::MeasuringPart;
 pub use settings::{Decimal, DeviceSettings};
 pub use unwrap::{Unwrap16, Unwrap32};
 
+#[cfg(feature = "wire")]
+pub use measuring::MeasuringTick;
 #[cfg(feature = "wire")]
 pub use reply::{Counters, FromDevice, Identity, Refusal, Reply, ResetReason, Status};
 #[cfg(feature = "wire")]

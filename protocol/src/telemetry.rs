@@ -1,6 +1,7 @@
 //! What one control tick has to tell, and what is kept of the last second.
 
 use crate::machine::{Context, FaultCode, State};
+use crate::measuring::MeasuringTick;
 use crate::settings::{Decimal, decimal::bits};
 use fixed::types::I8F24;
 use heapless::Vec;
@@ -36,10 +37,12 @@ pub struct Telemetry {
     pub lateness_cycles: u32,
     /// Measured q-axis current, mA.
     pub current_q_ma: i32,
+    /// What a calibration that measures sees of the motor; nothing otherwise.
+    pub measuring: Option<MeasuringTick>,
 }
 
-/// No record takes more bytes: eight numbers of 32 bits, one of 64, three bytes.
-pub const TELEMETRY_MAX: usize = 8 * 5 + 10 + 3;
+/// No record takes more bytes: eleven numbers of 32 bits, one of 64, five bytes.
+pub const TELEMETRY_MAX: usize = 11 * 5 + 10 + 5;
 
 /// State of the device, without the fault's context.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

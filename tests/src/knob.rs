@@ -13,7 +13,7 @@ use touchstone_drive::{
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_world::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
-use touchstone_world::plant::{HeldLinear, MEDIUM};
+use touchstone_world::plant::{HeldLinear, MEDIUM, Stepper};
 
 /// PWM period, s.
 pub const PERIOD_S: f64 = 1.0 / 20_000.0;
@@ -41,13 +41,13 @@ pub struct Honest;
 impl Tamper for Honest {}
 
 /// The knob.
-pub struct Knob<T: Tamper> {
+pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The control tick.
     pub device: Device,
     /// The current loop.
     pub current: CurrentLoop,
     /// Motor, knob and hand.
-    pub rig: Rig<HeldLinear>,
+    pub rig: Rig<S>,
     /// What is falsified.
     pub tamper: T,
     /// Where the hand means to be, rad.
@@ -92,8 +92,25 @@ impl<T: Tamper> Knob<T> {
         angle_rad: f64,
         tamper: T,
     ) -> Self {
-        let hardware = &IHM08M1;
         let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).expect("a plant");
+        Self::with_plant(settings, motor, plant, angle_rad, tamper)
+    }
+}
+
+impl<T: Tamper, S: Stepper> Knob<T, S> {
+    /// The same with another plant, of steps of half a PWM period.
+    ///
+    /// # Panics
+    /// For settings that are refused.
+    #[must_use]
+    pub fn with_plant(
+        settings: &DeviceSettings,
+        motor: MotorParameters,
+        plant: S,
+        angle_rad: f64,
+        tamper: T,
+    ) -> Self {
+        let hardware = &IHM08M1;
         let device = Device::new(settings, hardware).expect("settings");
         Self {
             current: CurrentLoop::new(device.current_config()),

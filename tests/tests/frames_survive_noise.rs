@@ -4,8 +4,8 @@ use touchstone_protocol::frame::{self, Decoder, FRAME_MAX, FrameError};
 use touchstone_protocol::reply::{FromDevice, version_of_hello};
 use touchstone_protocol::settings::fields::FIELDS;
 use touchstone_protocol::{
-    Board, Counters, Decimal, DeviceCommand, DeviceSettings, Phase, Reply, Request, Telemetry,
-    ToDevice,
+    Board, Counters, Decimal, DeviceCommand, DeviceSettings, MeasuringPart, MeasuringTick, Phase,
+    Reply, Request, Telemetry, ToDevice,
 };
 use touchstone_tests::random::Random;
 
@@ -43,6 +43,7 @@ fn telemetry(random: &mut Random) -> Telemetry {
         cycles: word(),
         lateness_cycles: word(),
         current_q_ma: word().cast_signed(),
+        measuring: None,
     }
 }
 
@@ -230,6 +231,12 @@ fn the_longest_messages_fit_into_a_frame() {
         cycles: u32::MAX,
         lateness_cycles: u32::MAX,
         current_q_ma: i32::MIN,
+        measuring: Some(MeasuringTick {
+            part: MeasuringPart::Coast,
+            current_d_ma: i32::MIN,
+            voltage_d_mv: i32::MIN,
+            voltage_q_mv: i32::MIN,
+        }),
     };
     let longest = size(
         &|b| postcard::to_slice(&full, b).expect("room").len(),

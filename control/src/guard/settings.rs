@@ -125,7 +125,7 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
 }
 
 /// One step of a signal.
-fn quantum<N: Number>() -> Si {
+pub(crate) fn quantum<N: Number>() -> Si {
     let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
     let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);
     (0..Si::FRAC_NBITS).map(step).find(shows).unwrap_or(Si::ONE)
@@ -164,6 +164,7 @@ impl<N: Number> Guard<N> {
         };
         N::signal(device.force_limit).ok_or(refused::<N>(Field::ForceLimit, device.force_limit))?;
         quarter(Field::GuardCapacity, settings.capacity)?;
+        quarter(Field::GuardRefill, over(settings.refill, rate))?;
         quarter(
             Field::GuardDamping,
             derived.damping.saturating_mul(derived.distance),

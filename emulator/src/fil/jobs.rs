@@ -52,6 +52,7 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
             Setup {
                 board: Board::nucleo_g474re(encoder),
                 lsi_hz,
+                ..Setup::default()
             },
             lists.concat(),
         )
@@ -69,6 +70,7 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
             Setup {
                 board: Board::b_g431b_esc1(),
                 lsi_hz: SLOW_LSI,
+                ..Setup::default()
             },
             ON_ESC1.to_vec(),
         ),

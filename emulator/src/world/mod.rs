@@ -38,6 +38,42 @@ const KNOB: Device = Device {
     }),
 };
 
+/// What is on the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Parts {
+    /// The motor.
+    pub motor: MotorParameters,
+    /// The knob with the motor's rotor.
+    pub knob: Device,
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self {
+            motor: MOTOR,
+            knob: KNOB,
+        }
+    }
+}
+
+impl Parts {
+    /// The usual ones, each by a factor: resistance, inductance, flux, inertia, damping, friction.
+    #[must_use]
+    pub fn scaled([resistance, inductance, flux, inertia, damping, friction]: [f64; 6]) -> Self {
+        let mut parts = Self::default();
+        parts.motor.resistance_ohm *= resistance;
+        parts.motor.inductance_h *= inductance;
+        parts.motor.flux_linkage_wb *= flux;
+        parts.knob.inertia *= inertia;
+        parts.knob.damping *= damping;
+        if let Some(coulomb) = &mut parts.knob.friction {
+            coulomb.kinetic *= friction;
+            coulomb.breakaway *= friction;
+        }
+        parts
+    }
+}
+
 /// The rest point of a hand, rad, by the time since it took hold, s.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
@@ -60,6 +96,7 @@ enum Grip {
 
 /// The world.
 pub struct World {
+    knob: Device,
     now: u64,
     /// When the knob moves next.
     step_at: u64,
@@ -87,7 +124,7 @@ impl fmt::Debug for World {
 
 impl Default for World {
     fn default() -> Self {
-        Self::new(0.3)
+        Self::new(&Parts::default(), 0.3)
     }
 }
 
@@ -95,14 +132,15 @@ impl World {
     /// Nobody holds the knob, which rests at an angle.
     ///
     /// # Panics
-    /// Never: the constants are in range.
+    /// If the knob is out of range.
     #[must_use]
-    pub fn new(angle_rad: f64) -> Self {
-        let plant = BareCoulomb::new(&KNOB, seconds(STEP)).expect("the knob is in range");
+    pub fn new(parts: &Parts, angle_rad: f64) -> Self {
+        let plant = BareCoulomb::new(&parts.knob, seconds(STEP)).expect("the knob is in range");
         Self {
+            knob: parts.knob,
             now: 0,
             step_at: STEP,
-            windings: Windings::new(MOTOR, seconds(STEP)),
+            windings: Windings::new(parts.motor, seconds(STEP)),
             bridge: Bridge {
                 // 0.5 us at both ends of 50 us.
                 dead_share: 0.01,
@@ -133,7 +171,7 @@ impl World {
     /// # Panics
     /// If the hand is out of range.
     pub fn hold(&mut self, hand: &Hand, rest: impl Fn(f64) -> f64 + 'static) {
-        let plant = HeldCoulomb::new(&KNOB, hand, seconds(STEP)).expect("the hand is in range");
+        let plant = HeldCoulomb::new(&self.knob, hand, seconds(STEP)).expect("the hand is in range");
         let (x, v) = self.angle_and_speed();
         let state = State::from_array([x, v, x, v]);
         self.grip = Grip::Held {
@@ -149,7 +187,7 @@ impl World {
     /// # Panics
     /// Never: the constants are in range.
     pub fn release(&mut self) {
-        let plant = BareCoulomb::new(&KNOB, seconds(STEP)).expect("the knob is in range");
+        let plant = BareCoulomb::new(&self.knob, seconds(STEP)).expect("the knob is in range");
         let (x, v) = self.angle_and_speed();
         self.grip = Grip::Free(plant, State::from_array([x, v]));
     }

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
+use touchstone_link::words::{described, name_of, number_of, page};
 use touchstone_protocol::{
-    Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Identity, Phase, Reply, Request,
-    ResetReason, RingRecord, Status,
+    Counters, DeviceCommand, DeviceSettings, Fault, Phase, Reply, Request, ResetReason, RingRecord,
+    Status,
 };
 use touchstone_sim::error::{Error, Result};
 
@@ -27,6 +28,10 @@ pub struct Options {
 }
 
 #[derive(Debug, Clone, Subcommand)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one in a run of the program"
+)]
 enum Action {
     #[command(flatten)]
     Haptic(haptic::Action),
@@ -83,7 +88,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Calibrate { no_wait } => {
             command(DeviceCommand::Calibrate)?;
             if !no_wait {
-                return calibrated(&mut client);
+                calibrated(&mut client)?;
             }
         }
         BoardAction::Arm => command(DeviceCommand::Arm)?,
@@ -112,7 +117,7 @@ fn state(name: &str) -> Result<()> {
 }
 
 /// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
-fn calibration_limit(settings: &DeviceSettings) -> Duration {
+pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
     // Positive by its range; what is not is no reason to panic.
@@ -120,13 +125,13 @@ fn calibration_limit(settings: &DeviceSettings) -> Duration {
 }
 
 /// Waits for the end of a calibration.
-fn calibrated(client: &mut Client) -> Result<()> {
+pub fn calibrated(client: &mut Client) -> Result<()> {
     let limit = calibration_limit(&client.settings()?);
     let until = Instant::now() + limit;
     loop {
         let status = status_of(client)?;
         let (problem, fix) = match status.phase {
-            Phase::Ready | Phase::Armed => return state(status.phase.name()),
+            Phase::Ready | Phase::Armed => return Ok(()),
             Phase::Calibrating if Instant::now() < until => {
                 std::thread::sleep(Duration::from_millis(50));
                 continue;
@@ -233,30 +238,6 @@ fn fault_json(fault: &Fault) -> serde_json::Value {
     })
 }
 
-/// The microcontroller's own number.
-fn number_of(identity: &Identity) -> String {
-    use std::fmt::Write;
-    let mut number = String::new();
-    for byte in identity.unique_id {
-        // Writing into a string cannot fail.
-        let _ = write!(number, "{byte:02x}");
-    }
-    number
-}
-
-/// Who it is, on one line.
-pub fn described(identity: &Identity) -> String {
-    let number = number_of(identity);
-    format!(
-        "{}, firmware {} ({:016x}), protocol {}, settings {}, number {number}",
-        identity.board.name(),
-        identity.firmware_version,
-        identity.build_hash,
-        identity.protocol_version,
-        identity.settings_version,
-    )
-}
-
 fn started(reason: ResetReason) -> String {
     match reason {
         ResetReason::Panic(place) => {
@@ -264,30 +245,6 @@ fn started(reason: ResetReason) -> String {
         }
         other => format!("after: {}", other.words()),
     }
-}
-
-/// The fault's code and name.
-pub fn name_of(fault: &Fault) -> String {
-    match fault.known() {
-        Some(code) => format!("{:02} {}", fault.code, page(code)),
-        None => format!(
-            "{:02}, which this version of the program does not know",
-            fault.code
-        ),
-    }
-}
-
-/// The name of a fault's page in `docs/faults/`, without its number.
-#[must_use]
-pub fn page(code: FaultCode) -> String {
-    let mut name = String::new();
-    for letter in format!("{code:?}").chars() {
-        if letter.is_ascii_uppercase() && !name.is_empty() {
-            name.push('-');
-        }
-        name.push(letter.to_ascii_lowercase());
-    }
-    name
 }
 
 fn fault(client: &mut Client) -> Result<()> {

@@ -63,19 +63,19 @@ impl BoardName {
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let board = options.board;
-    let program = options.elf.clone().unwrap_or_else(|| board.program());
+    write(options.board, options.elf.clone(), options.probe.as_deref())
+}
+
+/// Writes a program, or what was built for the board.
+pub fn write(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Result<()> {
+    let program = elf.unwrap_or_else(|| board.program());
     let built = format!(
         "build it: cargo xtask firmware --board {}, or name an ELF file",
         board.name()
     );
     check(&program, &built)?;
     tell!("{} into {}", program.display(), board.chip());
-    let probe: Vec<&str> = options
-        .probe
-        .iter()
-        .flat_map(|probe| ["--probe", probe])
-        .collect();
+    let probe: Vec<&str> = probe.iter().flat_map(|probe| ["--probe", probe]).collect();
     let chip = ["--chip", board.chip()];
     probe_rs(
         Command::new("probe-rs")

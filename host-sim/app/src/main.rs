@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | scenes | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | scenes | setup | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
@@ -11,7 +11,6 @@ mod config;
 mod device;
 mod doctor;
 mod expect;
-mod fault_words;
 mod flash;
 mod haptic;
 mod hard;
@@ -29,6 +28,7 @@ mod report_options;
 mod run;
 mod scene_options;
 mod scorecard;
+mod setup;
 mod shell;
 mod sweep;
 mod thesis;
@@ -98,6 +98,8 @@ enum Command {
         #[arg(long)]
         json_schema: bool,
     },
+    /// From a connected board to a tuned wall: measures motor and knob, tunes, keeps; goes on where it was interrupted. THE SHAFT SPINS.
+    Setup(setup::Options),
     /// Writes the firmware into a board, through the program probe-rs.
     Flash(flash::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
@@ -189,6 +191,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }
         Command::Scenes { json_schema: false } => scenes(),
+        Command::Setup(options) => setup::main(options),
         Command::Flash(options) => flash::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),

@@ -111,12 +111,14 @@ macro_rules! device_settings {
                     fade_in_s: number("0", "10") = "0.2", "s",
                         "the time over which the torque fades in after arming";
                 }
-                /// How the encoder is aligned with the motor.
+                /// How the encoder is aligned with the motor, and the motor measured.
                 calibration CalibrationSettings {
                     current_a: number("0.05", "25") = "1", "A",
                         "the current of the field that turns the shaft, at most the current limit";
                     electrical_turns_per_s: number("0.2", "20") = "4", "turns/s",
                         "the speed of that field, electrical turns";
+                    measures: flag() = false, "",
+                        "whether a calibration goes on to measure the motor (the shaft SPINS, both ways)";
                 }
                 /// What is sent by itself.
                 telemetry TelemetrySettings {

@@ -80,17 +80,7 @@ impl Fake {
     /// A device with troubles.
     pub fn with(trouble: Trouble) -> Self {
         let both = Self::switched_on(trouble);
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = format!("tcp:{}", listener.local_addr().unwrap());
-        let shared = Arc::clone(&both);
-        // Ends with the test's process.
-        std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
-                // A connection that breaks is the other side's right.
-                let _ = stream.set_read_timeout(Some(LOOK));
-                let _ = serve(stream, &shared);
-            }
-        });
+        let address = listen(&both);
         Self { address, both }
     }
 
@@ -164,8 +154,47 @@ pub fn nonsense(count: usize) -> Vec<u8> {
     (0..count).map(|i| ((i * 7919) >> 3) as u8).collect()
 }
 
+/// A board behind a session.
+pub trait Served: Backend {
+    /// Nobody hears it any more.
+    fn is_gone(&self) -> bool;
+    /// Bytes before everything else.
+    fn noise(&mut self) -> Vec<u8> {
+        Vec::new()
+    }
+    /// Takes notice of a request; `false` ends the connection instead.
+    fn is_asked(&mut self) -> bool {
+        true
+    }
+    /// What goes out for an answer.
+    fn answered(&mut self, answer: &FromDevice) -> Vec<u8> {
+        let mut buffer = [0; FRAME_MAX];
+        frame::encode(answer, &mut buffer).unwrap().to_vec()
+    }
+    /// Some control ticks; their telemetry.
+    fn ticks(&mut self) -> Vec<u8>;
+}
+
+/// Serves connections, one after the other, as long as the test's process lives; the address.
+pub fn listen<B: Served + Send + 'static>(both: &Arc<Mutex<(Session, B)>>) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", listener.local_addr().unwrap());
+    let shared = Arc::clone(both);
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            // A connection that breaks is the other side's right.
+            let _ = stream.set_read_timeout(Some(LOOK));
+            let _ = serve(stream, &shared);
+        }
+    });
+    address
+}
+
 /// Serves one connection until it ends.
-fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std::io::Result<()> {
+fn serve<B: Served>(
+    mut stream: impl Read + Write,
+    shared: &Mutex<(Session, B)>,
+) -> std::io::Result<()> {
     let mut decoder = Decoder::new();
     let mut bytes = [0; 1024];
     loop {
@@ -179,35 +208,46 @@ fn serve(mut stream: impl Read + Write, shared: &Mutex<(Session, World)>) -> std
         };
         let mut out = Vec::new();
         let (session, world) = &mut *shared.lock().unwrap();
-        if world.pulled {
+        if world.is_gone() {
             return Ok(());
         }
-        out.extend(nonsense(std::mem::take(&mut world.noise)));
+        out.extend(world.noise());
         for &byte in &bytes[..count] {
             let errors = decoder.errors();
             if let Some(Ok(payload)) = decoder.push(byte) {
-                if world.trouble.closes_at == Some(world.answers) {
+                if !world.is_asked() {
                     return Ok(());
                 }
-                world.answers += 1;
-                let answer = session.answer_payload(payload, errors, world);
-                if !world.trouble.silent
-                    && let Answered::Now(answer) = answer
-                {
-                    out.extend(world.frame(&answer));
+                if let Answered::Now(answer) = session.answer_payload(payload, errors, world) {
+                    out.extend(world.answered(&answer));
                 }
             }
         }
-        for _ in 0..TICKS {
-            out.extend(world.tick());
-        }
+        out.extend(world.ticks());
         stream.write_all(&out)?;
     }
 }
 
-impl World {
-    /// An answer's frame, damaged if that is its trouble.
-    fn frame(&mut self, message: &FromDevice) -> Vec<u8> {
+impl Served for World {
+    fn is_gone(&self) -> bool {
+        self.pulled
+    }
+    fn noise(&mut self) -> Vec<u8> {
+        nonsense(std::mem::take(&mut self.noise))
+    }
+    fn is_asked(&mut self) -> bool {
+        let goes_on = self.trouble.closes_at != Some(self.answers);
+        self.answers += usize::from(goes_on);
+        goes_on
+    }
+    fn ticks(&mut self) -> Vec<u8> {
+        (0..TICKS).flat_map(|_| self.tick()).collect()
+    }
+    /// Damaged if that is its trouble.
+    fn answered(&mut self, message: &FromDevice) -> Vec<u8> {
+        if self.trouble.silent {
+            return Vec::new();
+        }
         let mut buffer = [0; FRAME_MAX];
         let mut frame = frame::encode(message, &mut buffer).unwrap().to_vec();
         // Answers are counted from 0, and this one is counted already.
@@ -221,7 +261,9 @@ impl World {
         }
         frame
     }
+}
 
+impl World {
     /// One control tick: the telemetry record's frame, if one is due.
     fn tick(&mut self) -> Vec<u8> {
         self.tick += 1;
@@ -268,6 +310,7 @@ impl World {
             cycles: 2500,
             lateness_cycles: 12,
             current_q_ma: -250,
+            measuring: None,
         };
         let mut buffer = [0; FRAME_MAX];
         let message = FromDevice::Telemetry(record);

@@ -9,6 +9,8 @@ mod flash;
 mod json;
 mod lifecycle;
 mod monitor;
+mod setup;
+mod spun;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -46,13 +46,6 @@ impl Contact {
     /// # Errors
     /// Settings that the law cannot take.
     pub fn of(scene: &Scene) -> Result<Self> {
-        if scene.law.velocity.is_some() {
-            return Err(scene.error(
-                "law.velocity",
-                "no matrix has a velocity of this kind",
-                "leave the table out, or give law.states = \"estimated\" in its place",
-            ));
-        }
         let controller = AnyLaw::<f64>::new(&scene.settings()?)
             .map_err(|error| settings::refused(scene, &error))?;
         Ok(Self {

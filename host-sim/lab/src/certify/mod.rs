@@ -18,6 +18,7 @@
 
 pub mod campaign;
 pub mod contact;
+mod damped;
 pub mod estimator;
 pub mod hand_report;
 pub mod hands;

@@ -2,9 +2,10 @@
 
 use touchstone_control::choices::{
     ChangeOfForce, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
+    VelocityKind,
 };
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::{Differentiation, Preset, Scene, Velocity, nearest};
+use touchstone_sim::scene::{Preset, Scene, nearest};
 
 /// A law of the comparison.
 #[derive(Debug, Clone, Copy)]
@@ -41,30 +42,6 @@ pub const RIVALS: [Rival; 12] = [
         apply: |scene| measured(scene, LawKind::SpringDamper),
     },
     Rival {
-        name: "spring-damper-filtered",
-        about: "spring with virtual damping, velocity from differences behind a low pass",
-        source: "Colgate and Brown, ICRA 1994; the filter of Brown's thesis, 1995, appendix A",
-        damped_spring: true,
-        estimated: false,
-        apply: |scene| differentiated(scene, Differentiation::LowPass),
-    },
-    Rival {
-        name: "spring-damper-levant",
-        about: "spring with virtual damping, velocity from Levant's differentiator",
-        source: "Chawda, Celik and O'Malley, World Haptics 2011; Levant, Automatica 34(3), 1998",
-        damped_spring: true,
-        estimated: false,
-        apply: |scene| differentiated(scene, Differentiation::Levant),
-    },
-    Rival {
-        name: "spring-damper-window",
-        about: "spring with virtual damping, velocity from an adaptive window (end-fit FOAW)",
-        source: "Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6), 2000",
-        damped_spring: true,
-        estimated: false,
-        apply: |scene| differentiated(scene, Differentiation::Window),
-    },
-    Rival {
         name: "spring-damper-estimated",
         about: "spring with virtual damping, on estimated states",
         source: "thesis §1.2.6 behind this project's estimator",
@@ -74,6 +51,30 @@ pub const RIVALS: [Rival; 12] = [
             scene.law.kind = LawKind::SpringDamper;
             scene.law.states = StatesKind::Estimated;
         },
+    },
+    Rival {
+        name: "spring-damper-filtered",
+        about: "spring with virtual damping, velocity through a first-order filter",
+        source: "thesis §1.2.6 with what drivers of haptic devices do",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| filtered(scene, VelocityKind::Filtered),
+    },
+    Rival {
+        name: "spring-damper-foaw",
+        about: "spring with virtual damping, velocity by an adaptive window",
+        source: "thesis §1.2.6 with Janabi-Sharifi, Hayward and Chen 2000",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| filtered(scene, VelocityKind::Foaw),
+    },
+    Rival {
+        name: "spring-damper-kalman",
+        about: "spring with virtual damping, velocity of a Kalman filter of the position alone",
+        source: "thesis §1.2.6 with Kalata 1984",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| filtered(scene, VelocityKind::Kalman),
     },
     Rival {
         name: "tdpa",
@@ -153,18 +154,10 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
-/// The spring-damper with a velocity as the literature makes it; the window's band is a count of the device's encoder.
-fn differentiated(scene: &mut Scene, kind: Differentiation) {
+/// A spring-damper with a velocity of its own.
+fn filtered(scene: &mut Scene, from: VelocityKind) {
     measured(scene, LawKind::SpringDamper);
-    let usual = Velocity::default();
-    scene.law.velocity = Some(Velocity {
-        differentiator: kind,
-        band_rad: scene
-            .encoder
-            .as_ref()
-            .map_or(usual.band_rad, |encoder| encoder.step_rad()),
-        ..usual
-    });
+    scene.law.velocity.from = from;
 }
 
 /// Capacity of a guard over what its largest force may cost at the overspeed: with it a full account never holds a press back.
@@ -226,11 +219,10 @@ impl Rival {
             })
     }
 
-    /// Whether its matrices say how a loop moves: it does not hold its force back by an energy that it observed, and takes its velocity
-    /// from the law's own states.
+    /// Whether its matrices say how a loop moves: it does not hold its force back by an energy that it observed.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        (self.damped_spring || self.estimated) && self.of(&Scene::default()).law.velocity.is_none()
+        self.damped_spring || self.estimated
     }
 
     /// The scene with this law as it is tuned.
@@ -248,15 +240,7 @@ impl Rival {
     #[must_use]
     pub fn of(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
-        let own = scene.law.velocity.take();
         (self.apply)(&mut scene);
-        if let (Some(velocity), Some(own)) = (&mut scene.law.velocity, own) {
-            let differentiator = velocity.differentiator;
-            *velocity = Velocity {
-                differentiator,
-                ..own
-            };
-        }
         scene
     }
 }

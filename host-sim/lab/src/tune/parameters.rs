@@ -3,12 +3,11 @@
 //! Every start is a rule in the device's own measures, `k_de`, `J` and `T`, so that one rule serves all devices: dampings in
 //! `sqrt(k J)`, bandwidths in `sqrt(k/J)/2π`, stiffnesses in `k`, masses in `J`, shares of a tick in `T sqrt(k/J)`.
 
-use crate::scorecard::cases::Programme;
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::stiffness_per_tick;
 use std::f64::consts::TAU;
-use touchstone_control::choices::{LawKind, StatesKind};
-use touchstone_sim::scene::{Differentiation, Law, Scene};
+use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
+use touchstone_sim::scene::{Law, Scene};
 
 /// A parameter of the law.
 #[derive(Debug, Clone, Copy)]
@@ -52,9 +51,6 @@ pub fn axes(rival: &Rival, scene: &Scene) -> Vec<Axis> {
     if own.law.states == StatesKind::Estimated && !axes.is_empty() {
         axes.extend(of_estimator(&own));
     }
-    if let Some(velocity) = &own.law.velocity {
-        axes.extend(of_velocity(&own, velocity.differentiator));
-    }
     axes
 }
 
@@ -83,12 +79,34 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     let critical = 2.5 * b * rate;
     match scene.law.kind {
         LawKind::Spring => Vec::new(),
-        LawKind::SpringDamper => vec![axis(
-            parameter!(virtual_damping_n_m_s_per_rad),
-            0.5 * unit,
-            0.01 * unit,
-            10.0 * unit,
-        )],
+        LawKind::SpringDamper => {
+            let damping = axis(
+                parameter!(virtual_damping_n_m_s_per_rad),
+                0.5 * unit,
+                0.01 * unit,
+                10.0 * unit,
+            );
+            // Three times the wall's own rate: late enough to be quiet, and not so late that it drives what it is to damp.
+            let own_hz = (k / j).sqrt() / TAU;
+            let velocity = match scene.law.velocity.from {
+                VelocityKind::Told => None,
+                VelocityKind::Foaw => Some(axis(
+                    parameter!(velocity.window_s),
+                    0.05 / own_hz,
+                    1.0 / rate,
+                    16.0 / rate,
+                )),
+                VelocityKind::Filtered
+                | VelocityKind::Kalman
+                | VelocityKind::KalmanAcceleration => Some(axis(
+                    parameter!(velocity.bandwidth_hz),
+                    3.0 * own_hz,
+                    rate / 490.0,
+                    FASTEST_BANDWIDTH * rate,
+                )),
+            };
+            [damping].into_iter().chain(velocity).collect()
+        }
         LawKind::Tdpa | LawKind::Fba => vec![trusted()],
         LawKind::Sfa | LawKind::SfaContinuous => vec![
             trusted(),
@@ -161,57 +179,6 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
         ),
         axis(parameter!(estimator.inertia_kg_m2), j, 0.25 * j, 4.0 * j),
     ]
-}
-
-macro_rules! of_velocity {
-    ($field:ident) => {
-        Parameter {
-            path: concat!("law.velocity.", stringify!($field)),
-            of: |law| &mut law.velocity.get_or_insert_default().$field,
-        }
-    };
-}
-
-/// What each way of making a velocity has to choose.
-fn of_velocity(scene: &Scene, kind: Differentiation) -> Vec<Axis> {
-    let (j, k) = (scene.device.inertia_kg_m2, scene.wall.k_desired_n_m_per_rad);
-    let rate = f64::from(scene.timing.rate_hz);
-    let axis = |parameter, start: f64, least: f64, most: f64| Axis {
-        parameter,
-        start: start.clamp(least, most),
-        least,
-        most,
-    };
-    match kind {
-        Differentiation::LowPass => vec![axis(
-            of_velocity!(cutoff_hz),
-            4.0 * (k / j).sqrt() / TAU,
-            0.003 * rate,
-            2.0 * rate,
-        )],
-        Differentiation::Levant => {
-            // A third of what the press does to the device alone.
-            let press = Programme::of(scene).press.push_torque_n_m / j;
-            vec![axis(
-                of_velocity!(acceleration_rad_per_s2),
-                0.3 * press,
-                1e-3 * press,
-                10.0 * press,
-            )]
-        }
-        Differentiation::Window => {
-            let count = scene.encoder.as_ref().map_or(1e-5, |it| it.step_rad());
-            vec![
-                axis(
-                    of_velocity!(window_s),
-                    6.0 / rate,
-                    1.0 / rate,
-                    (100.0 / rate).min(1.0),
-                ),
-                axis(of_velocity!(band_rad), count, 0.1 * count, 20.0 * count),
-            ]
-        }
-    }
 }
 
 /// The scene with its law at a point, coordinates being natural logarithms of the ratios to the start. A value is rounded to four

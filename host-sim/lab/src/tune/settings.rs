@@ -41,13 +41,9 @@ pub fn toml(tuned: &Tuned) -> String {
             "beyond all".to_owned()
         }
     );
-    let on_a_device = match scene.law.velocity {
-        None => "On a device: touchstone config import FILE.",
-        Some(_) => "No device makes its velocity like this.",
-    };
     let _ = writeln!(
         text,
-        "# {on_a_device} In a scene: touchstone run SCENE --settings FILE."
+        "# On a device: touchstone config import FILE. In a scene: touchstone run SCENE --settings FILE."
     );
     text.push_str(&rows(scene));
     text

@@ -5,8 +5,6 @@
 
 pub mod chain;
 mod crossed;
-mod differentiated;
-pub mod differentiator;
 pub mod effects;
 pub mod judge;
 pub mod live;
@@ -16,6 +14,7 @@ pub mod passivity;
 pub mod plan;
 pub mod record;
 pub mod settings;
+mod surroundings;
 pub mod terms;
 pub mod tick;
 mod traced;

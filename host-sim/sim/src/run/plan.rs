@@ -8,12 +8,11 @@ use super::chain::{
 };
 use super::crossed::{crossed, crossed_apart, refused, stream};
 pub use super::crossed::{device, hand};
-use super::differentiated::Differentiated;
-use super::differentiator::Differentiator;
 use super::mechanics::{Mechanics, Standing};
 use super::settings;
+use super::surroundings::surrounded;
 use super::train::Train;
-use super::wall::{Controlled, Wall};
+use super::wall::Controlled;
 use crate::error::Result;
 use crate::scene::{self, Integrator, Number, RestPath, Scene};
 use touchstone_control::{CountScale, Fixed16, Fixed32, Reported, Si};
@@ -98,43 +97,27 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     Ok(control)
 }
 
-/// The law with what tells it the angle, and its velocity where the scene wants another than the law's own.
+/// The law with what tells it the angle.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
+    if let Some(named) = scene.environment.as_ref()
+        && named.is_more_than_the_wall()
+    {
+        return surrounded::<N>(scene, named, count_scale(scene)?);
+    }
     let settings = scene.settings()?;
-    let controlled = Controlled::<N>::new(&settings, count_scale(scene)?)
+    let wall = Controlled::<N>::new(&settings, count_scale(scene)?)
         .map_err(|error| settings::refused(scene, &error))?;
-    Ok(match &scene.law.velocity {
-        None => sensed(scene, controlled),
-        Some(velocity) => {
-            let period_s = scene.timing.period_s();
-            let wall = Differentiated {
-                controlled,
-                differentiator: Differentiator::new(velocity, period_s),
-                period_s,
-            };
-            sensed(scene, wall)
-        }
-    })
-}
-
-/// A wall with what tells it the angle.
-fn sensed(scene: &Scene, wall: impl Wall + 'static) -> Box<dyn Control> {
     let surface_rad = scene.wall.surface_rad;
-    match &scene.encoder {
+    Ok(match &scene.encoder {
         None => Box::new(Sampled {
             sensor: ExactAngle { surface_rad },
             wall,
         }),
         Some(encoder) => {
-            let step_rad = encoder.step_rad();
-            let sensor = Counts {
-                per_rad: 1.0 / step_rad,
-                step_rad,
-                surface_rad,
-            };
+            let sensor = Counts::of(encoder.step_rad(), surface_rad);
             Box::new(Sampled { sensor, wall })
         }
-    }
+    })
 }
 
 fn count_scale(scene: &Scene) -> Result<CountScale> {

@@ -1,7 +1,6 @@
 //! The control law's parameters as a scene gives them: a field for each row of the law's table, [`touchstone_control::law_settings`],
 //! in floats.
 
-use super::velocity::Velocity;
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control::choices::*;
@@ -60,9 +59,6 @@ macro_rules! law {
             Law { $($l_name: $l_kind $l_range = $l_default, $l_unit, $l_about;)+ } {
                 /// Number format that the law computes in. Default `fixed32`.
                 number Number
-                /// Velocity of a spring with damping, for comparing with the literature. Absent: the law's states.
-                #[serde(skip_serializing_if = "Option::is_none")]
-                velocity OtherVelocity
                 $($(#[$doc])* $group $Group)+
             }
         }
@@ -96,9 +92,6 @@ macro_rules! law {
     };
 }
 touchstone_control::law_settings!(law);
-
-/// A table that may be left out.
-type OtherVelocity = Option<Velocity>;
 
 impl Law {
     /// Rule at the end of the first contact: the one given, else `keep-force` for the original augmentation (thesis

@@ -2,11 +2,11 @@
 
 use super::Kind::{Choice, Flag, Text, Whole};
 use super::Range::{Any, Exactly, NotNegative, Positive, UpTo, Within};
+use super::environment_fields::ENVIRONMENT;
 use super::hand_fields::OPERATOR;
 use super::{Field, field, number};
 use crate::scene::device::Integrator;
 use crate::scene::law::Number;
-use crate::scene::velocity::Differentiation;
 use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
 use touchstone_control::{Choice as _, setting_path};
@@ -22,7 +22,12 @@ pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("encoder", "exact position"),
     ("sensor.noise", "no noise"),
     ("sensor.periodic", "no such error"),
-    ("law.velocity", "that of the law's states"),
+    ("environment", "the wall alone"),
+    ("environment.wall2", "no second wall"),
+    ("environment.wall3", "no third wall"),
+    ("environment.wall4", "no fourth wall"),
+    ("environment.endstops", "no endstops"),
+    ("environment.detents", "no detents"),
     ("operator.hand", "the grip's values"),
     ("operator.tremor", "a steady hand"),
     ("operator.reflex", "no reflex"),
@@ -285,39 +290,6 @@ const NUMBER: &[Field] = &[field(
     "the number format that the law computes in",
 )];
 
-const VELOCITY: &[Field] = &[
-    field(
-        "law.velocity.differentiator",
-        "",
-        Choice(Differentiation::WORDS),
-        "the way in which a spring-damper's velocity is made of positions",
-    ),
-    number(
-        "law.velocity.cutoff_hz",
-        "hz",
-        Positive,
-        "the corner of the low pass",
-    ),
-    number(
-        "law.velocity.acceleration_rad_per_s2",
-        "rad_per_s2",
-        Positive,
-        "the largest acceleration that Levant's observer follows",
-    ),
-    number(
-        "law.velocity.window_s",
-        "s",
-        UpTo(1.0),
-        "the longest window",
-    ),
-    number(
-        "law.velocity.band_rad",
-        "rad",
-        NotNegative,
-        "the distance from the window's line up to which a position fits it",
-    ),
-];
-
 /// Of the law's table: its rows as fields, and all fields in their order.
 macro_rules! table {
     (
@@ -330,10 +302,10 @@ macro_rules! table {
             table!(@rows (timing) $($timing)*),
             TIMING_AND_SURFACE,
             table!(@rows (wall) $($wall)*),
+            ENVIRONMENT,
             table!(@rows (law) $($law)*),
             NUMBER,
             $(table!(@rows (law $group) $($rows)*),)+
-            VELOCITY,
             OPERATOR,
         ];
     };

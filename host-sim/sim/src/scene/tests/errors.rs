@@ -35,7 +35,7 @@ fn misspelt_fields_and_tables() {
     );
     refused(
         "[gravity]",
-        "s.toml:1: gravity: unknown table; the top of the scene has name, description, seed, device, encoder, sensor, plant, timing, wall, law or operator",
+        "s.toml:1: gravity: unknown table; the top of the scene has name, description, seed, device, encoder, sensor, plant, timing, wall, environment, law or operator",
     );
 }
 
@@ -264,16 +264,6 @@ fn fields_that_contradict_each_other() {
         "[operator]\ngrip = \"light\"\nmotion.kind = \"tap\"\nmotion.velocity_rad_per_s = 30",
         "s.toml:4: operator.motion.velocity_rad_per_s: 30 rad/s from 0.1 rad outside is a tap of 35.6 Hz, no hand moves above 10 Hz; \
          lower it, or give approach_rad = 0.356 or more",
-    );
-    refused(
-        "[law.velocity]\ndifferentiator = \"levant\"",
-        "s.toml:1: law.velocity: the law enhanced-sfa takes no velocity from elsewhere; \
-         give law.kind = \"spring-damper\", or leave the table out",
-    );
-    refused(
-        "[law]\nkind = \"spring-damper\"\nstates = \"estimated\"\n[law.velocity]\ncutoff_hz = 80",
-        "s.toml:4: law.velocity: the estimated states have a velocity already; \
-         give law.states = \"measured\", or leave the table out",
     );
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::draft::Draft;
 use super::schema::{FIELDS, Kind};
 use super::*;
-use touchstone_control::{FirstContact, LawKind, StatesKind};
+use touchstone_control::{FirstContact, LawKind};
 
 /// A scene that names everything, for each motion, with values unlike the defaults.
 fn full_scenes() -> Vec<Scene> {
@@ -87,13 +87,31 @@ fn full_scenes() -> Vec<Scene> {
             // The longest of the motions needs 3.7 s.
             duration_s: 4.25,
         },
-        law: Law {
-            kind: LawKind::SpringDamper,
-            states: StatesKind::Measured,
-            velocity: Some(Velocity {
-                differentiator: Differentiation::Window,
-                ..Velocity::default()
+        environment: Some(Environment {
+            wall2: Some(FurtherWall {
+                stiffness_n_m_per_rad: Some(1.0 / 3.0),
+                ..FurtherWall::default()
             }),
+            wall3: Some(FurtherWall {
+                stiffness_n_m_per_rad: Some(2.5),
+                ..FurtherWall::default()
+            }),
+            wall4: Some(FurtherWall {
+                stiffness_n_m_per_rad: Some(0.0),
+                ..FurtherWall::default()
+            }),
+            endstops: Some(Endstops {
+                stiffness_n_m_per_rad: Some(7.0),
+                ..Endstops::default()
+            }),
+            detents: Some(DetentRing {
+                per_rev: 17,
+                ..DetentRing::default()
+            }),
+            ..Environment::default()
+        }),
+        law: Law {
+            kind: LawKind::SfaContinuous,
             first_contact: Some(FirstContact::KeepForce),
             filter: FilterSettings {
                 mass_kg_m2: 2e-5,
@@ -194,6 +212,7 @@ fn every_number_ends_in_its_unit() {
             "periods_per_rev",
             "substeps",
             "lost_share",
+            "per_rev",
             "step_of_ideal",
             "limit_of_force",
             "limit_of_penetration",
@@ -211,9 +230,6 @@ fn every_number_ends_in_its_unit() {
 #[test]
 fn every_word_of_a_choice_is_understood() {
     let scenes = full_scenes();
-    // Other laws and states take no velocity from elsewhere.
-    let mut without = scenes[0].clone();
-    without.law.velocity = None;
     for field in FIELDS {
         let Kind::Choice(words) = field.kind else {
             continue;
@@ -223,8 +239,7 @@ fn every_word_of_a_choice_is_understood() {
             .iter()
             .filter(|_| !field.path.starts_with("operator."))
         {
-            let of_velocity = field.path.starts_with("law.velocity.");
-            let scene = if of_velocity { &scenes[0] } else { &without }
+            let scene = scenes[0]
                 .with_overrides(&[format!("{}={word}", field.path)])
                 .unwrap_or_else(|error| panic!("{error}"));
             let value = Draft::from_scene(&scene).fields[field.path].clone();

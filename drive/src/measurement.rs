@@ -1,0 +1,238 @@
+//! What a calibration that measures does with the motor, so that the desktop can tell what motor it is: the excitation alone. What is
+//! made of it is in `touchstone_lab::identify::motor`.
+//!
+//! ```text
+//! Low -> High -> 4 x (Brake -> Push -> Coast) -> done
+//! ```
+//!
+//! 1. A current that turns far faster than the rotor can follow, at half of the calibration's current and at all of it. In the frame of
+//!    that current the voltage stands still: `ΔV/ΔI = R + jωL`. What dead time takes is the same at both, and falls out.
+//! 2. Pushes by a quarter of that current up to a speed, both ways; after each the bridge is off, and the knob coasts. The voltage
+//!    of a push rises with the speed by the flux; the motion tells inertia, damping and friction.
+//!
+//! Every stage ends after a fixed number of ticks, and a push that moves nothing is a failure.
+
+use crate::Amps;
+use crate::angle::Angle;
+use crate::calibration::Reason;
+use crate::command::Rotor;
+use crate::current::{CurrentCommand, CurrentMode};
+use crate::hardware::Hardware;
+use crate::settings::periods_per_tick;
+use crate::transform::Dq;
+use crate::units::{narrow, product, quotient};
+use fixed::types::I16F16;
+use touchstone_control::Si;
+use touchstone_protocol::{DeviceSettings, MeasuringPart};
+
+/// The fast field's turn in a PWM period, 2^-32 turns: a sixty-third, 317 Hz at 20 kHz. What dead time does repeats itself in a sixth of
+/// a turn; a control period is no multiple of that, as it is 2s and 5s of PWM periods, so what the ticks see of it is its mean.
+pub const FAST_FIELD: u32 = u32::MAX / 63;
+/// Pushes: the fast ones, then those to a third of the speed; each with its way back.
+const PUSHES: u8 = 4;
+
+/// Coefficients of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeasurementConfig {
+    /// Whether there is one at all.
+    pub(crate) wanted: bool,
+    current: Amps,
+    /// By how much the fast field's current is raised in a tick.
+    current_step: Amps,
+    /// The fast field's turn in a control period, 2^-32 turns.
+    field_per_tick: u32,
+    /// Ticks that a current is held once it is reached.
+    hold: u32,
+    push: Amps,
+    /// Speeds at which a push ends, fast and slow.
+    speeds: [I16F16; 2],
+    /// Current of the brake per speed, A·s/rad.
+    brake: I16F16,
+    /// Ticks without a count that are rest.
+    rest: u32,
+    /// Longest push, longest coast, longest brake.
+    longest: u32,
+}
+
+impl MeasurementConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
+        let rate = settings.timing.rate_hz.max(1);
+        let of = |value: Si, parts: i64| quotient(value, Si::const_from_int(parts));
+        let current: Amps = narrow(settings.calibration.current_a);
+        let hold = (rate / 2).max(1);
+        let step = current.to_bits() / i32::try_from(hold).unwrap_or(i32::MAX);
+        // Half of what switches off: room for what a push adds until it is seen.
+        let speed = of(settings.limits.max_speed_rad_per_s, 2);
+        let push = of(settings.calibration.current_a, 4);
+        Self {
+            wanted: settings.calibration.measures,
+            current,
+            current_step: Amps::from_bits(step.max(1)),
+            field_per_tick: FAST_FIELD
+                .wrapping_mul(u32::from(periods_per_tick(settings, hardware))),
+            hold,
+            push: narrow(push),
+            speeds: [narrow(speed), narrow(of(speed, 3))],
+            brake: narrow(quotient(push, of(speed, 8))),
+            rest: (rate / 10).max(2),
+            longest: rate.saturating_mul(3),
+        }
+    }
+}
+
+/// How far a measurement is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measuring {
+    /// Goes on, with this for the current loop.
+    Running(CurrentCommand),
+    /// Done.
+    Done,
+    /// Failed.
+    Failed(Reason),
+}
+
+/// A running measurement.
+#[derive(Debug, Clone, Copy)]
+pub struct Measurement {
+    config: MeasurementConfig,
+    part: MeasuringPart,
+    /// Ticks in the part.
+    ticks: u32,
+    /// Ticks without a count.
+    still: u32,
+    last: i64,
+    current: Amps,
+    /// Where the fast field is, 2^-32 turns.
+    field: u32,
+    /// Pushes that are over.
+    pushes: u8,
+}
+
+impl Measurement {
+    /// Begins, with the shaft at a count.
+    #[must_use]
+    pub const fn new(config: MeasurementConfig, count: i64) -> Self {
+        Self {
+            config,
+            part: MeasuringPart::Low,
+            ticks: 0,
+            still: 0,
+            last: count,
+            current: Amps::ZERO,
+            field: 0,
+            pushes: 0,
+        }
+    }
+
+    /// What it is about.
+    #[must_use]
+    pub const fn part(&self) -> MeasuringPart {
+        self.part
+    }
+
+    /// One control tick with a good reading: the unwrapped count, the shaft's speed and where the rotor is.
+    ///
+    /// A tick without a good reading is left out: the outputs are off in it.
+    pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor) -> Measuring {
+        self.ticks = self.ticks.saturating_add(1);
+        self.still = if count == self.last {
+            self.still.saturating_add(1)
+        } else {
+            0
+        };
+        self.last = count;
+        match self.part {
+            MeasuringPart::Low => {
+                self.turn(rotor.tick, self.config.current / 2, MeasuringPart::High)
+            }
+            MeasuringPart::High => self.turn(rotor.tick, self.config.current, MeasuringPart::Brake),
+            MeasuringPart::Brake => self.brake(speed, rotor),
+            MeasuringPart::Push => self.push(speed, rotor),
+            MeasuringPart::Coast => self.coast(rotor.tick),
+        }
+    }
+
+    fn enter(&mut self, part: MeasuringPart) {
+        self.part = part;
+        self.ticks = 0;
+        self.still = 0;
+    }
+
+    /// The fast field, its current raised and then held.
+    fn turn(&mut self, tick: u32, current: Amps, next: MeasuringPart) -> Measuring {
+        if self.current < current {
+            self.current = self
+                .current
+                .saturating_add(self.config.current_step)
+                .min(current);
+            self.ticks = 0;
+        } else if self.ticks >= self.config.hold {
+            self.enter(next);
+        }
+        self.field = self.field.wrapping_add(self.config.field_per_tick);
+        Measuring::Running(CurrentCommand {
+            tick,
+            mode: CurrentMode::Drive,
+            angle: Angle((self.field >> 16) as u16),
+            // A sixty-third of 2^32 is below 2^31.
+            advance: FAST_FIELD as i32,
+            current: Dq {
+                d: self.current,
+                q: Amps::ZERO,
+            },
+        })
+    }
+
+    /// Brings the shaft to rest.
+    fn brake(&mut self, speed: I16F16, rotor: &Rotor) -> Measuring {
+        if self.still >= self.config.rest || self.ticks >= self.config.longest {
+            if self.pushes >= PUSHES {
+                return Measuring::Done;
+            }
+            self.enter(MeasuringPart::Push);
+            return self.push(speed, rotor);
+        }
+        let most = self.config.push;
+        let along = Amps::from_bits(product(speed.to_bits(), self.config.brake.to_bits(), 16));
+        let along = along.min(most).max(most.saturating_neg());
+        Measuring::Running(rotor.along(along.saturating_neg()))
+    }
+
+    fn push(&mut self, speed: I16F16, rotor: &Rotor) -> Measuring {
+        let [fast, slow] = self.config.speeds;
+        let wanted = if self.pushes < PUSHES / 2 { fast } else { slow };
+        let is_over = self.ticks >= self.config.longest;
+        if speed.saturating_abs() >= wanted || is_over {
+            // A hand holds it, or friction is more than the push.
+            if speed.saturating_abs() < Amps::from_bits(wanted.to_bits() >> 3) {
+                return Measuring::Failed(Reason::Held);
+            }
+            self.pushes = self.pushes.saturating_add(1);
+            self.enter(MeasuringPart::Coast);
+            return off(rotor.tick);
+        }
+        let push = self.config.push;
+        Measuring::Running(rotor.along(if self.pushes & 1 == 0 {
+            push
+        } else {
+            push.saturating_neg()
+        }))
+    }
+
+    fn coast(&mut self, tick: u32) -> Measuring {
+        if self.still >= self.config.rest || self.ticks >= self.config.longest {
+            self.enter(MeasuringPart::Brake);
+        }
+        off(tick)
+    }
+}
+
+/// The bridge is off, and the loop hears of it.
+const fn off(tick: u32) -> Measuring {
+    Measuring::Running(CurrentCommand {
+        tick,
+        ..CurrentCommand::OFF
+    })
+}

@@ -1,0 +1,155 @@
+//! What a setup has done so far, in its folder: an interruption loses the step that it falls into and no other.
+
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use touchstone_lab::identify::motor::MeasuredMotor;
+use touchstone_lab::identify::{Estimate, Mechanics};
+use touchstone_sim::error::{Error, Result};
+
+/// File of what is done.
+const NAME: &str = "setup.json";
+
+/// What is done.
+pub struct Kept {
+    file: PathBuf,
+    done: Map<String, Value>,
+}
+
+/// Names of a measured motor's values.
+pub const VALUES: [&str; 7] = [
+    "resistance_ohm",
+    "inductance_h",
+    "flux_linkage_wb",
+    "torque_constant_n_m_per_a",
+    "inertia_kg_m2",
+    "damping_n_m_s_per_rad",
+    "friction_n_m",
+];
+
+/// The same in their order.
+pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
+    let Mechanics {
+        inertia_kg_m2,
+        damping_n_m_s_per_rad,
+        friction_n_m,
+        ..
+    } = motor.mechanics;
+    [
+        motor.resistance_ohm,
+        motor.inductance_h,
+        motor.flux_linkage_wb,
+        motor.torque_constant_n_m_per_a,
+        inertia_kg_m2,
+        damping_n_m_s_per_rad,
+        friction_n_m,
+    ]
+}
+
+impl Kept {
+    /// What the folder has; the folder is made.
+    pub fn open(folder: &Path) -> Result<Self> {
+        let file = folder.join(NAME);
+        std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
+        let done = match std::fs::read_to_string(&file) {
+            Ok(text) => serde_json::from_str(&text).map_err(|error| Error::Io {
+                path: file.clone(),
+                problem: error.to_string(),
+                fix: "remove it, or choose another folder with --out".into(),
+            })?,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Map::new(),
+            Err(error) => return Err(io(&file, &error)),
+        };
+        Ok(Self { file, done })
+    }
+
+    /// The number of the device that it is about.
+    pub fn device(&self) -> Option<&str> {
+        self.done.get("device")?.as_str()
+    }
+
+    /// It is about this one.
+    pub fn begin(&mut self, device: &str) -> Result<()> {
+        self.done.insert("device".into(), device.into());
+        self.write()
+    }
+
+    /// Forgets all but the device.
+    pub fn again(&mut self) {
+        self.done.retain(|key, _| key == "device");
+    }
+
+    /// The measured motor.
+    pub fn measured(&self) -> Option<MeasuredMotor> {
+        let all = self.done.get("measured")?;
+        let number = |name: &str, what: &str| all.get(name)?.get(what)?.as_f64();
+        let mut found = VALUES.iter().map(|name| {
+            Some(Estimate {
+                value: number(name, "value")?,
+                uncertainty: number(name, "uncertainty")?,
+            })
+        });
+        let mut next = || found.next().flatten();
+        Some(MeasuredMotor {
+            resistance_ohm: next()?,
+            inductance_h: next()?,
+            flux_linkage_wb: next()?,
+            torque_constant_n_m_per_a: next()?,
+            mechanics: Mechanics {
+                inertia_kg_m2: next()?,
+                damping_n_m_s_per_rad: next()?,
+                friction_n_m: next()?,
+                residual_rms_rad: all.get("residual_rms_rad")?.as_f64()?,
+            },
+        })
+    }
+
+    /// The motor is measured.
+    pub fn keep_measured(&mut self, motor: &MeasuredMotor) -> Result<()> {
+        self.done.insert("measured".into(), as_json(motor));
+        self.write()
+    }
+
+    /// What the last wall was tuned for.
+    pub fn tuned_for(&self) -> Option<&str> {
+        self.done.get("tuned_for")?.as_str()
+    }
+
+    /// A wall is tuned, for this scene.
+    pub fn keep_tuned_for(&mut self, scene: &str) -> Result<()> {
+        self.done.insert("tuned_for".into(), scene.into());
+        self.write()
+    }
+
+    /// All at once or not at all: what a cut of power leaves is the state before.
+    fn write(&self) -> Result<()> {
+        let text = format!("{:#}\n", Value::Object(self.done.clone()));
+        let new = self.file.with_extension("new");
+        std::fs::write(&new, text)
+            .and_then(|()| std::fs::rename(&new, &self.file))
+            .map_err(|error| io(&self.file, &error))
+    }
+}
+
+/// Values with what is not known of them.
+pub fn as_json(motor: &MeasuredMotor) -> Value {
+    let mut all: Map<String, Value> = VALUES
+        .into_iter()
+        .zip(values(motor))
+        .map(|(name, it)| {
+            let entry = json!({ "value": it.value, "uncertainty": it.uncertainty });
+            (name.to_owned(), entry)
+        })
+        .collect();
+    let residual = motor.mechanics.residual_rms_rad;
+    all.insert("residual_rms_rad".into(), residual.into());
+    all.into()
+}
+
+/// A file of the setup that cannot be had.
+pub fn io(path: &Path, error: &std::io::Error) -> Error {
+    Error::Io {
+        path: path.to_owned(),
+        problem: error.to_string(),
+        fix: "choose another folder with --out".into(),
+    }
+}

@@ -1,0 +1,97 @@
+//! A scene of a measured knob: the simulator runs it, `tune` makes its wall.
+
+use std::fmt::Write;
+use touchstone_drive::Hardware;
+use touchstone_lab::identify::motor::MeasuredMotor;
+use touchstone_protocol::DeviceSettings;
+
+/// Time from a reading to its command at the motor, PWM periods: half a one in the mean until the current loop takes the command, one until the
+/// compare values act in the middle.
+const DELAY_PERIODS: f64 = 1.5;
+/// A press takes this part of what the motor gives, at most the thesis' 0.1 N·m.
+const PRESS_SHARE: f64 = 0.6;
+
+/// The scene's text.
+pub fn text(
+    motor: &MeasuredMotor,
+    settings: &DeviceSettings,
+    hardware: &Hardware,
+    who: &str,
+) -> String {
+    let (it, constant) = (&motor.mechanics, motor.torque_constant_n_m_per_a.value);
+    let current: f64 = settings.motor.current_limit_a.to_num();
+    let continuous: f64 = settings.motor.continuous_current_a.to_num();
+    let step: f64 = hardware.amps_per_code.to_num();
+    let friction = it.friction_n_m.value.max(0.0);
+    let press = (PRESS_SHARE * constant * continuous.min(current)).min(0.1);
+    let damping = it.damping_n_m_s_per_rad.value.max(0.0);
+    let inertia = it.inertia_kg_m2.value;
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = write!(
+        text,
+        "# A knob as `touchstone setup` measured it: {who}.
+name = \"knob\"
+description = \"A medium grip touches the measured knob's wall lightly, presses it with {:.0} mN·m, holds and lets go.\"
+
+[device]
+inertia_kg_m2 = {inertia:.4e}
+damping_n_m_s_per_rad = {damping:.4e}
+# The current limit's.
+torque_limit_n_m = {:.4e}
+# A step of the converter that measures the current.
+amplifier_step_n_m = {:.4e}
+
+[device.friction]
+kinetic_n_m = {friction:.4e}
+
+[encoder]
+counts_per_rev = {}
+
+[timing]
+rate_hz = {}
+duration_s = 4.5
+# Until the compare values act, {DELAY_PERIODS} PWM periods.
+computational_delay_s = {:.4e}
+
+[wall]
+surface_rad = 0.5
+k_desired_n_m_per_rad = {}
+
+[law]
+kind = \"enhanced-sfa\"
+
+[law.estimator]
+inertia_kg_m2 = {inertia:.4e}
+damping_n_m_s_per_rad = {damping:.4e}
+
+[law.guard]
+# Rather less than more.
+damping_n_m_s_per_rad = {:.4e}
+
+[operator]
+grip = \"medium\"
+
+[operator.motion]
+kind = \"touch-and-press\"
+start_s = 0.1
+touch_ramp_s = 0.05
+touch_s = 2.0
+touch_torque_n_m = {:.4e}
+ramp_s = 0.3
+hold_s = 1.5
+release_s = 0.4
+push_torque_n_m = {press:.4e}
+",
+        1e3 * press,
+        constant * current,
+        constant * step.abs(),
+        settings.encoder.counts_per_rev,
+        settings.timing.rate_hz,
+        DELAY_PERIODS / f64::from(hardware.pwm_hz),
+        settings.wall.k_desired_n_m_per_rad,
+        0.8 * damping,
+        0.2 * press,
+    );
+    text
+}

@@ -1,0 +1,317 @@
+//! `touchstone setup`: from a connected board to a tuned wall, step by step. What is done is kept in a folder; the same command goes on
+//! where the last one was interrupted.
+
+mod kept;
+mod knob_scene;
+mod sheet;
+mod spin;
+
+use super::config::toml_file;
+use super::device::{calibrated, status_of};
+use super::flash::{self, BoardName};
+use super::interrupt;
+use super::number;
+use super::out::{self, note, say, tell};
+use super::port::PortOption;
+use super::progress;
+use kept::{Kept, io};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use touchstone_control::Si;
+use touchstone_device::Client;
+use touchstone_drive::wire::{checked, hardware};
+use touchstone_lab::identify::motor::MeasuredMotor;
+use touchstone_lab::scorecard::rivals::Rival;
+use touchstone_lab::tune::{self, Effort};
+use touchstone_link::value;
+use touchstone_link::words::{described, name_of, number_of};
+use touchstone_protocol::settings::fields::field;
+use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
+
+/// Options of `setup`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    port: PortOption,
+    /// Folder of what is measured and tuned; with what an interrupted setup left in it, goes on there.
+    #[arg(long, value_name = "DIR", default_value = "knob")]
+    out: PathBuf,
+    /// Settings of this knob: pole pairs, encoder, currents, supply; as `touchstone config export` writes them.
+    #[arg(long, value_name = "FILE.toml")]
+    settings: Option<PathBuf>,
+    /// Stiffness of the wall, N·m/rad; without it, what the settings say.
+    #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true, value_parser = number::up_to(1e5, "N·m/rad"))]
+    k_desired: Option<f64>,
+    /// Writes the firmware of this board where nobody answers at the port.
+    #[arg(long)]
+    board: Option<BoardName>,
+    /// Tunes for seconds instead of minutes.
+    #[arg(long)]
+    quick: bool,
+    /// Takes the law's settings from this file, as `touchstone tune --out` writes it, instead of looking for them.
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "quick")]
+    law: Option<PathBuf>,
+    /// Measures and tunes anew what was done before.
+    #[arg(long)]
+    again: bool,
+}
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    let stop = interrupt::noted()?;
+    let mut kept = Kept::open(&options.out)?;
+    if options.again {
+        kept.again();
+    }
+    tell!("1/6 board      who is there");
+    let mut client = connect(options)?;
+    let who = described(client.identity());
+    tell!("    {who}");
+    begin(&mut client, &mut kept, &options.out)?;
+
+    tell!("2/6 settings   what the knob is said to be");
+    let before = options.out.join(BEFORE);
+    let settings = settings(&client, options, &before)?;
+    tell!(
+        "    {} pole pairs, {} with {} counts, up to {} A",
+        settings.motor.pole_pairs,
+        value::shown(&settings, named("encoder.kind")?),
+        settings.encoder.counts_per_rev,
+        settings.motor.current_limit_a,
+    );
+
+    let motor = match kept.measured() {
+        Some(motor) => {
+            tell!("3/6 motor      measured before (--again measures anew)");
+            motor
+        }
+        None => {
+            tell!(
+                "3/6 motor      HANDS OFF: THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute"
+            );
+            let motor = spin::measure(&mut client, &settings, &stop)?;
+            kept.keep_measured(&motor)?;
+            motor
+        }
+    };
+    for line in sheet::lines(&motor) {
+        tell!("    {line}");
+    }
+
+    let board = client.identity().board;
+    let scene_file = options.out.join("knob.toml");
+    let text = knob_scene::text(&motor, &settings, hardware(board), &who);
+    write(&scene_file, &text)?;
+    tell!("4/6 scene      {}", scene_file.display());
+
+    let law_file = options.out.join("law.toml");
+    if let Some(given) = &options.law {
+        tell!("5/6 wall       as given: {}", given.display());
+        let law = std::fs::read_to_string(given).map_err(|error| io(given, &error))?;
+        toml_file::read(&law, given, &settings)?;
+        write(&law_file, &law)?;
+    } else if kept.tuned_for() == Some(&*text) && law_file.is_file() {
+        tell!("5/6 wall       tuned before: {}", law_file.display());
+    } else {
+        tell!("5/6 wall       looking for settings of the law");
+        let law = tuned(&Scene::parse(&text, &scene_file)?, options, &stop)?;
+        write(&law_file, &law)?;
+        kept.keep_tuned_for(&text)?;
+    }
+
+    tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
+    let all = with_knob(settings, &motor, &law_file, &client)?;
+    take(&mut client, &all)?;
+    let page = sheet::write(&motor, &text, &all, &who, &options.out.join("report"))?;
+    out::result(
+        || {
+            serde_json::json!({
+                "device": kept.device(),
+                "measured": kept::as_json(&motor),
+                "scene": scene_file.display().to_string(),
+                "settings": law_file.display().to_string(),
+                "page": page.display().to_string(),
+                "state": "ready",
+            })
+        },
+        || {
+            say!("ready; the wall is at {} rad", all.wall.surface_rad);
+            say!("page       {}", page.display());
+            say!("feel it    touchstone device arm");
+            say!(
+                "simulate   touchstone run {} --settings {}",
+                scene_file.display(),
+                law_file.display()
+            );
+            Ok(())
+        },
+    )
+}
+
+/// The settings that the board had at first: whatever comes, `touchstone config import` brings them back.
+const BEFORE: &str = "before.toml";
+
+fn write(file: &Path, text: &str) -> Result<()> {
+    std::fs::write(file, text).map_err(|error| io(file, &error))
+}
+
+/// Connects; where nobody answers, with the firmware first, if the board is known.
+fn connect(options: &Options) -> Result<Client> {
+    let silent = match options.port.connect() {
+        Ok(client) => return Ok(client),
+        Err(error) => error,
+    };
+    let is_bare =
+        matches!(&silent, Error::Device { problem, .. } if problem.starts_with("no answer"));
+    match options.board {
+        Some(board) if is_bare => {
+            tell!("    no answer: writing the firmware");
+            flash::write(board, None, None)?;
+            options.port.connect()
+        }
+        _ => Err(silent),
+    }
+}
+
+/// The folder is this board's, and the board is at rest.
+fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
+    let number = number_of(client.identity());
+    match kept.device() {
+        Some(other) if other != number => {
+            return Err(Error::Io {
+                path: folder.to_owned(),
+                problem: format!("belongs to the board {other}; this one is {number}"),
+                fix: "choose another folder with --out".into(),
+            });
+        }
+        _ => {}
+    }
+    let status = status_of(client)?;
+    match (status.phase, &status.fault) {
+        (Phase::Armed, _) => {
+            return Err(Error::device(
+                client.place(),
+                "the wall is on",
+                "let go of the knob, then: touchstone device disarm",
+            ));
+        }
+        (_, Some(fault)) => note!("note: the board was in fault {}", name_of(fault)),
+        _ => {}
+    }
+    if !matches!(status.phase, Phase::Boot | Phase::Stopped) {
+        client.tell(&Request::Command(DeviceCommand::Stop))?;
+    }
+    if kept.device().is_none() {
+        let text = toml_file::write(&client.settings()?, client.identity());
+        write(&folder.join(BEFORE), &text)?;
+        kept.begin(&number)?;
+    }
+    Ok(())
+}
+
+/// Those of before, with what a person says of the knob.
+fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceSettings> {
+    let board = client.identity().board;
+    let mut settings = DeviceSettings::defaults(board);
+    for file in [Some(before), options.settings.as_deref()]
+        .into_iter()
+        .flatten()
+    {
+        let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
+        settings = toml_file::read(&text, file, &settings)?.0;
+    }
+    if let Some(stiffness) = options.k_desired {
+        settings.wall.k_desired_n_m_per_rad = Si::saturating_from_num(stiffness);
+    }
+    settings.calibration.measures = false;
+    refuse_invalid(&settings, client)?;
+    Ok(settings)
+}
+
+fn refuse_invalid(settings: &DeviceSettings, client: &Client) -> Result<()> {
+    checked(settings, client.identity().board).map_err(|invalid| Error::Option {
+        option: invalid.path.to_owned(),
+        problem: invalid.to_string(),
+        fix: "give another value in a file: --settings FILE.toml".into(),
+    })
+}
+
+fn named(path: &str) -> Result<&'static touchstone_protocol::settings::fields::Field> {
+    field(path).ok_or_else(|| Error::Option {
+        option: path.to_owned(),
+        problem: "there is no such setting".into(),
+        fix: "report this as a bug".into(),
+    })
+}
+
+/// The law's settings for a scene, as text.
+fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> {
+    let asked = tune::Options {
+        seed: 1,
+        effort: match options.quick {
+            true => Effort::Quick,
+            false => Effort::Full,
+        },
+        ripple_n_m: None,
+    };
+    let bar = progress::bar(1, "searching");
+    let tuned = tune::tune(scene, Rival::named("enhanced")?, &asked, |done, all| {
+        bar.set_length(all);
+        bar.set_position(done);
+        if stop.load(Ordering::Relaxed) {
+            note!("interrupted: the board is off; the same command goes on from here");
+            std::process::exit(interrupt::INTERRUPTED);
+        }
+    })?;
+    bar.finish_and_clear();
+    tell!(
+        "    {} settings looked at; largest share of a limit {:.2}",
+        tuned.evaluations,
+        tuned.worst
+    );
+    // Above 1 some device near this one is outside of a limit; above all, the wall is none.
+    if tuned.worst.is_nan() || tuned.worst > 1.0 {
+        return Err(Error::Option {
+            option: "--k-desired".into(),
+            problem: format!(
+                "no settings were found that hold a wall of {} N·m/rad on this knob and on those near it",
+                scene.wall.k_desired_n_m_per_rad
+            ),
+            fix: match options.quick {
+                true => "ask for a softer wall, or look longer: without --quick",
+                false => "ask for a softer wall",
+            }
+            .into(),
+        });
+    }
+    Ok(tune::settings::toml(&tuned))
+}
+
+/// All settings: the motor and the law as they were found.
+fn with_knob(
+    settings: DeviceSettings,
+    motor: &MeasuredMotor,
+    law_file: &Path,
+    client: &Client,
+) -> Result<DeviceSettings> {
+    let law = std::fs::read_to_string(law_file).map_err(|error| io(law_file, &error))?;
+    let (mut all, _) = toml_file::read(&law, law_file, &settings)?;
+    let of = |value: f64| Si::saturating_from_num(value);
+    all.motor.resistance_ohm = of(motor.resistance_ohm.value);
+    all.motor.inductance_h = of(motor.inductance_h.value);
+    all.motor.torque_constant_n_m_per_a = of(motor.torque_constant_n_m_per_a.value);
+    let most = all.motor.torque_constant_n_m_per_a * all.motor.current_limit_a;
+    all.law.force_limit_n_m = all.law.force_limit_n_m.min(most);
+    refuse_invalid(&all, client)?;
+    Ok(all)
+}
+
+/// The board takes settings, keeps them, and calibrates with them.
+fn take(client: &mut Client, all: &DeviceSettings) -> Result<()> {
+    client.tell(&Request::SetAll(all.clone()))?;
+    client.tell(&Request::Save)?;
+    client.tell(&Request::Command(DeviceCommand::Calibrate))?;
+    calibrated(client)
+}

@@ -1,0 +1,91 @@
+//! What was measured of a knob, for people: as lines, and as a page with the settings that came of it.
+
+use super::super::report_options::program;
+use super::kept::{VALUES, as_json, values};
+use std::path::{Path, PathBuf};
+use touchstone_lab::identify::motor::MeasuredMotor;
+use touchstone_lab::report::{Block, Section, pages};
+use touchstone_link::value;
+use touchstone_protocol::DeviceSettings;
+use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_sim::error::Result;
+
+/// What each is called, and its unit.
+const NAMES: [(&str, &str); VALUES.len()] = [
+    ("resistance of a phase, with the bridge's", "Ω"),
+    ("inductance of a phase", "H"),
+    ("flux linkage", "Wb"),
+    ("torque constant", "N·m/A"),
+    ("inertia", "kg·m²"),
+    ("viscous damping", "N·m·s/rad"),
+    ("dry friction", "N·m"),
+];
+
+fn rows(motor: &MeasuredMotor) -> impl Iterator<Item = [String; 3]> {
+    let values = values(motor);
+    NAMES.into_iter().zip(values).map(|((name, unit), it)| {
+        [
+            name.to_owned(),
+            format!("{:.4e} {unit}", it.value),
+            format!("{:.1e}", it.uncertainty),
+        ]
+    })
+}
+
+/// A line each.
+pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
+    rows(motor)
+        .map(|[name, value, uncertainty]| format!("{name:<41} {value} ± {uncertainty}"))
+        .collect()
+}
+
+/// The page, in a folder of its own; its place.
+pub fn write(
+    motor: &MeasuredMotor,
+    scene: &str,
+    settings: &DeviceSettings,
+    who: &str,
+    folder: &Path,
+) -> Result<PathBuf> {
+    let measured = Block::Table {
+        caption: "Half of the difference between two parts of the data, or what the fit leaves, is the uncertainty; a gain of the current sensors that is wrong is not in it.".into(),
+        header: ["what", "value", "uncertainty"].map(str::to_owned).to_vec(),
+        rows: rows(motor).map(Vec::from).collect(),
+    };
+    let all = Block::Table {
+        caption: "All settings that the board keeps.".into(),
+        header: ["setting", "value"].map(str::to_owned).to_vec(),
+        rows: FIELDS
+            .iter()
+            .map(|field| {
+                let shown = value::shown(settings, field);
+                vec![
+                    field.path.to_owned(),
+                    format!("{shown}{}", value::unit(field)),
+                ]
+            })
+            .collect(),
+    };
+    let section = |title: &str, body, folded| Section {
+        title: title.to_owned(),
+        body,
+        folded,
+    };
+    let result = as_json(motor);
+    let command = crate::command_line();
+    let page = pages::Page {
+        title: "A measured knob",
+        intro: who,
+        command: &command,
+        program: program(),
+        sections: &[
+            section("The motor and its knob", vec![measured], false),
+            section("Settings", vec![all], true),
+        ],
+        results: ("measured", &result),
+        files: &[("knob.toml".to_owned(), scene.to_owned())],
+        // What an earlier setup left here is of this board.
+        force: true,
+    };
+    Ok(pages::write(&page, folder)?.page)
+}

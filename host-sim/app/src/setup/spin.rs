@@ -1,0 +1,159 @@
+//! Has a device measure its motor, and hears what it says of it.
+
+use crate::device::calibration_limit;
+use crate::interrupt;
+use crate::monitor::{SIGN_OF_LIFE, SILENCE_LIMIT};
+use crate::out::note;
+use nalgebra::Complex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use touchstone_control::Si;
+use touchstone_device::Client;
+use touchstone_drive::measurement::FAST_FIELD;
+use touchstone_drive::{Reason, wire};
+use touchstone_lab::identify::motor::{KnownMotor, MeasuredMotor, MotorTick, motor};
+use touchstone_link::words::name_of;
+use touchstone_protocol::{
+    DeviceCommand, DeviceSettings, Fault, FaultCode, Phase, Reply, Request, Telemetry,
+};
+use touchstone_sim::error::{Error, Result};
+
+/// What a measurement takes beside the calibration: two currents, four pushes, coasts and brakes.
+const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
+/// The device switches off so long after its cable is gone.
+const HOST_SILENCE_S: Si = Si::ONE;
+
+/// Measures. The device is left stopped, with the settings that it is given.
+pub fn measure(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    stop: &AtomicBool,
+) -> Result<MeasuredMotor> {
+    let mut asked = settings.clone();
+    asked.calibration.measures = true;
+    if asked.limits.host_silence_s == Si::ZERO {
+        asked.limits.host_silence_s = HOST_SILENCE_S;
+    }
+    client.tell(&Request::SetAll(asked))?;
+    client.tell(&Request::Telemetry { decimation: 1 })?;
+    client.tell(&Request::Command(DeviceCommand::Calibrate))?;
+    client.forget_telemetry();
+    let heard = listen(client, settings, stop);
+    // Whatever came of it: off, and as it was.
+    let stopped = client
+        .tell(&Request::Command(DeviceCommand::Stop))
+        .and_then(|()| client.tell(&Request::SetAll(settings.clone())))
+        .and_then(|()| {
+            let decimation = settings.telemetry.decimation;
+            client.tell(&Request::Telemetry { decimation })
+        });
+    let Some(ticks) = heard? else {
+        stopped?;
+        note!("interrupted: the motor is off; the same command goes on from here");
+        std::process::exit(interrupt::INTERRUPTED);
+    };
+    stopped?;
+    let pwm_hz = wire::hardware(client.identity().board).pwm_hz;
+    let known = KnownMotor {
+        rate_hz: settings.timing.rate_hz.into(),
+        counts_per_rev: settings.encoder.counts_per_rev.into(),
+        pole_pairs: settings.motor.pole_pairs.into(),
+        fast_field_hz: f64::from(FAST_FIELD) / 2_f64.powi(32) * f64::from(pwm_hz),
+    };
+    motor(&ticks, &known).map_err(|not| {
+        Error::device(
+            client.place(),
+            not.to_string(),
+            "hands off, shaft free, nothing loose; then the same command again",
+        )
+    })
+}
+
+/// What is told of the motor until the device is ready; nothing when a person has had enough.
+fn listen(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    stop: &AtomicBool,
+) -> Result<Option<Vec<MotorTick>>> {
+    let begun = Instant::now();
+    let limit = calibration_limit(settings) + MEASUREMENT_LONGEST;
+    let (mut heard, mut spoken) = (begun, begun);
+    let (mut ticks, mut begins) = (Vec::new(), false);
+    let failed = |client: &Client, problem: String, fix: &str| {
+        Err(Error::device(client.place(), problem, fix))
+    };
+    loop {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        if spoken.elapsed() >= SIGN_OF_LIFE {
+            spoken = Instant::now();
+            client.ask(&Request::Status)?;
+        }
+        let Some(record) = client.next_telemetry()? else {
+            if heard.elapsed() > SILENCE_LIMIT {
+                return failed(
+                    client,
+                    "no telemetry for 2 s".into(),
+                    "look at cable and supply; then the same command again",
+                );
+            }
+            continue;
+        };
+        heard = Instant::now();
+        ticks.extend(told(&record));
+        match record.phase {
+            Phase::Calibrating => begins = true,
+            Phase::Ready if begins => return Ok(Some(ticks)),
+            Phase::Fault => return Err(fault(client)?),
+            // Records from before the command.
+            Phase::Boot | Phase::Stopped | Phase::Ready if !begins => {}
+            Phase::Boot | Phase::Stopped | Phase::Ready | Phase::Armed => {
+                let problem = format!("the measurement ended: {}", record.phase.name());
+                return failed(client, problem, "the same command again goes on from here");
+            }
+        }
+        if begun.elapsed() > limit {
+            let problem = format!("the measurement did not end within {} s", limit.as_secs());
+            return failed(
+                client,
+                problem,
+                "look for what slows it: touchstone device ring",
+            );
+        }
+    }
+}
+
+/// The fault that ended it, with what to do.
+fn fault(client: &mut Client) -> Result<Error> {
+    let fault = match client.ask(&Request::Fault)? {
+        Reply::Fault(fault) => fault,
+        other => return Err(client.odd(&other)),
+    };
+    let held = |fault: &Fault| {
+        fault.known() == Some(FaultCode::CalibrationFailed)
+            && Reason::from_value(fault.value) == Some(Reason::Held)
+    };
+    let fix = match &fault {
+        Some(fault) if held(fault) => {
+            "the shaft hardly moved: hands off, or a larger calibration.current_a; then the same command again"
+        }
+        _ => "its page in docs/faults says more; then the same command again",
+    };
+    let name = fault.map_or("unknown".into(), |fault| {
+        format!("{}, value {}", name_of(&fault), fault.value)
+    });
+    let problem = format!("the measurement ended with a fault: {name}");
+    Ok(Error::device(client.place(), problem, fix))
+}
+
+fn told(record: &Telemetry) -> Option<MotorTick> {
+    let milli = |value: i32| 1e-3 * f64::from(value);
+    record.measuring.map(|it| MotorTick {
+        tick: record.tick,
+        part: it.part,
+        count: record.count,
+        current_a: Complex::new(milli(it.current_d_ma), milli(record.current_q_ma)),
+        voltage_v: Complex::new(milli(it.voltage_d_mv), milli(it.voltage_q_mv)),
+    })
+}

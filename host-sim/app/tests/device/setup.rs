@@ -1,0 +1,149 @@
+//! `touchstone setup`: from a board whose motor is another than its settings say to a tuned one; interrupted, it goes on or says why not.
+
+use super::spun::Spun;
+use super::{folder, run};
+use std::path::{Path, PathBuf};
+use touchstone_protocol::{MeasuringPart, Phase};
+use touchstone_world::motor::{GIMBAL, MotorParameters};
+use touchstone_world::plant::{Coulomb, Device};
+
+fn motor() -> MotorParameters {
+    MotorParameters {
+        resistance_ohm: 1.3 * GIMBAL.resistance_ohm,
+        inductance_h: 0.7 * GIMBAL.inductance_h,
+        flux_linkage_wb: 1.3 * GIMBAL.flux_linkage_wb,
+        electrical_zero_rad: 2.0,
+        ..GIMBAL
+    }
+}
+
+fn knob(friction_n_m: f64) -> Device {
+    Device {
+        inertia: 0.7e-4,
+        damping: 5.2e-4,
+        friction: Some(Coulomb {
+            kinetic: friction_n_m,
+            breakaway: friction_n_m,
+        }),
+    }
+}
+
+/// A folder, and a file of a law in it.
+fn place(test: &str) -> (PathBuf, String) {
+    let folder = folder(test);
+    let law = folder.join("given.toml");
+    std::fs::write(&law, "[law.estimator]\ninertia_kg_m2 = 0.00007\n").unwrap();
+    (folder.join("knob"), law.display().to_string())
+}
+
+fn setup(device: &Spun, out: &Path, law: &str) -> super::Said {
+    device.run(&["setup", "--out", &out.display().to_string(), "--law", law])
+}
+
+fn kept(out: &Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(out.join("setup.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn a_board_becomes_a_tuned_knob() {
+    let (out, law) = place("setup-whole");
+    let device = Spun::new(motor(), &knob(1.3e-3), 1);
+    let said = setup(&device, &out, &law).done();
+    assert!(said.contains("ready; the wall is at 1 rad"), "{said}");
+
+    let kept = kept(&out);
+    for (name, truth, share, floor) in [
+        ("resistance_ohm", 7.8, 0.05, 0.0),
+        ("inductance_h", 2.1e-3, 0.05, 0.0),
+        ("flux_linkage_wb", 1.3 * GIMBAL.flux_linkage_wb, 0.05, 0.0),
+        ("torque_constant_n_m_per_a", 1.3 * 0.25, 0.05, 0.0),
+        ("inertia_kg_m2", 0.7e-4, 0.05, 0.0),
+        ("damping_n_m_s_per_rad", 5.2e-4, 0.2, 2e-6),
+        ("friction_n_m", 1.3e-3, 0.2, 0.0),
+    ] {
+        let value = kept["measured"][name]["value"].as_f64().unwrap();
+        let allowed = (share * truth).max(floor);
+        assert!(
+            (value - truth).abs() < allowed,
+            "{name}: {value} for {truth}"
+        );
+    }
+
+    {
+        let (session, world) = &*device.world();
+        let settings = session.settings();
+        let measured = kept["measured"]["resistance_ohm"]["value"]
+            .as_f64()
+            .unwrap();
+        assert!((settings.motor.resistance_ohm.to_num::<f64>() - measured).abs() < 1e-6);
+        assert_eq!(settings.law.estimator.inertia_kg_m2.to_string(), "0.00007");
+        assert!(!settings.calibration.measures);
+        assert_eq!(settings.limits.host_silence_s, 0);
+        assert!(world.saved);
+        assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
+    }
+
+    // The simulator runs that knob, and what the board had at first is there.
+    let scene = out.join("knob.toml").display().to_string();
+    run(&[
+        "run",
+        &scene,
+        "--settings",
+        &out.join("law.toml").display().to_string(),
+    ])
+    .done();
+    let before = std::fs::read_to_string(out.join("before.toml")).unwrap();
+    assert!(before.contains("resistance_ohm = 6\n"), "{before}");
+    assert!(out.join("report/index.html").is_file());
+
+    // Nothing spins a second time.
+    device.world().1.pulled_in = Some(MeasuringPart::Low);
+    let said = setup(&device, &out, &law).done();
+    assert!(said.contains("measured before"), "{said}");
+}
+
+#[test]
+fn a_cable_that_is_pulled_while_it_spins_costs_that_step_alone() {
+    let (out, law) = place("setup-cable");
+    let device = Spun::new(motor(), &knob(1.3e-3), 2);
+    for part in [MeasuringPart::High, MeasuringPart::Coast] {
+        device.world().1.pulled_in = Some(part);
+        let said = setup(&device, &out, &law);
+        said.failed(1, &["tcp:127.0.0.1:"]);
+        assert!(kept(&out)["measured"].is_null());
+        device.plug_in();
+    }
+    setup(&device, &out, &law).done();
+    let (session, _) = &*device.world();
+    assert!(!session.settings().calibration.measures);
+    assert_eq!(session.settings().limits.host_silence_s, 0);
+}
+
+#[test]
+fn a_hand_on_the_shaft_is_refused_and_another_try_goes_on() {
+    let (out, law) = place("setup-hand");
+    // More than the push of a quarter of 1 A gives, less than the alignment's.
+    let held = Spun::new(motor(), &knob(0.1), 3);
+    setup(&held, &out, &law).failed(1, &["fault: 10 calibration-failed", "hands off"]);
+    assert!(kept(&out)["measured"].is_null());
+    // The same board without it.
+    setup(&Spun::new(motor(), &knob(1.3e-3), 3), &out, &law).done();
+}
+
+#[test]
+fn another_board_and_a_wall_that_is_on_are_refused() {
+    let (out, law) = place("setup-other");
+    let device = Spun::new(motor(), &knob(1.3e-3), 4);
+    setup(&device, &out, &law).done();
+    let other = Spun::new(motor(), &knob(1.3e-3), 5);
+    setup(&other, &out, &law).failed(2, &["belongs to the board", "--out"]);
+
+    device.run(&["device", "arm"]).done();
+    setup(&device, &out, &law).failed(1, &["the wall is on", "touchstone device disarm"]);
+    assert_eq!(
+        Phase::from(device.world().1.knob.device.state()),
+        Phase::Armed,
+        "a refusal switches nothing"
+    );
+}

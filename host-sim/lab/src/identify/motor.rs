@@ -1,0 +1,302 @@
+//! The motor of a real knob: resistance, inductance and flux from the voltages of its current loop, then inertia, damping and friction
+//! from [`super::swing`], the torque being what the flux makes of the current.
+//!
+//! What is looked at is what the device sends while it measures (`touchstone_drive::measurement`): a current that turns far faster than
+//! the rotor can follow, at two sizes; pushes both ways to two speeds, each of which ends in a coast.
+
+use super::swing::{self, Estimate, Mechanics, Swing};
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+use std::ops::Range;
+use touchstone_protocol::MeasuringPart;
+
+/// What a device says of one control tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorTick {
+    /// Its number.
+    pub tick: u32,
+    /// What the measurement is about.
+    pub part: MeasuringPart,
+    /// Position, counts.
+    pub count: i32,
+    /// Current `d + jq` in the frame that the loop worked in just before, A.
+    pub current_a: Complex<f64>,
+    /// Voltage in the same frame, V.
+    pub voltage_v: Complex<f64>,
+}
+
+/// What is known beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownMotor {
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Counts of a revolution.
+    pub counts_per_rev: f64,
+    /// Pole pairs, which the alignment has confirmed.
+    pub pole_pairs: f64,
+    /// Turns of the fast field in a second.
+    pub fast_field_hz: f64,
+}
+
+/// A motor with its knob.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredMotor {
+    /// Resistance of a phase to the star point, with the bridge's, Ω.
+    pub resistance_ohm: Estimate,
+    /// Inductance of a phase to the star point, H.
+    pub inductance_h: Estimate,
+    /// Flux linkage, Wb.
+    pub flux_linkage_wb: Estimate,
+    /// Torque constant `3/2 p λ`, N·m for an ampere of a phase's amplitude.
+    pub torque_constant_n_m_per_a: Estimate,
+    /// Inertia, damping, friction.
+    pub mechanics: Mechanics,
+}
+
+/// Why there is nothing to be made of it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotMeasured {
+    /// The measurement is not whole.
+    #[error("the measurement is not whole: {part} is missing")]
+    Incomplete {
+        /// What is missing.
+        part: &'static str,
+    },
+    /// Too many records were lost on the way.
+    #[error("{lost} records in a row were lost on the way")]
+    Lost {
+        /// How many.
+        lost: u32,
+    },
+    /// A push that reached its speed before there was much to see.
+    #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
+    ShortPush {
+        /// How long.
+        ticks: usize,
+    },
+    /// A value that no motor has.
+    #[error("the {what} comes out as {value:.3e}, which no motor has")]
+    Absurd {
+        /// Which.
+        what: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// The motion is none of a free knob.
+    #[error("the motion is none of a free knob: {0}")]
+    Motion(#[from] swing::NotFound),
+    /// Ways and speeds disagree about the inertia.
+    #[error("the swings disagree about the inertia by {percent:.0} %")]
+    Disagree {
+        /// Four standard uncertainties of it.
+        percent: f64,
+    },
+}
+
+/// Gaps up to this are filled by straight lines.
+const LOST_MOST: u32 = 5;
+/// Half of the ticks over which a speed is taken.
+const HALF_WINDOW: usize = 4;
+/// Four standard uncertainties of the inertia may be this part of it: a hand at the knob makes more.
+const DISAGREEMENT_MOST: f64 = 0.1;
+
+/// The motor behind what a device said.
+///
+/// # Errors
+/// [`NotMeasured`].
+pub fn motor(
+    ticks: &[MotorTick],
+    known: &KnownMotor,
+) -> std::result::Result<MeasuredMotor, NotMeasured> {
+    let ticks = filled(ticks)?;
+    let parts = parts(&ticks);
+    let of = |part: MeasuringPart| parts.iter().filter(move |(it, _)| *it == part);
+    let only = |part, name| {
+        let missing = NotMeasured::Incomplete { part: name };
+        of(part).next().map(|(_, range)| range).ok_or(missing)
+    };
+    let low = only(MeasuringPart::Low, "the fast field at half its current")?;
+    let high = only(MeasuringPart::High, "the fast field")?;
+    let impedance = impedance(&ticks, low, high, known);
+    let resistance = positive("resistance", impedance.map(|z| z.re))?;
+    let omega = TAU * known.fast_field_hz;
+
+    let pushes: Vec<Range<usize>> = of(MeasuringPart::Push).map(|(_, it)| it.clone()).collect();
+    let coasts: Vec<Range<usize>> = of(MeasuringPart::Coast).map(|(_, it)| it.clone()).collect();
+    // Fast there and back, slow there and back.
+    let [there, back, _, _] = pushes.as_slice() else {
+        return Err(NotMeasured::Incomplete { part: "a push" });
+    };
+    if coasts.len() < 4 {
+        return Err(NotMeasured::Incomplete { part: "a coast" });
+    }
+    let flux = |pushes: &[&Range<usize>]| flux(&ticks, pushes, resistance.value, known);
+    // Each way by itself: what differs between them is what the model does not know.
+    let (both, ways) = (flux(&[there, back])?, [flux(&[there])?, flux(&[back])?]);
+    let linkage = positive("flux", [both.abs(), ways[0].abs(), ways[1].abs()])?;
+    let constant = 1.5 * known.pole_pairs;
+
+    let swings: Vec<Swing> = [0, 2, 1, 3]
+        .into_iter()
+        .map(|index| {
+            let whole = pushes[index].start..coasts[index].end;
+            of_swing(&ticks, whole, constant * both, known)
+        })
+        .collect();
+    let mechanics = swing::mechanics(&swings, 1.0 / known.rate_hz)?;
+    let inertia = mechanics.inertia_kg_m2;
+    let disagreement = 4.0 * inertia.uncertainty / inertia.value;
+    // What is no number is refused, too.
+    if disagreement.is_nan() || disagreement > DISAGREEMENT_MOST {
+        return Err(NotMeasured::Disagree {
+            percent: 100.0 * disagreement,
+        });
+    }
+    // The rotor is not held: in the fast field it swings by `k_t I/(J ω²)`, and its back-EMF, half of which turns with the field, looks
+    // like a capacitor in the way.
+    let reaction =
+        constant * known.pole_pairs * linkage.value.powi(2) / (2.0 * inertia.value * omega.powi(2));
+    let inductance = impedance.map(|z| z.im / omega + reaction);
+    Ok(MeasuredMotor {
+        resistance_ohm: resistance,
+        inductance_h: positive("inductance", inductance)?,
+        torque_constant_n_m_per_a: Estimate {
+            value: constant * linkage.value,
+            uncertainty: constant * linkage.uncertainty,
+        },
+        flux_linkage_wb: linkage,
+        mechanics,
+    })
+}
+
+/// A value and two of its parts, whose difference says what it is worth.
+fn positive(
+    what: &'static str,
+    [value, first, second]: [f64; 3],
+) -> std::result::Result<Estimate, NotMeasured> {
+    if !(value.is_finite() && value > 0.0) {
+        return Err(NotMeasured::Absurd { what, value });
+    }
+    Ok(Estimate {
+        value,
+        uncertainty: 0.5 * (first - second).abs(),
+    })
+}
+
+/// One entry a tick.
+fn filled(ticks: &[MotorTick]) -> std::result::Result<Vec<MotorTick>, NotMeasured> {
+    let mut all: Vec<MotorTick> = Vec::with_capacity(ticks.len());
+    for tick in ticks {
+        if let Some(last) = all.last().copied() {
+            let lost = tick.tick.wrapping_sub(last.tick).saturating_sub(1);
+            if lost > LOST_MOST {
+                return Err(NotMeasured::Lost { lost });
+            }
+            let way = f64::from(tick.count - last.count);
+            for step in 1..=lost {
+                let share = f64::from(step) / f64::from(lost + 1);
+                all.push(MotorTick {
+                    tick: last.tick.wrapping_add(step),
+                    count: last.count + (way * share).round() as i32,
+                    ..last
+                });
+            }
+        }
+        all.push(*tick);
+    }
+    Ok(all)
+}
+
+/// Where each part begins and ends.
+fn parts(ticks: &[MotorTick]) -> Vec<(MeasuringPart, Range<usize>)> {
+    let mut start = 0;
+    ticks
+        .chunk_by(|a, b| a.part == b.part)
+        .map(|run| {
+            let range = start..start + run.len();
+            start = range.end;
+            (run[0].part, range)
+        })
+        .collect()
+}
+
+/// `ΔV/ΔI` between two currents: from the last quarter of a second of each, and from its two halves.
+fn impedance(
+    ticks: &[MotorTick],
+    low: &Range<usize>,
+    high: &Range<usize>,
+    known: &KnownMotor,
+) -> [Complex<f64>; 3] {
+    let window = (known.rate_hz / 4.0) as usize;
+    let mean = |range: Range<usize>| {
+        let count = range.len().max(1) as f64;
+        let sum = ticks[range]
+            .iter()
+            .fold((Complex::ZERO, Complex::ZERO), |sum, tick| {
+                (sum.0 + tick.voltage_v, sum.1 + tick.current_a)
+            });
+        (sum.0 / count, sum.1 / count)
+    };
+    // Less the last two: their readings may belong to what came next.
+    let last = |range: &Range<usize>, from: usize, to: usize| {
+        let end = range.end.saturating_sub(2);
+        let at = |back: usize| end.saturating_sub(back).max(range.start);
+        at(from)..at(to)
+    };
+    [(window, 0), (window, window / 2), (window / 2, 0)].map(|(from, to)| {
+        let (low, high) = (mean(last(low, from, to)), mean(last(high, from, to)));
+        (high.0 - low.0) / (high.1 - low.1)
+    })
+}
+
+/// The slope of `v_q - R i_q` over the electrical speed, with a level of its own for each push (what dead time takes), in Wb; negative
+/// where the electrical angle falls when the count rises.
+fn flux(
+    ticks: &[MotorTick],
+    pushes: &[&Range<usize>],
+    resistance_ohm: f64,
+    known: &KnownMotor,
+) -> std::result::Result<f64, NotMeasured> {
+    let per_count = TAU / known.counts_per_rev * known.pole_pairs * known.rate_hz;
+    let (mut square, mut product) = (0.0, 0.0);
+    for push in pushes {
+        let ticks = &ticks[(*push).clone()];
+        if ticks.len() < 6 * HALF_WINDOW {
+            return Err(NotMeasured::ShortPush { ticks: ticks.len() });
+        }
+        let points: Vec<(f64, f64)> = ticks
+            .windows(2 * HALF_WINDOW + 1)
+            .map(|window| {
+                let (first, middle) = (&window[0], &window[HALF_WINDOW]);
+                let way = f64::from(window[2 * HALF_WINDOW].count - first.count);
+                let speed = way * per_count / (2 * HALF_WINDOW) as f64;
+                let emf = middle.voltage_v.im - resistance_ohm * middle.current_a.im;
+                (speed, emf)
+            })
+            .collect();
+        let count = points.len() as f64;
+        let sum = points
+            .iter()
+            .fold((0.0, 0.0), |sum, point| (sum.0 + point.0, sum.1 + point.1));
+        let (speed, emf) = (sum.0 / count, sum.1 / count);
+        for point in points {
+            square += (point.0 - speed).powi(2);
+            product += (point.0 - speed) * (point.1 - emf);
+        }
+    }
+    Ok(product / square)
+}
+
+/// A push and its coast. The current that a tick reports is that of the period before it.
+fn of_swing(ticks: &[MotorTick], whole: Range<usize>, constant: f64, known: &KnownMotor) -> Swing {
+    let per_count = TAU / known.counts_per_rev;
+    let first = ticks[whole.start].count;
+    let next = |index: usize| ticks.get(index + 1).map_or(0.0, |tick| tick.current_a.im);
+    Swing {
+        torque_n_m: whole.clone().map(|index| constant * next(index)).collect(),
+        angle_rad: ticks[whole.clone()]
+            .iter()
+            .map(|tick| per_count * f64::from(tick.count - first))
+            .collect(),
+    }
+}
