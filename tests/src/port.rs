@@ -32,6 +32,7 @@ pub struct SpringDamper {
 
 /// What chooses the force.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
     /// In `f64`, so that the guard meets what no law of this project would ask of it.
     SpringDamper(SpringDamper),
