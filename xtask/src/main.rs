@@ -159,7 +159,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "prove",
-        about: "the proofs: `prove [--harness NAME] [--bless] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems]`",
+        about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems | --systematic]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: prove::run,

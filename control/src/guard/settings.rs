@@ -164,12 +164,12 @@ impl<N: Number> Guard<N> {
         };
         N::signal(device.force_limit).ok_or(refused::<N>(Field::ForceLimit, device.force_limit))?;
         quarter(Field::GuardCapacity, settings.capacity)?;
-        quarter(Field::GuardRefill, over(settings.refill, rate))?;
         quarter(
             Field::GuardDamping,
             derived.damping.saturating_mul(derived.distance),
         )?;
         quarter(Field::GuardOverspeed, derived.distance)?;
+        quarter(Field::GuardRefill, over(settings.refill, rate))?;
         // An account that pays for more force than the books have room for lets less through.
         let room = [
             const { Si::lit("31.9") },

@@ -21,12 +21,12 @@ use checker::{Left, MEMORY_KIB, Which};
 use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --mutants [--tests | --theorems | --systematic [--shard I/N] [--proofs]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --mutants [--tests | --theorems | --systematic [--sample | [--shard I/N] [--proofs]]]";
 const LOCK: &str = "proofs/harnesses.lock";
 /// What was proved, beside the report.
 const MEMO: &str = "proved.tsv";
 /// Harnesses of a part of a run that is taken up again.
-const AT_A_TIME: usize = 24;
+const AT_A_TIME: usize = 52;
 /// Harnesses that run at the same time, where `--jobs` does not say.
 const JOBS: u32 = 2;
 
@@ -78,13 +78,16 @@ pub fn run(args: &[String]) -> Outcome {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
-            with_theorems(coq::run(), harnesses)
+            with_sample(with_theorems(coq::run(), harnesses))
         }
     }
 }
 
-/// `--shard I/N` and `--proofs`, either, both or none.
+/// `--shard I/N` and `--proofs`, either, both or none; or `--sample`.
 fn by_rule(words: &[&str]) -> Outcome {
+    if words == ["--sample"] {
+        return systematic::sample();
+    }
     let (proofs, words) = match words {
         [words @ .., "--proofs"] => (true, words),
         words => (false, words),
@@ -224,7 +227,21 @@ fn machine(load: Option<f64>) -> String {
 fn without_checker() -> Outcome {
     let theorems = coq::run();
     println!("theorems over traces: {theorems}");
-    with_theorems(theorems, without_harnesses())
+    with_sample(with_theorems(theorems, without_harnesses()))
+}
+
+/// And a few wrong changes, which the tests must refute again.
+fn with_sample(before: Outcome) -> Outcome {
+    let sample = systematic::sample();
+    println!("wrong changes by rule: {sample}");
+    match (sample, before) {
+        (Outcome::Ok(text), Outcome::Ok(before)) => Outcome::Ok(format!("{before}; {text}")),
+        (Outcome::Ok(text), Outcome::NotRun(before)) => {
+            Outcome::NotRun(format!("{before}; {text}"))
+        }
+        (Outcome::Ok(_), before) => before,
+        (sample, before) => Outcome::Failed(format!("{}; {}", before.reason(), sample.reason())),
+    }
 }
 
 fn without_harnesses() -> Outcome {

@@ -16,6 +16,10 @@ use super::checker::{self, Which};
 use crate::outcome::Outcome;
 use crate::{changes, inspect, shell};
 
+/// The committed list, with what became of each.
+const LIST: &str = "proofs/systematic.tsv";
+/// How many are asked again with the tests.
+const SAMPLE: usize = 16;
 /// What is built.
 const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 /// What is asked, the quick ones first.
@@ -106,6 +110,54 @@ pub fn run(shard: Shard, proofs: bool) -> Outcome {
         ]),
         Err(why) => Outcome::Failed(why),
     }
+}
+
+/// A few of those that the committed list says were refuted, each of which the test that it names must refute again.
+pub fn sample() -> Outcome {
+    match sampled() {
+        Ok((refuted, all)) if refuted == all && all > 0 => Outcome::Ok(format!(
+            "{refuted} of {all} sampled wrong changes refuted again"
+        )),
+        Ok((refuted, all)) => {
+            Outcome::Failed(format!("{refuted} of {all} sampled wrong changes refuted"))
+        }
+        Err(why) => Outcome::Failed(why),
+    }
+}
+
+fn sampled() -> Result<(usize, usize), String> {
+    let text = std::fs::read_to_string(shell::root().join(LIST))
+        .map_err(|why| format!("{LIST}: {why}"))?;
+    let known: Vec<(&str, &str)> = text
+        .lines()
+        .filter_map(|line| line.rsplit_once('\t'))
+        .filter_map(|(row, outcome)| Some((row, outcome.strip_prefix("refuted: ")?)))
+        .collect();
+    let (work, list) = built(&folder())?;
+    let binaries = binaries(&work)?;
+    let (mut refuted, mut all) = (0, 0);
+    for (row, test) in known.iter().step_by((known.len() / SAMPLE).max(1)) {
+        // A change that the sources no longer have is asked of nobody.
+        let Some(one) = list.iter().find(|one| one.is_in && one.row == *row) else {
+            continue;
+        };
+        all += 1;
+        let mut found = false;
+        for binary in &binaries {
+            let (_, failed) = failures(
+                binary,
+                one.number,
+                &["--exact", test],
+                Some(&BTreeSet::new()),
+            )?;
+            found |= !failed.is_empty();
+        }
+        if !found {
+            println!("not refuted by {test}: {}", row.replace('\t', " "));
+        }
+        refuted += usize::from(found);
+    }
+    Ok((refuted, all))
 }
 
 fn asked(shard: Shard, proofs: bool) -> Result<(), String> {
