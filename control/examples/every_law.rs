@@ -5,10 +5,13 @@
 //! compiler makes of it.
 #![no_std]
 
+use touchstone_control::environment::{
+    Counted, DetentSettings, Environment, Refused, WallSettings,
+};
 use touchstone_control::law::View;
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{
-    Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError,
+    Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError, Si,
 };
 
 /// Validates settings and computes a law's coefficients.
@@ -57,6 +60,29 @@ pub fn tick_16(wall: &mut Controller<Fixed16>, e: Position<Fixed16>) -> Force<Fi
 #[inline(never)]
 pub fn view(wall: &Controller<Fixed32>) -> View<Fixed32> {
     wall.view()
+}
+
+/// Walls and detents behind one guard.
+///
+/// # Errors
+/// As [`Environment::new`].
+#[inline(never)]
+pub fn surround(
+    settings: &Settings,
+    walls: &[WallSettings],
+    detents: Option<&DetentSettings>,
+) -> Result<Environment<Fixed32>, Refused> {
+    Environment::new(settings, walls, detents)
+}
+
+/// One control period among them: encoder count to force.
+#[inline(never)]
+pub fn surrounded_tick(
+    environment: &mut Environment<Fixed32>,
+    at: &Counted,
+    at_change: Option<Si>,
+) -> Force<Fixed32> {
+    environment.tick(at, at_change)
 }
 
 /// Both observers on their own.

@@ -86,6 +86,23 @@ crate::choice! {
 }
 
 crate::choice! {
+    /// What the law spring-damper takes for the velocity.
+    VelocityKind {
+        /// What every law is told: the difference of two positions, or the estimator's.
+        #[default]
+        Told = "told",
+        /// The difference through a first-order filter.
+        Filtered = "filtered",
+        /// First-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000).
+        Foaw = "foaw",
+        /// A Kalman filter for constant velocity, in its steady state.
+        Kalman = "kalman",
+        /// The same for constant acceleration.
+        KalmanAcceleration = "kalman-acceleration",
+    }
+}
+
+crate::choice! {
     /// What is known of the position at the instant at which a new force takes the place of the old one.
     ChangeOfForce {
         /// Nothing: positions are taken once a tick. Each change of force is charged for what can have happened.

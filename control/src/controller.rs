@@ -4,8 +4,8 @@ use crate::choices::{IdealStep, LawKind, OffsetUpdate, Regulate, StatesKind};
 use crate::estimator::EstimatorState;
 use crate::filter::VirtualMass;
 use crate::law::{
-    Augmentation, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa, SfaState, Spring,
-    SpringState, Tdpa, TdpaState, View,
+    Augmentation, Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa,
+    SfaState, Spring, SpringState, Tdpa, TdpaState, View,
 };
 use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
@@ -19,6 +19,8 @@ use crate::{
 pub enum AnyLaw<N: Number> {
     /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
     Spring(Spring<N>, SpringState),
+    /// Virtual spring with virtual damping and a velocity of its own.
+    Damped(Damped<N>, DampedState<N>),
     /// Time-domain passivity approach.
     Tdpa(Tdpa<N>, TdpaState<N>),
     /// Force bounding approach.
@@ -58,22 +60,25 @@ impl<N: Number> AnyLaw<N> {
                 })?;
         let device_damping = || stiffness(Field::DeviceDamping, derived.device_damping_per_tick);
         let energy_cap = energy_cap::<N>();
-        let spring = |damping| {
-            Self::Spring(
-                Spring {
-                    desired,
-                    damping,
-                    limit,
-                },
-                SpringState::default(),
-            )
+        let with_damping = |damping| Spring {
+            desired,
+            damping,
+            limit,
         };
+        let spring = |damping| Self::Spring(with_damping(damping), SpringState::default());
         Ok(match settings.law {
             LawKind::Spring => spring(Stiffness::zero()),
-            LawKind::SpringDamper => spring(stiffness(
-                Field::VirtualDamping,
-                derived.virtual_damping_per_tick,
-            )?),
+            LawKind::SpringDamper => {
+                let damping = stiffness(Field::VirtualDamping, derived.virtual_damping_per_tick)?;
+                let (rate, count) = (settings.rate_hz, settings.position.count);
+                match settings.velocity.velocity(rate, count)? {
+                    None => spring(damping),
+                    Some(velocity) => {
+                        let spring = with_damping(damping);
+                        Self::Damped(Damped { spring, velocity }, DampedState::default())
+                    }
+                }
+            }
             LawKind::Tdpa => {
                 let device_damping = if settings.count_device_damping {
                     device_damping()?
@@ -231,6 +236,7 @@ impl<N: Number> AnyLaw<N> {
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
             Self::Spring(law, state) => law.tick(state, e),
+            Self::Damped(law, state) => law.tick(state, e),
             Self::Tdpa(law, state) => law.tick(state, e),
             Self::Fba(law, state) => law.tick(state, e),
             Self::Sfa(law, state) => law.tick(state, e),
@@ -242,6 +248,7 @@ impl<N: Number> AnyLaw<N> {
     pub fn view(&self) -> View<N> {
         match self {
             Self::Spring(law, state) => law.view(state),
+            Self::Damped(law, state) => law.view(state),
             Self::Tdpa(law, state) => law.view(state),
             Self::Fba(law, state) => law.view(state),
             Self::Sfa(law, state) => law.view(state),
@@ -275,15 +282,7 @@ impl<N: Number> Controller<N> {
     #[cold]
     #[inline(never)]
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let states = match settings.states {
-            StatesKind::Measured => States::default(),
-            StatesKind::Estimated => {
-                let estimator = settings
-                    .estimator
-                    .estimator(settings.rate_hz, settings.force_limit)?;
-                States::Estimated(estimator, EstimatorState::default())
-            }
-        };
+        let states = Self::states_of(settings)?;
         let guard = if settings.guard.on {
             let guard = Guard::new(&settings.guard, &settings.guarded_device())?;
             Some(Guarded::new(guard))
@@ -295,6 +294,19 @@ impl<N: Number> Controller<N> {
             states,
             guard,
             commanded: Force::zero(),
+        })
+    }
+
+    /// The stage before the law.
+    pub(crate) fn states_of(settings: &Settings) -> Result<States<N>, SettingsError> {
+        Ok(match settings.states {
+            StatesKind::Measured => States::default(),
+            StatesKind::Estimated => {
+                let estimator = settings
+                    .estimator
+                    .estimator(settings.rate_hz, settings.force_limit)?;
+                States::Estimated(estimator, EstimatorState::default())
+            }
         })
     }
 

@@ -25,6 +25,24 @@ impl CountScale {
         Some(Self { step, surface })
     }
 
+    /// The same encoder before another surface.
+    #[inline(always)]
+    #[must_use]
+    pub fn before(self, surface: Si) -> Self {
+        Self { surface, ..self }
+    }
+
+    /// Angle of a count, to the step of [`Si`] towards zero, whatever the surface: that of `-count` is its negative, exactly.
+    #[inline]
+    #[must_use]
+    pub fn angle(&self, count: i64) -> Si {
+        // A step is positive. In 128 bits, so that a knob may turn on for as long as its counts go.
+        let size =
+            u128::from(count.unsigned_abs()).wrapping_mul(u128::from(self.step.unsigned_abs()));
+        let size = i64::try_from(size >> (STEP_BITS - Si::FRAC_NBITS)).unwrap_or(i64::MAX);
+        Si::from_bits(if count < 0 { size.wrapping_neg() } else { size })
+    }
+
     /// Penetration for a count, to the step below in the format, saturating: `e = 2π count / counts_per_rev - x_s`.
     ///
     /// Counts reach ±32,767 rad before they saturate.

@@ -46,6 +46,7 @@ pub mod choices;
 pub mod controller;
 mod division;
 pub mod encoder;
+pub mod environment;
 pub mod estimator;
 pub mod filter;
 pub mod guard;
@@ -60,6 +61,7 @@ pub mod space;
 pub mod states;
 pub mod table;
 pub mod validate;
+pub mod velocity;
 
 /// The crate of the fixed-point types, so that nobody needs its version by heart.
 pub use fixed;
@@ -67,6 +69,7 @@ pub use fixed;
 pub use choices::*;
 pub use controller::{AnyLaw, Controller};
 pub use encoder::CountScale;
+pub use environment::Environment;
 pub use estimator::Estimator;
 pub use guard::{Guard, GuardState, Guarded, GuardedDevice};
 #[cfg(feature = "float")]

@@ -121,6 +121,16 @@ macro_rules! law_settings {
                 GuardChange change, change: choice(ChangeOfForce) = Estimated, "",
                     "what is known of the position when the force changes (measured: the encoder is also read then)";
             }
+            /// The velocity of the law spring-damper, made of the penetrations that the law is told.
+            velocity VelocitySettings {
+                VelocityFrom from, from: choice(VelocityKind) = Told, "",
+                    "what the law spring-damper takes for the velocity (told: as every law, by law.states)";
+                // Half of what a hand can do; what practice takes lies between 20 and 100 Hz at 1 kHz.
+                VelocityBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "30", "Hz",
+                    "the bandwidth of a filtered or Kalman velocity (a 500th to a fifth of the control rate)";
+                VelocityWindow window_s, window_s: number("0", "1") = "0.015", "s",
+                    "the longest window of an adaptive one (at most 16 ticks)";
+            }
         }
     };
 }

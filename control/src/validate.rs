@@ -118,6 +118,18 @@ pub enum SettingsError {
     },
 }
 
+impl SettingsError {
+    /// Whether it is about this setting's value.
+    #[must_use]
+    pub fn at(&self, setting: Field) -> bool {
+        match self {
+            Self::OutOfRange { field, .. } | Self::OutOfFormat { field, .. } => *field == setting,
+            Self::NoCompensation { .. } => setting == Field::KDesired,
+            Self::TooCoarse { .. } => false,
+        }
+    }
+}
+
 impl fmt::Display for SettingsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -320,6 +332,10 @@ impl Settings {
         self.filter.check_ranges()?;
         self.estimator.check_ranges()?;
         self.guard.check_ranges()?;
+        self.velocity.check_ranges()?;
+        if self.law == LawKind::SpringDamper {
+            self.velocity.validate(self.rate_hz)?;
+        }
         if self.law == LawKind::EnhancedSfa
             && !self.is_plain_spring()
             && self.regulate == Regulate::MassCompensated

@@ -1,34 +1,15 @@
-//! Tells the program which commit and which compiler it was built from, and what the documentation says of each fault. Outside a
-//! checkout of this repository it knows no commit, and says so.
+//! Tells the program which commit and which compiler it was built from. Outside a checkout of this repository it
+//! knows no commit, and says so.
 
 use std::path::Path;
 use std::process::Command;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    faults();
     println!("cargo::rustc-env=TOUCHSTONE_COMPILER={}", compiler());
     let (commit, modified) = checkout().or_else(packaged).unwrap_or_default();
     println!("cargo::rustc-env=TOUCHSTONE_COMMIT={commit}");
     println!("cargo::rustc-env=TOUCHSTONE_MODIFIED={modified}");
-}
-
-/// Writes a table of the pages of faults: their numbers and their texts, in their order.
-fn faults() {
-    let folder = Path::new("../../docs/faults");
-    println!("cargo::rerun-if-changed={}", folder.display());
-    let mut pages: Vec<(u8, String)> = std::fs::read_dir(folder)
-        .expect("the pages of faults")
-        .filter_map(|entry| {
-            let path = entry.ok()?.path();
-            let name = path.file_name()?.to_str()?;
-            let code = name.split_once('-')?.0.parse().ok()?;
-            Some((code, std::fs::read_to_string(&path).ok()?))
-        })
-        .collect();
-    pages.sort();
-    let out = std::env::var_os("OUT_DIR").expect("cargo sets it");
-    std::fs::write(Path::new(&out).join("faults.rs"), format!("&{pages:?}")).expect("its folder");
 }
 
 /// The compiler's own name for itself.

@@ -7,9 +7,8 @@ use touchstone_control::law::{Law as _, Sample};
 use touchstone_control::{
     AnyLaw, ChangeOfForce, Fixed32, Force, Guard, LawKind, ObserverForm, Position,
 };
-use touchstone_proofs::spec::hands::{
-    Hand, Random, any_law, any_settings, bits, memory, moved, specified,
-};
+use touchstone_proofs::spec::hands::{Hand, Random, any_law, any_settings, bits, moved};
+use touchstone_proofs::specified::at32::{guard as specified, of_guard as memory};
 
 fn main() -> Result<()> {
     let ticks = std::env::args().nth(1).and_then(|text| text.parse().ok());

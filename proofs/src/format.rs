@@ -1,5 +1,7 @@
 //! Any value of a number format, and its bits as an `i64`.
 
+use core::ops::{Add, Mul, Neg, Shl, Shr, Sub};
+
 use crate::facts::Facts32;
 use crate::functions::Functions32;
 use crate::source::Source;
@@ -7,6 +9,21 @@ use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed16, Fixed32, Force, Number, Position, Ratio, Stiffness,
     Tension,
 };
+
+/// Integers in which sums of a format's products are exact.
+pub trait Exact:
+    Copy
+    + Ord
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
+}
+impl Exact for i128 {}
+impl Exact for i32 {}
 
 /// A number format whose values a property can choose and look into.
 pub trait Format: Number {
@@ -22,6 +39,10 @@ pub trait Format: Number {
     const HIGHEST: Self::Signal;
     /// Fractional bits of a signal.
     const SIGNAL_BITS: u32;
+    /// Four times the width, and no more: each further bit costs a solver dearly.
+    type Exact: Exact;
+    /// Bits as such an integer.
+    fn exact(bits: i64) -> Self::Exact;
     /// Any position.
     fn any_position<S: Source>(s: &mut S) -> Position<Self>;
     /// Any force.
@@ -51,7 +72,7 @@ pub trait Format: Number {
 }
 
 macro_rules! format {
-    ($name:ident, $word:ident, $wide:ident) => {
+    ($name:ident, $word:ident, $wide:ident, $exact:ident) => {
         impl Format for $name {
             const BITS: u32 = $word::BITS;
             const GAIN_BITS: u32 = <$name as Number>::Gain::FRAC_NBITS;
@@ -59,6 +80,10 @@ macro_rules! format {
             const LOWEST: Self::Signal = <$name as Number>::Signal::MIN;
             const HIGHEST: Self::Signal = <$name as Number>::Signal::MAX;
             const SIGNAL_BITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
+            type Exact = $exact;
+            fn exact(bits: i64) -> $exact {
+                bits as $exact
+            }
             fn any_position<S: Source>(s: &mut S) -> Position<Self> {
                 Position(<$name as Number>::Signal::from_bits(s.$word()))
             }
@@ -102,8 +127,8 @@ macro_rules! format {
     };
 }
 
-format!(Fixed32, i32, i64);
-format!(Facts32, i32, i64);
-format!(Functions32, i32, i64);
-format!(Fixed16, i16, i32);
-format!(Fixed8, i8, i16);
+format!(Fixed32, i32, i64, i128);
+format!(Facts32, i32, i64, i128);
+format!(Functions32, i32, i64, i128);
+format!(Fixed16, i16, i32, i128);
+format!(Fixed8, i8, i16, i32);

@@ -11,7 +11,7 @@
 //! ```
 
 use crate::format::Format;
-use crate::source::Source;
+use crate::source::{Source, one_with};
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Position, Stiffness};
@@ -24,16 +24,6 @@ fn quarter<N: Format>() -> i64 {
 /// A position of at most a quarter, and not negative.
 fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
-}
-
-/// A value of which a condition is likely to hold: the sampler tries a few times, the checker takes any.
-fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
-    loop {
-        let value = any(s);
-        if likes(&value) || !s.shortcut() {
-            return value;
-        }
-    }
 }
 
 impl<N: Format> Valid<N> for Guard<N> {
@@ -81,8 +71,8 @@ impl<N: Format> Valid<N> for Guard<N> {
     }
     /// In bits, and in numbers that no product of them leaves: what `Guard::new` sees to.
     fn valid(&self) -> bool {
-        let most = i128::from(quarter::<N>());
-        let bits = |x: Energy<N>| i128::from(N::of_energy(x.0));
+        let most = N::exact(quarter::<N>());
+        let bits = |x: Energy<N>| N::exact(N::of_energy(x.0));
         let not_negative = self.capacity >= Energy::zero()
             && self.refill >= Energy::zero()
             && self.damping >= Stiffness::zero()
@@ -90,25 +80,26 @@ impl<N: Format> Valid<N> for Guard<N> {
             && N::of_signal_ratio(self.late.0) >= 0
             && N::of_signal_ratio(self.stray.0) >= 0
             && N::of_signal_ratio(self.overrun.0) >= 0;
+        let highest = N::exact(quarter::<N>() + 1) << N::SIGNAL_BITS;
         let rooms = room(&self.furthest)
             && room(&self.count)
             && room(&self.slack)
             && room(&self.in_flight)
-            && bits(self.capacity) < (most + 1) << N::SIGNAL_BITS
-            && bits(self.refill) < (most + 1) << N::SIGNAL_BITS
+            && bits(self.capacity) < highest
+            && bits(self.refill) < highest
             && N::of_signal_ratio(self.late.0) <= 1 << N::SIGNAL_BITS;
         if !(not_negative && rooms) {
             return false;
         }
-        let product = |k: Stiffness<N>, x: i128| (i128::from(N::of_gain(k.0)) * x) >> N::GAIN_BITS;
+        let product = |k: Stiffness<N>, x| (N::exact(N::of_gain(k.0)) * x) >> N::GAIN_BITS;
         let largest = product(self.per_reach, bits(self.capacity) >> N::SIGNAL_BITS);
-        let damping = product(self.damping, i128::from(N::of_signal(self.furthest.0)));
-        let stray = (i128::from(N::of_signal_ratio(self.stray.0)) * 2 * largest) >> N::SIGNAL_BITS;
+        let damping = product(self.damping, N::exact(N::of_signal(self.furthest.0)));
+        let stray = N::exact(N::of_signal_ratio(self.stray.0)) * (largest + largest);
         largest <= most
             && damping <= most
-            && stray <= most
+            && stray >> N::SIGNAL_BITS <= most
             // The reserve of the largest force is less than the account that allows it.
-            && largest * i128::from(N::of_signal(self.in_flight.0)) <= bits(self.capacity)
+            && largest * N::exact(N::of_signal(self.in_flight.0)) <= bits(self.capacity)
     }
     fn holds(&self, state: &GuardState<N>) -> bool {
         let largest = self.largest_force(self.capacity);
@@ -129,7 +120,7 @@ fn too_fast<N: Format>(law: &Guard<N>, moved: Position<N>) -> bool {
 }
 
 macro_rules! guard {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident, sum $sum:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -169,7 +160,7 @@ macro_rules! guard {
                 /// trusted damping, and the charge for the change; not below the reserve, not above the capacity.
                 equation "B' = max(min(B + P T + f Δ - g u - |g| q + c m m, C), R)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
-                by $solver fn p1_account_is_the_sum(s) {
+                by $sum fn p1_account_is_the_sum(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
@@ -184,23 +175,24 @@ macro_rules! guard {
                     );
                     let mut state = before;
                     let _ = law.tick(&mut state, moved, wanted);
-                    let wide = |x: i64| i128::from(x);
+                    let (wide, none) = (N::exact, N::exact(0));
                     let (force, older) = (wide(N::of_signal(before.force.0)), wide(N::of_signal(before.older.0)));
                     let x = wide(N::of_signal(moved.0));
                     let change = force - older;
                     let late = wide(N::of_signal_ratio(law.late.0));
                     let stray = wide(N::of_signal_ratio(law.stray.0));
                     let under_older = (late * x + stray * change) >> N::SIGNAL_BITS;
-                    let surely = (x.abs() - wide(N::of_signal(law.count.0))).max(0);
+                    let size = |x: <N as Format>::Exact| x.max(-x);
+                    let surely = (size(x) - wide(N::of_signal(law.count.0))).max(none);
                     let damping = (wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS;
                     let energy = |e: Energy<N>| wide(N::of_energy(e.0));
                     let sum = energy(before.account) + energy(law.refill) + force * x - change * under_older
-                        - change.abs() * wide(N::of_signal(law.slack.0)) + damping * surely;
-                    let reserve = force.abs() * wide(N::of_signal(law.in_flight.0));
+                        - size(change) * wide(N::of_signal(law.slack.0)) + damping * surely;
+                    let reserve = size(force) * wide(N::of_signal(law.in_flight.0));
                     assert!(energy(state.account) == sum.min(energy(law.capacity)).max(reserve));
-                    cover!(s, change * under_older > 0 && sum > reserve, "paid under the old force");
-                    cover!(s, damping > 0 && x < 0, "damped outward");
-                    cover!(s, stray > 0 && change != 0 && x == 0, "strayed");
+                    cover!(s, change * under_older > none && sum > reserve, "paid under the old force");
+                    cover!(s, damping > none && x < none, "damped outward");
+                    cover!(s, stray > none && change != none && x == none, "strayed");
                 }
             }
             property! {
@@ -212,13 +204,14 @@ macro_rules! guard {
                     let change = N::any_force(s);
                     assume!(s, change.modulus() <= law.largest_force(law.capacity), "half of the largest change");
                     let under = law.late.of_and_fitting(Position::zero(), law.stray, change);
-                    let charged = i128::from(N::of_signal(change.0)) * i128::from(N::of_signal(under.0));
-                    let quantum = i128::from(N::of_signal(change.0)).abs();
+                    let (change_bits, none) = (N::exact(N::of_signal(change.0)), N::exact(0));
+                    let charged = change_bits * N::exact(N::of_signal(under.0));
+                    let quantum = change_bits.max(-change_bits);
                     assert!(charged >= -quantum);
                     // Rounded down by less than the quantum that the slack holds.
-                    let exact = i128::from(N::of_signal_ratio(law.stray.0)) * i128::from(N::of_signal(change.0)).pow(2);
+                    let exact = N::exact(N::of_signal_ratio(law.stray.0)) * (change_bits * change_bits);
                     assert!((charged + quantum) << N::SIGNAL_BITS >= exact);
-                    cover!(s, charged > 0 && change < Force::zero(), "a fall of the force");
+                    cover!(s, charged > none && change < Force::zero(), "a fall of the force");
                 }
             }
             property! {
@@ -231,17 +224,19 @@ macro_rules! guard {
                     let free = N::any_energy(s);
                     assume!(s, free >= Energy::zero() && free <= law.capacity, "what tick passes: p1_account_stays");
                     let (reach, moved) = (N::any_position(s), N::any_position(s));
-                    let bits = |x: Position<N>| i128::from(N::of_signal(x.0));
+                    let (bits, none) = (|x: Position<N>| N::exact(N::of_signal(x.0)), N::exact(0));
+                    let distance = bits(moved).max(-bits(moved));
                     assume!(
                         s,
-                        i128::from(N::of_gain(law.per_reach.0)) * bits(reach) <= 1 << (N::GAIN_BITS + N::SIGNAL_BITS),
+                        reach >= Position::zero()
+                            && N::exact(N::of_gain(law.per_reach.0)) * bits(reach) <= N::exact(1) << (N::GAIN_BITS + N::SIGNAL_BITS),
                         "Guard::new: the reciprocal is rounded down"
                     );
-                    assume!(s, bits(moved).abs() <= bits(reach), "case; further is overspeed");
+                    assume!(s, distance <= bits(reach), "case; further is overspeed");
                     let force = law.largest_force(free);
-                    let work = i128::from(N::of_signal(force.0)) * bits(moved).abs();
-                    assert!(force >= Force::zero() && work <= i128::from(N::of_energy(free.0)));
-                    cover!(s, work > 0 && bits(moved) == -bits(reach), "the whole reach outward");
+                    let work = N::exact(N::of_signal(force.0)) * distance;
+                    assert!(force >= Force::zero() && work <= N::exact(N::of_energy(free.0)));
+                    cover!(s, work > none && bits(moved) == -bits(reach), "the whole reach outward");
                 }
             }
             property! {
@@ -297,8 +292,9 @@ macro_rules! guard {
                     );
                     let mut state = GuardState { account, ..GuardState::default() };
                     let _ = law.tick(&mut state, Position::zero(), Force::zero());
-                    let exact = i128::from(N::of_energy(account.0)) + i128::from(N::of_energy(law.refill.0));
-                    assert!(i128::from(N::of_energy(state.account.0)) == exact.min(i128::from(N::of_energy(law.capacity.0))));
+                    let energy = |e: Energy<N>| N::exact(N::of_energy(e.0));
+                    let exact = energy(account) + energy(law.refill);
+                    assert!(energy(state.account) == exact.min(energy(law.capacity)));
                     cover!(s, account < Energy::zero() && state.account > account, "from a deficit");
                     cover!(s, state.account == law.capacity && account < law.capacity, "filled");
                 }
@@ -375,11 +371,11 @@ macro_rules! guard {
 guard!(
     /// At the width that the firmware runs: the same bodies on samples. Products of three unknowns are more than a solver follows
     /// there.
-    w32, Fixed32, by sampled
+    w32, Fixed32, by sampled, sum sampled
 );
 guard!(
     /// At 8 bits, where a solver has every case.
-    w8, Fixed8, by cadical
+    w8, Fixed8, by cadical, sum cadical
 );
 
 #[cfg(all(test, not(kani)))]
@@ -404,7 +400,7 @@ mod accepted {
             damping: Si::from_bits(i64::from(s.u32()) >> (s.bits(5) as u32)),
         };
         let device = GuardedDevice {
-            rate_hz: 100 << (s.bits(3)),
+            rate_hz: 1 << s.bits(4),
             force_limit: Si::from_bits(i64::from(s.u32())),
             count: Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> 8),
         };

@@ -10,6 +10,7 @@
 // The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
 #![allow(clippy::missing_panics_doc)]
 
+pub mod accepted;
 pub mod device;
 pub mod drive;
 pub mod edges;
@@ -22,10 +23,12 @@ pub mod functions;
 pub mod guard;
 pub mod heart;
 pub mod offset;
+pub mod refines;
 pub mod settings;
 pub mod source;
 pub mod space;
 pub mod spec;
+pub mod specified;
 pub mod spring_sfa;
 pub mod stage;
 pub mod tdpa;

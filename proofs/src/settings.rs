@@ -68,6 +68,7 @@ pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
     }
     match &controller.law {
         AnyLaw::Spring(law, state) => law.valid() && law.holds(state),
+        AnyLaw::Damped(law, state) => law.spring.valid() && law.spring.holds(&state.spring),
         AnyLaw::Tdpa(law, state) => {
             law.valid() && law.energy_cap == N::energy_cap() && law.holds(state)
         }
@@ -92,9 +93,9 @@ mod tests {
     use super::*;
     use crate::source::{Sampler, Source, sample};
     use touchstone_control::{
-        ChangeOfForce, EstimatorSettings, Field, FilterSettings, FirstContact, Fixed8, Fixed16,
-        GuardSettings, IdealStep, LawKind, ObserverForm, OffsetUpdate, PositionSettings, Regulate,
-        Settings, SettingsError, States, StatesKind,
+        ChangeOfForce, Choice as _, EstimatorSettings, Field, FilterSettings, FirstContact, Fixed8,
+        Fixed16, GuardSettings, IdealStep, LawKind, ObserverForm, OffsetUpdate, PositionSettings,
+        Regulate, Settings, SettingsError, States, StatesKind, VelocityKind, VelocitySettings,
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
@@ -165,6 +166,11 @@ mod tests {
                 delay: pick(s, base.guard.delay),
                 lag: pick(s, base.guard.lag),
                 change: [ChangeOfForce::Estimated, ChangeOfForce::Measured][s.bits(1) as usize],
+            },
+            velocity: VelocitySettings {
+                from: VelocityKind::ALL[s.bits(3) as usize % VelocityKind::ALL.len()],
+                bandwidth_hz: pick(s, base.velocity.bandwidth_hz),
+                window_s: pick(s, base.velocity.window_s),
             },
             position: PositionSettings::of_counts_per_rev(s.u32() >> s.bits(5)),
         }

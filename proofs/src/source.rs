@@ -197,6 +197,16 @@ pub fn sample(name: &str, property: fn(&mut Sampler)) {
     panic!("{name}: {accepted} samples accepted, covers never reached: {missing:?}");
 }
 
+/// A value of which a condition is likely to hold: the sampler tries a few times, the checker takes any.
+pub fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
+    loop {
+        let value = any(s);
+        if likes(&value) || !s.shortcut() {
+            return value;
+        }
+    }
+}
+
 /// Goes on only if the condition holds. Each use names who enforces it at run time, or that it is a case and where the other
 /// is; the table of the proofs quotes both.
 #[macro_export]

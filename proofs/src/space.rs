@@ -3,6 +3,9 @@
 //! ```text
 //! r² <= n < (r + 1)²                       p5_root_karatsuba
 //! |u| <= 1, no zero vector has one         p4_unit
+//! |v| > l  <=>  Σ v_i² > l²                p4_longer
+//! |v across u| <= |v|                      p4_across
+//! |u turned| <= 1, by no more than asked   p4_turned
 //! |F'| <= limit, no component grows        p4_within
 //! W = Σ F_i d_i                            p1_vector_work
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
@@ -27,8 +30,9 @@ fn forces<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Force<N>> {
 }
 
 /// The sum of the squares of three bit patterns.
-fn squares(bits: [i64; 3]) -> i128 {
-    bits.iter().map(|x| i128::from(*x) * i128::from(*x)).sum()
+fn squares<N: Format>(bits: [i64; 3]) -> N::Exact {
+    let [x, y, z] = bits.map(N::exact);
+    x * x + y * y + z * z
 }
 
 fn force_bits<N: Format + Spatial>(v: Vector<Force<N>>) -> [i64; 3] {
@@ -40,8 +44,8 @@ fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64; 3] {
 }
 
 /// Of at most a quarter of the format in length: what the guard's builder sees to of forces, and its look for overspeed of ways.
-fn short(bits: [i64; 3], quarter: i64) -> bool {
-    squares(bits) <= i128::from(quarter) * i128::from(quarter)
+fn short<N: Format>(bits: [i64; 3], quarter: i64) -> bool {
+    squares::<N>(bits) <= N::exact(quarter) * N::exact(quarter)
 }
 
 /// The root of one level made of the one below.
@@ -81,7 +85,7 @@ pub mod w64 {
 }
 
 macro_rules! space {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, by $solver:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, unit $unit:ident, across $across:ident, longer $longer:ident, within $within:ident, work $work:ident, leaving $leaving:ident, friction $friction:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -91,7 +95,7 @@ macro_rules! space {
                 /// P4: a direction is never longer than one, its components have the signs of the vector's, and only the zero vector has none.
                 equation "|u| <= 1"
                 over "every vector"
-                by $solver fn p4_unit(s) {
+                by $unit fn p4_unit(s) {
                     let v = positions::<N, S>(s);
                     let bits = position_bits(v);
                     let Some(u) = Direction::of(v) else {
@@ -99,9 +103,9 @@ macro_rules! space {
                         return;
                     };
                     assert!(bits != [0; 3]);
-                    let one = i128::from(1_i64 << N::SIGNAL_BITS);
-                    let unit = u.0.map(|x| N::of_signal(x));
-                    assert!(squares(unit) <= one * one);
+                    let one = N::exact(1 << N::SIGNAL_BITS);
+                    let unit = u.0.map(N::of_signal);
+                    assert!(squares::<N>(unit) <= one * one);
                     let signs = unit.iter().zip(bits).all(|(u, v)| *u == 0 || (*u < 0) == (v < 0));
                     assert!(signs);
                     cover!(s, unit[0] == 0 && bits[0] != 0, "a component of less than a quantum");
@@ -112,14 +116,14 @@ macro_rules! space {
                 /// P4: a limited vector is within the limit, none of its components grows or changes its sign, and one within the limit is left as it is.
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
                 over "every vector, every limit from 0 to below the end of the format"
-                by $solver fn p4_within(s) {
+                by $within fn p4_within(s) {
                     let (v, limit) = (forces::<N, S>(s), N::any_force(s));
                     let bits = force_bits(v);
-                    let most = i128::from(N::of_signal(limit.0));
-                    assume!(s, limit >= Force::zero() && most < i128::from(N::of_signal(N::HIGHEST)), "validate: a limit is far within the format");
+                    let most = N::exact(N::of_signal(limit.0));
+                    assume!(s, limit >= Force::zero() && limit.0 < N::HIGHEST, "validate: a limit is far within the format");
                     let after = force_bits(v.within(limit));
-                    assert!(squares(after) <= most * most);
-                    assert!(squares(bits) > most * most || after == bits);
+                    assert!(squares::<N>(after) <= most * most);
+                    assert!(squares::<N>(bits) > most * most || after == bits);
                     let smaller = after.iter().zip(bits).all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
                     assert!(smaller);
                     cover!(s, after != bits && after[0] != 0, "shortened");
@@ -127,17 +131,48 @@ macro_rules! space {
                 }
             }
             property! {
+                /// P4: a vector is told to be longer than a limit just where it is, and its length and direction by one root are those by two.
+                equation "|v| > l  <=>  Σ v_i² > l²"
+                over "every vector, every limit that is not negative"
+                by $longer fn p4_longer(s) {
+                    let (v, limit) = (positions::<N, S>(s), N::any_position(s));
+                    assume!(s, limit >= Position::zero(), "limits are not negative");
+                    let most = N::exact(N::of_signal(limit.0));
+                    let longer = v.is_longer(limit);
+                    assert!(longer == (squares::<N>(position_bits(v)) > most * most));
+                    let (length, direction) = Direction::polar(v);
+                    assert!(length == v.length_down() && direction == Direction::of(v));
+                    cover!(s, longer, "longer");
+                    cover!(s, !longer && position_bits(v)[0] < 0, "within");
+                }
+            }
+            property! {
+                /// P4: what of a vector is across a direction is never longer than the vector.
+                equation "|v - (v·u) u| <= |v|"
+                over "every direction that a vector can have, every vector"
+                by $across fn p4_across(s) {
+                    let (along, v) = (positions::<N, S>(s), positions::<N, S>(s));
+                    let Some(u) = Direction::of(along) else {
+                        return;
+                    };
+                    let across = position_bits(u.across(v));
+                    assert!(squares::<N>(across) <= squares::<N>(position_bits(v)));
+                    cover!(s, across != [0; 3] && across != position_bits(v), "a part is across");
+                }
+            }
+            property! {
                 /// P1: the work of a vector is the exact sum of three exact products.
                 equation "W = Σ F_i d_i"
                 over "forces and displacements of at most a quarter of the format"
-                by $solver fn p1_vector_work(s) {
+                by $work fn p1_vector_work(s) {
                     let quarter = N::of_signal(N::HIGHEST) >> 2;
-                    let f = such!(s, forces::<N, S>(s), |f| short(force_bits(f), quarter), "VectorGuard::new");
-                    let d = such!(s, positions::<N, S>(s), |d| short(position_bits(d), quarter), "VectorGuard::tick: overspeed");
-                    let sum: i128 = force_bits(f).iter().zip(position_bits(d)).map(|(f, d)| i128::from(*f) * i128::from(d)).sum();
-                    assert!(i128::from(N::of_energy(f.work(d).0)) == sum);
-                    cover!(s, sum < 0, "given");
-                    cover!(s, sum > 0, "taken");
+                    let f = such!(s, forces::<N, S>(s), |f| short::<N>(force_bits(f), quarter), "VectorGuard::new");
+                    let d = such!(s, positions::<N, S>(s), |d| short::<N>(position_bits(d), quarter), "VectorGuard::tick: overspeed");
+                    let ([f1, f2, f3], [d1, d2, d3]) = (force_bits(f).map(N::exact), position_bits(d).map(N::exact));
+                    let sum = f1 * d1 + f2 * d2 + f3 * d3;
+                    assert!(N::exact(N::of_energy(f.work(d).0)) == sum);
+                    cover!(s, sum < N::exact(0), "given");
+                    cover!(s, sum > N::exact(0), "taken");
                 }
             }
             property! {
@@ -145,14 +180,15 @@ macro_rules! space {
                 /// and where no axis has left, no rule ends it.
                 equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
                 over "penetrations outside, offsets, of at most a quarter of the format"
-                by $solver fn p7_leaving(s) {
+                by $leaving fn p7_leaving(s) {
                     let quarter = N::of_signal(N::HIGHEST) >> 2;
                     let outside = |v: &[i64; 3]| v.iter().all(|x| (-quarter..=0).contains(x));
                     let e = such!(s, positions::<N, S>(s), |e| outside(&position_bits(e)), "outside: PerAxis::tick");
                     let o = such!(s, positions::<N, S>(s), |o| outside(&position_bits(-o)), "offsets are not negative: p2_offset_*");
                     let (e_bits, o_bits) = (position_bits(e), position_bits(o));
-                    let along: i128 = e_bits.iter().zip(o_bits).map(|(e, o)| -i128::from(*e) * i128::from(o)).sum();
-                    assert!(Leaving::Projection.ends(e, o) == (squares(e_bits) > along));
+                    let ([e1, e2, e3], [o1, o2, o3]) = (e_bits.map(N::exact), o_bits.map(N::exact));
+                    let along = -(e1 * o1) - e2 * o2 - e3 * o3;
+                    assert!(Leaving::Projection.ends(e, o) == (squares::<N>(e_bits) > along));
                     assert!(!Leaving::Decoupled.ends(e, o));
                     let any = e_bits.iter().zip(o_bits).any(|(e, o)| e + o < 0);
                     assert!(Leaving::AnyAxis.ends(e, o) == any);
@@ -165,7 +201,7 @@ macro_rules! space {
                 /// P4 and P7: friction is never longer than what its state allows, sliding or not, and without a normal force nothing is remembered.
                 equation "|z| <= reach_k f_n  or stuck and  |z| <= reach_s f_n"
                 over "configuration with kinetic at most static, any memory, position along the axes"
-                by $solver fn p4_friction(s) {
+                by $friction fn p4_friction(s) {
                     let eighth = N::of_signal(N::HIGHEST) >> 3;
                     let near = |v: [i64; 3]| v.iter().all(|x| x.abs() <= eighth);
                     let law = Friction::<N> {
@@ -185,6 +221,7 @@ macro_rules! space {
                         at,
                         normal: Direction::along(2, s.bool()),
                         depth: Position::quantum(),
+                        moved: None,
                     };
                     let at = such!(s, positions::<N, S>(s), |x| near(position_bits(x)), "coordinates: the unit of length");
                     let home = Touch { at, ..touch };
@@ -198,12 +235,12 @@ macro_rules! space {
                         assert!(state == FrictionState::default());
                         return;
                     }
-                    let reach = |compliance: Compliance<N>| i128::from(N::of_signal((compliance * pressed).0));
+                    let reach = |compliance: Compliance<N>| N::exact(N::of_signal((compliance * pressed).0));
                     let (kinetic, fixed) = (reach(law.kinetic_reach), reach(law.static_reach));
-                    let length = squares(position_bits(state.stretch));
+                    let length = squares::<N>(position_bits(state.stretch));
                     assert!(length <= kinetic * kinetic || !state.sliding && length <= fixed * fixed);
                     cover!(s, state.sliding, "slides");
-                    cover!(s, !state.sliding && length > 0, "sticks");
+                    cover!(s, !state.sliding && length > N::exact(0), "sticks");
                 }
             }
         }
@@ -211,12 +248,48 @@ macro_rules! space {
 }
 space!(
     /// 8 bits, all inputs.
-    w8, Fixed8, by cadical
+    w8, Fixed8, unit cadical, across cadical, longer cadical, within cadical, work cadical, leaving cadical, friction cadical
 );
 space!(
     /// As shipped, on samples.
-    w32, Fixed32, by sampled
+    w32, Fixed32, unit sampled, across sampled, longer sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
+
+/// A direction that turns, as shipped, on samples: products of products are beyond the solvers.
+pub mod turn {
+    use super::*;
+    use touchstone_control::space::Turn;
+    type N = Fixed32;
+
+    property! {
+        /// P4: a turned direction is never longer than 1, nor shorter than 1 by two quanta, and lies from the old one by the angle that was asked for.
+        equation "|u'| <= 1, u·u' = cos a"
+        over "directions, ratios of across to along"
+        by sampled fn p4_turned(s) {
+            let (a, b) = (positions::<N, S>(s), positions::<N, S>(s));
+            let (Some(from), Some(to)) = (Direction::of(a), Direction::of(b)) else {
+                return;
+            };
+            let ratio = N::any_position(s);
+            assume!(s, ratio > Position::zero(), "Rule::Restricted: a cone");
+            let turn = Turn::of_ratio(ratio.0);
+            let turned = from.turned(&to, &turn);
+            let bits = turned.0.map(N::of_signal);
+            let one = i128::from(1_i64 << N::SIGNAL_BITS);
+            assert!(squares::<N>(bits) <= one * one);
+            assert!(squares::<N>(bits) >= (one - 3) * (one - 3));
+            if turned == from {
+                return;
+            }
+            let was = from.0.map(N::of_signal);
+            let cosine: i128 = bits.iter().zip(was).map(|(x, y)| i128::from(*x) * i128::from(y)).sum();
+            let asked = i128::from(N::of_signal(turn.cosine)) * one;
+            assert!((cosine - asked).abs() <= 8 * one);
+            cover!(s, turn.sine > turn.cosine, "far");
+            cover!(s, N::of_signal(turn.sine) < 1000, "by a hair");
+        }
+    }
+}
 
 /// The vector guard as shipped, on samples: three axes of products are beyond the solvers at 8 bits already.
 pub mod guard {
@@ -287,18 +360,18 @@ pub mod guard {
             let up = wide(N::of_signal(moved.length_up().0));
             let surely = (up - wide(N::of_signal(law.count.0)) - 1).max(0);
             // No longer than the true length less the counts.
-            assert!(surely == 0 || (surely + wide(N::of_signal(law.count.0))).pow(2) <= squares(x));
+            assert!(surely == 0 || (surely + wide(N::of_signal(law.count.0))).pow(2) <= squares::<N>(x));
             sum += ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely;
             let reserve = wide(N::of_signal(before.size.0)) * wide(N::of_signal(law.in_flight.0));
             assert!(energy(state.account) == sum.min(energy(law.capacity)).max(reserve));
             // The force: no longer than the account pays for, no component grown or turned.
             let free = state.account - law.reserve(before.size);
             let limit = wide(N::of_signal(law.largest_force(free.max(Energy::zero())).0));
-            assert!(squares(force_bits(force)) <= limit * limit);
+            assert!(squares::<N>(force_bits(force)) <= limit * limit);
             let smaller = force_bits(force).iter().zip(force_bits(wanted)).all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
             assert!(smaller);
             assert!(state.against == -force && state.older == before.against);
-            assert!(squares(force_bits(force)) <= wide(N::of_signal(state.size.0)).pow(2));
+            assert!(squares::<N>(force_bits(force)) <= wide(N::of_signal(state.size.0)).pow(2));
             cover!(s, state.account < before.account, "paid");
             cover!(s, force != wanted && force_bits(force) != [0; 3], "shortened");
             cover!(s, surely > 0, "damped");

@@ -5,15 +5,15 @@
 //! the invariant (`p8_initial32`).
 
 use crate::format::Format;
-use crate::source::Source;
+use crate::source::{Source, one_with};
 use touchstone_control::filter::{MassState, VirtualMass};
 use touchstone_control::law::{
     Augmentation, Augmented, Contact, EnhancedSfa, EnhancedState, Fba, FbaState, Sfa, SfaState,
     Spring, SpringState, Tdpa, TdpaState,
 };
 use touchstone_control::{
-    Divisor, Energy, FirstContact, Force, ObserverForm, OffsetUpdate, Position, Regulate,
-    Stiffness, Tension,
+    Compliance, Divisor, Energy, FirstContact, Force, ObserverForm, OffsetUpdate, Position,
+    Regulate, Stiffness, Tension,
 };
 
 /// A configuration that settings can give, with the memory that goes with it.
@@ -30,6 +30,24 @@ pub trait Valid<N: Format>: Sized {
     fn holds(&self, state: &Self::State) -> bool;
 }
 
+/// Any stiffness, on samples mostly one that is not negative.
+fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
+    one_with(s, N::any_stiffness, |k| gain_ok(*k))
+}
+/// Any limit, in the same way.
+fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
+    one_with(s, N::any_force, |f| limit_ok(*f))
+}
+/// Any share.
+fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
+    one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
+}
+/// Any energy, mostly one that is not negative and within the cap.
+fn any_stored<N: Format, S: Source>(s: &mut S) -> Energy<N> {
+    let cap = N::energy_cap();
+    one_with(s, N::any_energy, |e| *e >= Energy::zero() && *e <= cap)
+}
+
 fn limit_ok<N: Format>(limit: Force<N>) -> bool {
     limit >= Force::zero()
 }
@@ -44,9 +62,9 @@ impl<N: Format> Valid<N> for Spring<N> {
     type State = SpringState;
     fn any<S: Source>(s: &mut S) -> Self {
         Self {
-            desired: N::any_stiffness(s),
-            damping: N::any_stiffness(s),
-            limit: N::any_force(s),
+            desired: any_gain(s),
+            damping: any_gain(s),
+            limit: any_limit(s),
         }
     }
     fn any_state<S: Source>(s: &mut S) -> SpringState {
@@ -64,10 +82,10 @@ impl<N: Format> Valid<N> for Tdpa<N> {
     type State = TdpaState<N>;
     fn any<S: Source>(s: &mut S) -> Self {
         Self {
-            desired: N::any_stiffness(s),
+            desired: any_gain(s),
             observer: any_observer(s),
-            device_damping: N::any_stiffness(s),
-            limit: N::any_force(s),
+            device_damping: any_gain(s),
+            limit: any_limit(s),
             energy_cap: N::energy_cap(),
         }
     }
@@ -104,10 +122,10 @@ impl<N: Format> Valid<N> for Fba<N> {
     type State = FbaState<N>;
     fn any<S: Source>(s: &mut S) -> Self {
         Self {
-            desired: N::any_stiffness(s),
-            device_damping: N::any_stiffness(s),
-            bound: N::any_stiffness(s),
-            limit: N::any_force(s),
+            desired: any_gain(s),
+            device_damping: any_gain(s),
+            bound: any_gain(s),
+            limit: any_limit(s),
             energy_cap: N::energy_cap(),
         }
     }
@@ -144,13 +162,13 @@ impl<N: Format> Valid<N> for Sfa<N> {
     type State = SfaState<N>;
     fn any<S: Source>(s: &mut S) -> Self {
         Self {
-            desired: N::any_stiffness(s),
-            soft: N::any_stiffness(s),
+            desired: any_gain(s),
+            soft: any_gain(s),
             gain: N::any_ratio(s),
-            compliance: N::any_compliance(s),
+            compliance: any_share(s),
             update: any_update(s),
             first_contact: any_first(s),
-            limit: N::any_force(s),
+            limit: any_limit(s),
         }
     }
     fn any_state<S: Source>(s: &mut S) -> SfaState<N> {
@@ -180,10 +198,10 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
     fn any<S: Source>(s: &mut S) -> Self {
         let mass = any_mass(s);
         Self {
-            desired: N::any_stiffness(s),
-            target: N::any_stiffness(s),
-            soft: N::any_stiffness(s),
-            compliance: N::any_compliance(s),
+            desired: any_gain(s),
+            target: any_gain(s),
+            soft: any_gain(s),
+            compliance: any_share(s),
             augmentation: any_augmentation(s),
             regulate: match (s.bool(), s.bool()) {
                 (false, false) => Regulate::Mass,
@@ -197,9 +215,9 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
             // Each of any stiffness whatever: what the law keeps does not rest on where the mass starts.
             by_coupling: Divisor::of(N::any_stiffness(s)),
             series: Divisor::of(N::any_stiffness(s)),
-            credit: N::any_energy(s),
+            credit: any_stored(s),
             energy_cap: N::energy_cap(),
-            limit: N::any_force(s),
+            limit: any_limit(s),
         }
     }
     fn any_state<S: Source>(s: &mut S) -> EnhancedState<N> {
@@ -222,15 +240,15 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
         EnhancedState {
             contact,
             last: N::any_position(s),
-            force: N::any_force(s),
-            energy: N::any_energy(s),
+            force: any_limit(s),
+            energy: any_stored(s),
             augmented: Augmented {
                 mass: MassState {
                     position: N::any_position(s),
                     moved: N::any_position(s),
                 },
-                offset: N::any_position(s),
-                at_mass: N::any_force(s),
+                offset: one_with(s, N::any_position, |o| *o >= Position::zero()),
+                at_mass: any_limit(s),
             },
         }
     }
@@ -274,9 +292,9 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
 /// Any way of changing the offset.
 pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
     Augmentation {
-        of_ideal: N::any_compliance(s),
-        of_force: N::any_compliance(s),
-        of_penetration: N::any_ratio(s),
+        of_ideal: any_share(s),
+        of_force: any_share(s),
+        of_penetration: one_with(s, N::any_ratio, |r| N::of_signal_ratio(r.0) >= 0),
     }
 }
 /// Its shares are not negative.
@@ -287,11 +305,22 @@ pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
 }
 /// Any virtual mass.
 pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
-    let total = N::any_stiffness(s);
+    let bits = |k: &Stiffness<N>| N::of_gain(k.0);
+    let part = |s: &mut S| {
+        one_with(s, N::any_stiffness, |k| {
+            (0..=N::HALF_GAIN / 3).contains(&bits(k))
+        })
+    };
+    let (inertia, stiffness, damping) = (part(s), part(s), part(s));
+    let sum = bits(&inertia) + bits(&stiffness) + bits(&damping);
+    let most = N::HALF_GAIN;
+    let total = one_with(s, N::any_stiffness, |k| {
+        bits(k) > 0 && (sum..=most).contains(&bits(k))
+    });
     VirtualMass {
-        inertia: N::any_stiffness(s),
-        stiffness: N::any_stiffness(s),
-        damping: N::any_stiffness(s),
+        inertia,
+        stiffness,
+        damping,
         total,
         by_total: Divisor::of(total),
     }

@@ -5,8 +5,10 @@ use fixed::types::I8F24;
 use touchstone_control::{
     ChangeOfForce, Fixed32, Force, Guard, GuardSettings, GuardedDevice, Position, Settings, Si,
 };
-use touchstone_proofs::spec::guard::{self as spec, Device, FINE};
-use touchstone_proofs::spec::hands::{Random, any_settings, bits, memory, moved, specified};
+use touchstone_proofs::spec::covers::{Device, FINE};
+use touchstone_proofs::spec::guard as spec;
+use touchstone_proofs::spec::hands::{Random, any_settings, bits, moved};
+use touchstone_proofs::specified::at32::{guard as specified, of_guard as memory};
 
 #[test]
 fn every_tick_of_the_guard_is_its_specification() {

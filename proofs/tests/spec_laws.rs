@@ -2,21 +2,16 @@
 //! settings of every size that `AnyLaw::new` accepts.
 
 use fixed::types::I8F24;
-use touchstone_control::law::{Contact, Law as _, Sample};
-use touchstone_control::{
-    AnyLaw, FirstContact, Fixed32, LawKind, ObserverForm, OffsetUpdate, Position, Regulate,
-    Settings, Stiffness,
-};
+use touchstone_control::law::{Law as _, Sample};
+use touchstone_control::{AnyLaw, Fixed32, LawKind, Position, Settings};
 use touchstone_proofs::spec::hands::{Hand, Random, any_law};
-use touchstone_proofs::spec::{enhanced, fba, sfa, tdpa};
+use touchstone_proofs::spec::{enhanced, sfa};
+use touchstone_proofs::specified::at32;
 
 const TICKS: u64 = 1_500_000;
 
 fn wide(x: I8F24) -> i128 {
     i128::from(x.to_bits())
-}
-fn gain(k: Stiffness<Fixed32>) -> i128 {
-    i128::from(k.0.to_bits())
 }
 
 /// Runs laws of one kind; `compare` makes one tick of both and says what differs. The counts are of situations that must occur.
@@ -71,18 +66,7 @@ fn every_tick_of_tdpa_is_its_specification() {
         let AnyLaw::Tdpa(law, state) = law else {
             panic!("{settings:?}")
         };
-        let specified = tdpa::Tdpa {
-            desired: gain(law.desired),
-            exact: law.observer == ObserverForm::Exact,
-            device_damping: gain(law.device_damping),
-            limit: wide(law.limit.0),
-            energy_cap: 1 << 62,
-        };
-        let memory = |state: &touchstone_control::law::TdpaState<Fixed32>| tdpa::Memory {
-            force: wide(state.force.0),
-            energy: i128::from(state.energy.0.to_bits()),
-            inside: state.inside,
-        };
+        let (specified, memory) = (at32::tdpa(law), at32::of_tdpa);
         let before = memory(state);
         let (expected, force) = specified.tick(&before, wide(e), wide(moved));
         let got = law.tick(state, sample(e, moved));
@@ -108,19 +92,8 @@ fn every_tick_of_fba_is_its_specification() {
         let AnyLaw::Fba(law, state) = law else {
             panic!("{settings:?}")
         };
-        let specified = fba::Fba {
-            desired: gain(law.desired),
-            device_damping: gain(law.device_damping),
-            bound: fba::Fba::bound_of(gain(law.device_damping)),
-            limit: wide(law.limit.0),
-            energy_cap: 1 << 62,
-        };
-        assert_eq!(gain(law.bound), specified.bound);
-        let memory = |state: &touchstone_control::law::FbaState<Fixed32>| fba::Memory {
-            force: wide(state.force.0),
-            energy: i128::from(state.energy.0.to_bits()),
-            inside: state.inside,
-        };
+        let (specified, memory) = (at32::fba(law), at32::of_fba);
+        assert_eq!(at32::gain(law.bound), specified.bound);
         let before = memory(state);
         let (expected, force) = specified.tick(&before, wide(e), wide(moved));
         let got = law.tick(state, sample(e, moved));
@@ -144,7 +117,11 @@ fn every_tick_of_the_spring_is_its_specification() {
         let AnyLaw::Spring(law, state) = law else {
             panic!("{settings:?}")
         };
-        let (k, b, limit) = (gain(law.desired), gain(law.damping), wide(law.limit.0));
+        let (k, b, limit) = (
+            at32::gain(law.desired),
+            at32::gain(law.damping),
+            wide(law.limit.0),
+        );
         let force = sfa::spring_tick(k, b, limit, wide(e), wide(moved));
         let got = law.tick(state, sample(e, moved));
         assert_eq!(
@@ -163,27 +140,7 @@ fn every_tick_of_sfa_is_its_specification() {
             let AnyLaw::Sfa(law, state) = law else {
                 panic!("{settings:?}")
             };
-            let specified = sfa::Sfa {
-                desired: gain(law.desired),
-                soft: gain(law.soft),
-                gain: wide(law.gain.0),
-                compliance: wide(law.compliance.0),
-                update: match law.update {
-                    OffsetUpdate::TurnInward => sfa::Update::TurnInward,
-                    OffsetUpdate::Inward => sfa::Update::Inward,
-                    OffsetUpdate::EveryTick => sfa::Update::EveryTick,
-                },
-                keep_force: law.first_contact == FirstContact::KeepForce,
-                limit: wide(law.limit.0),
-            };
-            let memory = |state: &touchstone_control::law::SfaState<Fixed32>| sfa::Memory {
-                inside: state.contact != Contact::Free,
-                augmenting: state.contact == Contact::Augmenting,
-                last: wide(state.last.0),
-                before_last: wide(state.before_last.0),
-                offset: wide(state.offset.0),
-                force: wide(state.force.0),
-            };
+            let (specified, memory) = (at32::sfa(law), at32::of_sfa);
             let before = memory(state);
             let (expected, force) = specified.tick(&before, wide(e), wide(moved));
             let got = law.tick(state, sample(e, moved));
@@ -212,41 +169,7 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
         };
         // The divisors are of the settings themselves, towards zero in the digits of a gain.
         let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
-        let specified = enhanced::Enhanced {
-            desired: gain(law.desired),
-            target: gain(law.target),
-            soft: gain(law.soft),
-            compliance: wide(law.compliance.0),
-            of_ideal: wide(law.augmentation.of_ideal.0),
-            of_force: wide(law.augmentation.of_force.0),
-            of_penetration: wide(law.augmentation.of_penetration.0),
-            at_hip: law.regulate == Regulate::Hip,
-            every_tick: law.update == OffsetUpdate::EveryTick,
-            exact: law.observer == ObserverForm::Exact,
-            keep_force: law.first_contact == FirstContact::KeepForce,
-            inertia: gain(law.mass.inertia),
-            coupling: gain(law.mass.stiffness),
-            damping: gain(law.mass.damping),
-            total: gain(law.mass.total),
-            series,
-            credit: i128::from(law.credit.0.to_bits()),
-            energy_cap: 1 << 62,
-            limit: wide(law.limit.0),
-        };
-        let memory = |state: &touchstone_control::law::EnhancedState<Fixed32>| enhanced::Memory {
-            contact: match state.contact {
-                Contact::Free => enhanced::Contact::Free,
-                Contact::First => enhanced::Contact::First,
-                Contact::Augmenting => enhanced::Contact::Augmenting,
-            },
-            last: wide(state.last.0),
-            force: wide(state.force.0),
-            energy: i128::from(state.energy.0.to_bits()),
-            mass: wide(state.augmented.mass.position.0),
-            mass_moved: wide(state.augmented.mass.moved.0),
-            offset: wide(state.augmented.offset.0),
-            at_mass: wide(state.augmented.at_mass.0),
-        };
+        let (specified, memory) = (at32::enhanced(law, series), at32::of_enhanced);
         let before = memory(state);
         let (expected, force) = specified.tick(&before, wide(e), wide(moved));
         let got = law.tick(state, sample(e, moved));

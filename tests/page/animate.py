@@ -12,7 +12,7 @@ import tempfile
 import zlib
 from collections import Counter
 
-from browser import Browser
+from chromium import Chromium
 
 WIDTH, FRAME_S, PERIOD_S = 660, 0.08, 4.8
 # The most frequent colours, and the index of what stays as it was.
@@ -101,7 +101,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "page.html")
         subprocess.run([program, "--quiet", "live", "--no-open", "--out", file], check=True)
-        page = Browser(f"file://{file}", width=WIDTH + 60)
+        page = Chromium(f"file://{file}", width=WIDTH + 60)
         try:
             page.until("typeof runs !== 'undefined' && runs.length > 0 && !pending && runs[0].ring.size > 20")
             page.run("stage.canvas.style.height = '230px'")

@@ -1,10 +1,9 @@
 """The board's page against a simulated knob behind a socket: every control, what may happen to a cable, and how it looks."""
 
+import contextlib
 import os
 import re
 import subprocess
-
-from browser import Browser
 
 
 class Knob:
@@ -73,8 +72,8 @@ def stops(page, check):
 
 def click_at(page, element):
     x, y = page.run(f"(() => {{ const b = document.getElementById({element!r}).getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; }})()")
-    page.mouse("mousePressed", x, y)
-    page.mouse("mouseReleased", x, y)
+    page.mouse("down", x, y)
+    page.mouse("up", x, y)
 
 
 def settings(page, check):
@@ -94,13 +93,25 @@ def settings(page, check):
     page.until("document.getElementById('answer').textContent === 'zero: done'")
 
 
-def board(program, knob_program, pictures, check):
-    knob = Knob(knob_program)
-    served = subprocess.Popen([program, "live", "--no-open", "--port", knob.address], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@contextlib.contextmanager
+def served_page(browser, program, address):
+    """The page of a device, and its address; the program ends with it."""
+    served = subprocess.Popen([program, "live", "--no-open", "--port", address], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     page = None
     try:
         url = re.search(r"http://\S+", served.stdout.readline()).group()
-        page = Browser(url, height=1300)
+        page = browser(url, height=1300)
+        yield page, url
+    finally:
+        if page:
+            page.close()
+        served.terminate()
+        served.wait(timeout=10)
+
+
+def board(browser, program, knob_program, pictures, check):
+    knob = Knob(knob_program)
+    with contextlib.closing(knob), served_page(browser, program, knob.address) as (page, url):
         page.until("typeof run !== 'undefined' && run !== null && run.ring.size > 100")
         phase(page, "boot")
         check(all(page.run(f"document.querySelector('[data-do={what}]').disabled") for what in ("arm", "disarm")), "what may not be asked cannot be pressed")
@@ -167,7 +178,7 @@ def board(program, knob_program, pictures, check):
             if pictures:
                 page.picture(os.path.join(pictures, f"board-{width}.png"))
         page.size(1280, 1300)
-        page.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+        page.dark()
         page.wait(0.6)
         if pictures:
             page.picture(os.path.join(pictures, "board-dark.png"))
@@ -175,21 +186,15 @@ def board(program, knob_program, pictures, check):
         # A page that is closed leaves nothing on; a foreign place does not get in.
         press(page, "arm")
         phase(page, "armed")
-        page.call("Page.navigate", {"url": "about:blank"})
+        page.go("about:blank")
         page.wait(0.5)
-        page.call("Page.navigate", {"url": url})
+        page.go(url)
         page.until("typeof run !== 'undefined' && run !== null")
         phase(page, "ready")
         check(True, "a page that goes away disarms")
         token = re.search("token=(.*)", url).group(1)
         page.problems.clear()
-        page.call("Page.navigate", {"url": "about:blank"})
+        page.go("about:blank")
         page.wait(0.3)
         shut = f"new Promise((done) => {{ const s = new WebSocket({url.replace('http', 'ws').replace('/?', '/socket?')!r}); s.onopen = () => done('open'); s.onerror = () => done('shut'); }})"
         check(page.run(shut) == "shut" and len(token) == 32, "a page of another origin does not get in, even with the token")
-    finally:
-        if page:
-            page.close()
-        served.terminate()
-        served.wait(timeout=10)
-        knob.close()

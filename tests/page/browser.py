@@ -1,115 +1,35 @@
-"""A browser without a window, spoken to through a pair of pipes in the DevTools protocol. Standard library only."""
+"""What the pages' scripts ask of any browser; how it is spoken to is in chromium.py and firefox.py. Standard library only."""
 
-import base64
-import json
-import os
-import select
 import shutil
-import subprocess
 import tempfile
 import time
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+
+def found(*names):
+    """Path of the first of these programs that is here, or None."""
+    return next((path for name in names if name and (path := shutil.which(name))), None)
 
 
-def find():
-    """Path of a Chromium, or None."""
-    for name in (os.environ.get("CHROMIUM"), *NAMES):
-        if name and (path := shutil.which(name)):
-            return path
-    return None
+class Page:
+    """One page of one browser without a window; what goes wrong in it is kept in `problems`.
 
+    A subclass has `message`, `note`, `call`, `run` and what its protocol says differently.
+    """
 
-class Browser:
-    """One page of one browser; what goes wrong in it is kept in `problems`."""
-
-    def __init__(self, url, width=1280, height=1000, dark=False, downloads=None):
+    def __init__(self):
         self.profile = tempfile.TemporaryDirectory()
-        self.problems, self.waiting, self.number, self.buffer = [], {}, 0, b""
-        out_read, self.write = os.pipe()
-        self.read, in_write = os.pipe()
-
-        def pipes():
-            # The browser reads its orders from 3 and answers on 4, whatever the numbers here.
-            read, write = os.dup(out_read), os.dup(in_write)
-            os.dup2(read, 3)
-            os.dup2(write, 4)
-
-        words = [find(), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-dev-shm-usage",
-                 "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", f"--window-size={width},{height}",
-                 "--autoplay-policy=no-user-gesture-required", "about:blank"]
-        self.process = subprocess.Popen(words, preexec_fn=pipes, close_fds=False,
-                                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        os.close(out_read)
-        os.close(in_write)
-        targets = self.call("Target.getTargets", session=None)["targetInfos"]
-        page = next(target for target in targets if target["type"] == "page")
-        self.session = self.call("Target.attachToTarget", {"targetId": page["targetId"], "flatten": True}, session=None)["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
-            self.call(f"{domain}.enable")
-        self.size(width, height)
-        if dark:
-            self.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-        if downloads:
-            self.call("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": downloads}, session=None)
-        self.call("Page.navigate", {"url": url})
-
-    def size(self, width, height):
-        self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-
-    def message(self, limit):
-        """The next message, or None after so many seconds."""
-        end = time.monotonic() + limit
-        while b"\0" not in self.buffer:
-            ready, _, _ = select.select([self.read], [], [], max(0, end - time.monotonic()))
-            if not ready:
-                return None
-            some = os.read(self.read, 1 << 16)
-            if not some:
-                raise RuntimeError("the browser has gone")
-            self.buffer += some
-        text, self.buffer = self.buffer.split(b"\0", 1)
-        return json.loads(text)
-
-    def note(self, message):
-        """Keeps what the page complains of."""
-        method, params = message.get("method"), message.get("params", {})
-        if method == "Runtime.exceptionThrown":
-            details = params["exceptionDetails"]
-            self.problems.append(details.get("exception", {}).get("description", details["text"]))
-        elif method == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning", "assert"):
-            self.problems.append(" ".join(str(a.get("value", a.get("description"))) for a in params["args"]))
-        elif method == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):
-            self.problems.append(params["entry"]["text"])
-
-    def call(self, method, params=None, session="own", limit=60):
-        self.number += 1
-        order = {"id": self.number, "method": method, "params": params or {}}
-        if session == "own":
-            order["sessionId"] = self.session
-        os.write(self.write, json.dumps(order).encode() + b"\0")
-        while True:
-            message = self.message(limit)
-            if message is None:
-                raise TimeoutError(method)
-            if message.get("id") == order["id"]:
-                if "error" in message:
-                    raise RuntimeError(f"{method}: {message['error']}")
-                return message["result"]
-            self.note(message)
+        self.problems, self.number = [], 0
+        # Called some fifty times a second while the script waits: for what stands between page and world.
+        self.meanwhile = None
 
     def wait(self, seconds):
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
+            if self.meanwhile:
+                self.meanwhile()
+                left = min(left, 0.02)
             if (message := self.message(left)) is not None:
                 self.note(message)
-
-    def run(self, script):
-        """The value of an expression in the page."""
-        result = self.call("Runtime.evaluate", {"expression": script, "returnByValue": True, "awaitPromise": True, "userGesture": True})
-        if "exceptionDetails" in result:
-            raise RuntimeError(f"{script}: {result['exceptionDetails']}")
-        return result["result"].get("value")
 
     def until(self, script, limit=20):
         """Waits until the expression is true."""
@@ -120,31 +40,6 @@ class Browser:
             self.wait(0.05)
 
     def key(self, key, hold=0.02):
-        code = {"text": key} if len(key) == 1 else {}
-        virtual = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32, "Escape": 27}.get(key, ord(key[0].upper()))
-        named = {"key": key, "windowsVirtualKeyCode": virtual}
-        self.call("Input.dispatchKeyEvent", {"type": "keyDown", **named, **code})
+        self.press_key(key, True)
         self.wait(hold)
-        self.call("Input.dispatchKeyEvent", {"type": "keyUp", **named})
-
-    def mouse(self, kind, x, y, **more):
-        self.call("Input.dispatchMouseEvent", {"type": kind, "x": x, "y": y, "button": "none" if kind == "mouseWheel" else "left", "clickCount": 1, **more})
-
-    def picture(self, path, whole=False):
-        data = self.call("Page.captureScreenshot", {"format": "png", "captureBeyondViewport": whole, **({"clip": self.whole()} if whole else {})})
-        with open(path, "wb") as file:
-            file.write(base64.b64decode(data["data"]))
-
-    def whole(self):
-        size = self.call("Page.getLayoutMetrics")["cssContentSize"]
-        return {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
-
-    def close(self):
-        try:
-            self.call("Browser.close", session=None, limit=5)
-        except Exception:
-            self.process.terminate()
-        self.process.wait(timeout=10)
-        os.close(self.write)
-        os.close(self.read)
-        self.profile.cleanup()
+        self.press_key(key, False)

@@ -1,9 +1,12 @@
-"""Drives the live page in a Chromium without a window: every control, every preset, real time, a record that the program repeats; then
+"""Drives the live page in Chromium and Firefox without a window: every control, every preset, real time, a record that the program repeats; then
 the page of a board.
 
-    drive.py PROGRAM KNOB [SECONDS [FOLDER]]    KNOB is the example `knob_on_a_socket`; ticks are counted over SECONDS (20), pictures go to FOLDER
+    drive.py PROGRAM KNOB EMULATOR FIRMWARE [SECONDS [FOLDER]]
 
-Exit code 0: all holds; 1: something does not; 77: no Chromium here.
+KNOB is the example `knob_on_a_socket`; EMULATOR and FIRMWARE are `-` where there is none; ticks are counted over SECONDS (20), pictures
+go to FOLDER.
+
+Exit code 0: all holds; 1: something does not; 77: no browser here. A browser that is not here is skipped, which is said.
 """
 
 import csv
@@ -14,12 +17,19 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 
+import chromium
+import firefox
 from board import board
-from browser import Browser, find
+from emulated import emulated
+from pace import pace
+from report import report
+from serial import serial
+from space import space
 
-# A page of this many bytes is still one to send by mail.
-MOST_BYTES = 1_500_000
+# A page of this many bytes is still one to send by mail; who opens it waits no longer than this for the wall.
+MOST_BYTES, MOST_WAIT_S = 1_500_000, 10
 failures = []
 
 
@@ -155,10 +165,13 @@ def transport(page):
     page.key("p")
     click(page, "sound")
     page.wait(0.5)
-    check(page.run("audio.state") == "running", "the force is heard")
+    if page.hears or page.run("audio.state") == "running":
+        check(page.run("audio.state") == "running", "the force is heard")
+    else:
+        print(f"NOT RUN: {page.name} has no sound device here")
     page.key("s")
     page.wait(0.2)
-    check(page.run("audio.state") == "suspended", "and silent again")
+    check(page.run("audio.state") == "suspended" and page.run("document.getElementById('sound').getAttribute('aria-pressed')") == "false", "and silent again")
     backwards(page)
     page.key("0")
     running(page)
@@ -211,30 +224,29 @@ def hands(page):
     released("keyboard")
     box = page.run("(() => { const b = document.getElementById('stage').getBoundingClientRect(), k = stage.knobs[0]; return [b.left + k.x, b.top + k.y, k.r]; })()")
     x, y, r = box
-    page.mouse("mousePressed", x, y - 0.7 * r)
+    page.mouse("down", x, y - 0.7 * r)
     for i in range(12):
-        page.mouse("mouseMoved", x + 0.07 * i * r, y - 0.7 * r)
+        page.mouse("move", x + 0.07 * i * r, y - 0.7 * r)
         page.wait(0.02)
     page.wait(0.5)
     inside = depth()
     check(inside > 0, f"the mouse pushes in: {inside:.2f} mrad")
-    page.mouse("mouseReleased", x + r, y)
+    page.mouse("up", x + r, y)
     released("mouse")
     for _ in range(12):
-        page.mouse("mouseWheel", x, y, deltaX=0, deltaY=100)
+        page.wheel(x, y, 100)
     page.wait(0.5)
     check(depth() > 0, f"the wheel pushes in: {depth():.2f} mrad")
     released("wheel")
-    page.call("Emulation.setTouchEmulationEnabled", {"enabled": True})
-    def touch(kind, at):
-        page.call("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": at, "y": y - 0.7 * r}] if kind != "touchEnd" else []})
-    touch("touchStart", x)
+    if not page.touches:
+        return
+    page.touch("start", x, y - 0.7 * r)
     for i in range(12):
-        touch("touchMove", x + 0.07 * i * r)
+        page.touch("move", x + 0.07 * i * r, y - 0.7 * r)
         page.wait(0.02)
     page.wait(0.5)
     check(depth() > 0, f"a finger pushes in: {depth():.2f} mrad")
-    touch("touchEnd", 0)
+    page.touch("end", 0, 0)
     page.wait(0.5)
 
 
@@ -280,15 +292,9 @@ def record(page, program, folder):
               f"{law}: {len(live['time_s'])} ticks recorded, {touched} with a force, {len(live)} columns the same to the bit in the program {differing}")
 
 
-def put_file(page, path):
-    document = page.call("DOM.getDocument")["root"]["nodeId"]
-    node = page.call("DOM.querySelector", {"nodeId": document, "selector": "#file"})["nodeId"]
-    page.call("DOM.setFileInputFiles", {"files": [path], "nodeId": node})
-
-
 def opened_files(page, program, folder):
     """A record of the same scene gives the same forces; a recording of a board is drawn; what is neither is refused."""
-    put_file(page, os.path.join(folder, "live-a.csv"))
+    page.put_file("file", os.path.join(folder, "live-a.csv"))
     page.until("openedFile !== null && runs.length === 2 && runs[1].file && openedFile.at > 1500", 30)
     at, compared, differing = page.run("[openedFile.at, openedFile.compared, openedFile.differing]")
     moved = page.run("Math.max(...runs[1].ring.columns.force_n_m)")
@@ -301,7 +307,7 @@ def opened_files(page, program, folder):
     with open(board_csv, "w", encoding="ascii") as file:
         file.write("tick,time_s,count,penetration_rad,force_n_m,offset_rad,energy_observed_j,state\n")
         file.writelines(f"{i},{i / 1000},{i},{1e-4 * (i % 300 - 100)},{1e-3 * (i % 7)},0,0,armed\n" for i in range(1500) if i not in range(400, 450))
-    put_file(page, board_csv)
+    page.put_file("file", board_csv)
     page.until("runs.length === 2 && openedFile.at === openedFile.length", 30)
     check(page.run("runs[1].last.force_n_m") == 0.001 * (1499 % 7), "an opened recording of a board")
     wrong = os.path.join(folder, "wrong.csv")
@@ -309,7 +315,7 @@ def opened_files(page, program, folder):
         file.write("a,b\n1,2\n")
     page.key("0")
     running(page)
-    put_file(page, wrong)
+    page.put_file("file", wrong)
     page.until("!document.getElementById('error').hidden")
     check("it needs time_s" in shown(page), f"another file is refused: {shown(page)}")
     page.run("complain('')")
@@ -321,8 +327,8 @@ def link(page, url):
     running(page)
     choose(page, "grip", "firm")
     address = page.run("location.hash")
-    page.call("Page.navigate", {"url": "about:blank"})
-    page.call("Page.navigate", {"url": url + address})
+    page.go("about:blank")
+    page.go(url + address)
     page.wait(0.5)
     running(page)
     check(value(page, "operator.grip") == "firm" and value(page, "wall.k_desired_n_m_per_rad") == "14.0" and page.run("runs.length") == 2,
@@ -330,40 +336,29 @@ def link(page, url):
     click(page, "link")
 
 
-def pace(page, seconds):
-    page.key("6")
-    page.wait(1)
-    running(page)
-    page.run("worker.postMessage({type: 'zero'}); window.frames0 = 0; (function f() { window.frames0 += 1; requestAnimationFrame(f); })()")
-    page.wait(0.3)
-    start = page.run("[counted.done, performance.now(), frames0]")
-    page.wait(seconds)
-    end = page.run("[counted.done, performance.now(), frames0, counted.late, counted.skipped]")
-    took = (end[1] - start[1]) / 1e3
-    rate, frames = (end[0] - start[0]) / took, (end[2] - start[2]) / took
-    late = 100 * end[3] / max(1, end[0])
-    check(rate > 950, f"two laws for {took:.1f} s: {rate:.1f} ticks a second of 1000, {end[3]} of {end[0]} late by more than 10 ms ({late:.2f} %), "
-          f"{end[4]} skipped, {frames:.0f} frames a second")
+def looks(page, pictures):
+    """Narrow and wide, dark."""
+    for width in (400, 800, 1600):
+        page.size(width, 900)
+        page.wait(0.4)
+        over = page.run("document.documentElement.scrollWidth - innerWidth")
+        check(over <= 0, f"{width} px wide: nothing sticks out ({over})")
+        if pictures:
+            page.picture(os.path.join(pictures, f"width-{width}.png"), whole=True)
+    page.size(1280, 900)
+    page.dark()
+    page.wait(0.6)
+    if pictures:
+        page.picture(os.path.join(pictures, "dark.png"))
 
 
-def main():
-    program, knob = (os.path.abspath(path) for path in sys.argv[1:3])
-    seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 20
-    pictures = sys.argv[4] if len(sys.argv) > 4 else None
-    if find() is None:
-        print("no Chromium here: install chromium, or name one in CHROMIUM")
-        return 77
-    board(program, knob, pictures, check)
+def simulated(browser, program, seconds, pictures):
+    """The page of a simulated knob."""
     with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "page.html")
-        subprocess.run([program, "--quiet", "live", "--no-open", "--out", file], check=True)
-        size = os.path.getsize(file)
-        check(size <= MOST_BYTES, f"the page has {size} bytes")
-        url = f"file://{file}"
-        page = Browser(url, downloads=folder)
+        url = page_file(program, folder)
+        page = browser(url, downloads=folder)
         try:
-            page.wait(0.5)
-            running(page)
+            newcomer(page)
             presets(page, pictures)
             controls(page)
             transport(page)
@@ -371,22 +366,61 @@ def main():
             record(page, program, folder)
             opened_files(page, program, folder)
             link(page, url)
-            pace(page, seconds)
-            for width in (400, 800, 1600):
-                page.size(width, 900)
-                page.wait(0.4)
-                over = page.run("document.documentElement.scrollWidth - innerWidth")
-                check(over <= 0, f"{width} px wide: nothing sticks out ({over})")
-                if pictures:
-                    page.picture(os.path.join(pictures, f"width-{width}.png"), whole=True)
-            page.size(1280, 900)
-            page.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-            page.wait(0.6)
-            if pictures:
-                page.picture(os.path.join(pictures, "dark.png"))
-            check(not page.problems, f"no complaint of the browser {page.problems[:3]}")
+            pace(page, seconds, check)
+            looks(page, pictures)
+            check(not page.problems, f"no complaint of {page.name} {page.problems[:3]}")
         finally:
             page.close()
+
+
+def newcomer(page):
+    """From opening the page, which is all that a newcomer does, to a wall that pushes back."""
+    page.until("typeof runs !== 'undefined' && runs.length > 0 && runs[0].last !== null", 60)
+    there = page.run("performance.now() / 1e3")
+    page.key("ArrowRight", hold=0.5)
+    page.until("runs[0].last.force_n_m > 0.01", 10)
+    pushed = page.run("performance.now() / 1e3")
+    page.key("h")
+    check(there < MOST_WAIT_S, f"a newcomer's page: ticks {there:.2f} s after it was opened, a wall under the arrow key {pushed:.2f} s after")
+
+
+def page_file(program, folder):
+    file = os.path.join(folder, "page.html")
+    started = time.monotonic()
+    subprocess.run([program, "--quiet", "live", "--no-open", "--out", file], check=True)
+    print(f"     touchstone live: {time.monotonic() - started:.2f} s")
+    size = os.path.getsize(file)
+    check(size <= MOST_BYTES, f"the page has {size} bytes")
+    return f"file://{file}"
+
+
+def main():
+    program, knob, emulator, firmware = (None if path == "-" else os.path.abspath(path) for path in sys.argv[1:5])
+    seconds = float(sys.argv[5]) if len(sys.argv) > 5 else 20
+    pictures = sys.argv[6] if len(sys.argv) > 6 else None
+    if not firmware:
+        print("NOT RUN: the firmware's board path; there is no emulator here")
+    browsers = [browser for find, browser in ((chromium.find, chromium.Chromium), (firefox.find, firefox.Firefox)) if find()]
+    for browser in (chromium.Chromium, firefox.Firefox):
+        if browser not in browsers:
+            print(f"NOT RUN: no {browser.name} here: install it, or name one in {browser.name.upper()}")
+    for browser in browsers:
+        print(f"-- {browser.name}")
+        its = os.path.join(pictures, browser.name.lower()) if pictures else None
+        if its:
+            os.makedirs(its, exist_ok=True)
+        # The firmware is the same behind every browser, and frames are counted for long in one of them.
+        first = browser is browsers[0]
+        board(browser, program, knob, its, check)
+        with tempfile.TemporaryDirectory() as folder:
+            serial(browser, program, knob, its, folder, check)
+            if firmware and first:
+                emulated(browser, program, emulator, firmware, its, folder, check)
+            report(browser, program, its, folder, check)
+            space(browser, program, its, folder, min(seconds, 5), check)
+        simulated(browser, program, seconds if first else min(seconds, 5), its)
+    if not browsers:
+        return 77
     print(f"the pages: {len(failures)} failures")
     return 1 if failures else 0
 

@@ -9,7 +9,7 @@ use touchstone_tests::si::{assert_one_line, next, si};
 /// A setting, how to set it, and its smallest and largest value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
-const BOUNDS: [Bound; 24] = [
+const BOUNDS: [Bound; 26] = [
     (Field::KDesired, |s, x| s.k_desired = x, "0", "500000"),
     (Field::KSoft, |s, x| s.k_soft = x, "0.01", "500000"),
     (
@@ -100,6 +100,19 @@ const BOUNDS: [Bound; 24] = [
     ),
     (Field::GuardDelay, |s, x| s.guard.delay = x, "0", "1"),
     (Field::GuardLag, |s, x| s.guard.lag = x, "0", "1"),
+    // What the bandwidth is held to where it is used is in `velocity.rs`.
+    (
+        Field::VelocityBandwidth,
+        |s, x| s.velocity.bandwidth_hz = x,
+        "0.002",
+        "20000",
+    ),
+    (
+        Field::VelocityWindow,
+        |s, x| s.velocity.window_s = x,
+        "0",
+        "1",
+    ),
 ];
 
 fn with(set: fn(&mut Settings, Si), value: Si) -> Settings {
@@ -176,6 +189,7 @@ fn no_field_is_without_a_bound_and_every_name_is_its_own() {
         Field::States,
         Field::Guard,
         Field::GuardChange,
+        Field::VelocityFrom,
     ]);
     let mut names = Vec::new();
     for field in Field::ALL {

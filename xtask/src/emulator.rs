@@ -42,7 +42,7 @@ fn last_line(call: &mut Command) -> Outcome {
 }
 
 /// Builds both; where they are.
-fn firmware_and_emulator(boards: &[&str]) -> Result<(PathBuf, Vec<PathBuf>), Outcome> {
+pub fn firmware_and_emulator(boards: &[&str]) -> Result<(PathBuf, Vec<PathBuf>), Outcome> {
     if let Some(outcome) = missing() {
         return Err(outcome);
     }

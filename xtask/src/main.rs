@@ -114,8 +114,8 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "page",
-        about: "the live page in a Chromium without a window: every control and preset, ticks in real time, a record that replays to the \
-                bit: `page [SECONDS [FOLDER FOR PICTURES]]`",
+        about: "the live pages in Chromium and Firefox without a window: every control and preset, frames and ticks in real time, a record \
+                that replays to the bit, a board's page before simulated knob and emulated firmware: `page [SECONDS [FOLDER FOR PICTURES]]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: page::run,
@@ -159,7 +159,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "prove",
-        about: "the proofs: `prove [--harness NAME] [--bless] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems]`",
+        about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems | --systematic]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: prove::run,

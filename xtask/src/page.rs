@@ -1,7 +1,12 @@
-//! `cargo xtask page`: the live page and the board's in a real browser, driven by a script.
+//! `cargo xtask page`: the live pages and the board's in real browsers, driven by a script.
+
+use std::path::PathBuf;
 
 use crate::outcome::Outcome;
-use crate::shell;
+use crate::{emulator, shell};
+
+/// The board whose firmware is emulated before the page.
+const BOARD: &str = "nucleo-g474re";
 
 pub fn run(args: &[String]) -> Outcome {
     if args.len() > 2
@@ -34,7 +39,15 @@ pub fn run(args: &[String]) -> Outcome {
         made.join("examples/knob_on_a_socket"),
     );
     let mut script = shell::program("python3");
-    script.arg("tests/page/drive.py").args([program, knob]);
+    // Without an emulator the pages are still driven, before the simulated knob.
+    let (emulated, firmware) = match emulator::firmware_and_emulator(&[BOARD]) {
+        Ok((emulated, programs)) => (emulated, programs.into_iter().next().unwrap_or_default()),
+        Err(Outcome::NotRun(_)) => (PathBuf::from("-"), PathBuf::from("-")),
+        Err(outcome) => return outcome,
+    };
+    script
+        .arg("tests/page/drive.py")
+        .args([program, knob, emulated, firmware]);
     script.args(args);
     let mut last = String::new();
     match shell::exit_code(&mut script, |line| last = line.to_owned()) {

@@ -74,10 +74,18 @@ const TOOLS: &[Tool] = &[
     Tool {
         name: "chromium",
         required: false,
-        purpose: "page: drives the live page",
-        version: || first_line(&["chromium", "--version"]),
+        purpose: "page: drives the live page; looking at the report",
+        version: chromium,
         hint: "apt-get install chromium",
         packages: &["chromium"],
+    },
+    Tool {
+        name: "firefox",
+        required: false,
+        purpose: "page: the same in another browser",
+        version: firefox,
+        hint: "apt-get install firefox-esr",
+        packages: &["firefox-esr"],
     },
     Tool {
         name: "venv",
@@ -121,14 +129,6 @@ const TOOLS: &[Tool] = &[
         hint: "cargo install --locked kani-verifier, then cargo kani setup",
         packages: &[],
     },
-    Tool {
-        name: "chromium",
-        required: false,
-        purpose: "looking at the report in a browser",
-        version: chromium,
-        hint: "apt-get install chromium",
-        packages: &[],
-    },
 ];
 
 fn rustc() -> Option<String> {
@@ -138,6 +138,12 @@ fn rustc() -> Option<String> {
 
 fn chromium() -> Option<String> {
     ["chromium", "chromium-browser", "google-chrome", "chrome"]
+        .into_iter()
+        .find_map(|name| first_line(&[name, "--version"]))
+}
+
+fn firefox() -> Option<String> {
+    ["firefox", "firefox-esr"]
         .into_iter()
         .find_map(|name| first_line(&[name, "--version"]))
 }

@@ -104,6 +104,27 @@ impl DeviceInTicks {
     }
 }
 
+/// A tick of a device that nothing brakes or drives.
+pub(crate) fn free<N: Number>() -> Option<Flow<N, 0>> {
+    let nothing = DeviceInTicks {
+        loss: Exact::ZERO,
+        per_torque: Exact::ZERO,
+        delay: Exact::ZERO,
+    };
+    nothing.flow(Exact::ONE, |i| i)
+}
+
+/// `1 - exp(-a)`, for `a` up to 4.
+pub(crate) fn approach(angle: Exact) -> Exact {
+    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
+    let decay = DeviceInTicks {
+        loss: angle,
+        per_torque: Exact::ZERO,
+        delay: Exact::ZERO,
+    };
+    angle.saturating_mul(decay.integrals(Exact::ONE).0)
+}
+
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
     /// Position and displacement per tick at the end.
     #[inline(always)]

@@ -29,6 +29,8 @@ mod settings;
 
 pub use crate::settings::EstimatorSettings;
 pub use flow::{Flow, TAPS, UNDER_WAY};
+pub(crate) use flow::{approach, free};
+pub(crate) use settings::{check_bandwidth, per_tick, ratio_of_bits};
 
 use crate::law::Sample;
 use crate::number::Wide as _;
@@ -73,9 +75,48 @@ pub struct EstimatorState<N: Number> {
 }
 
 /// States that are larger than this power of two, rad a tick and rad a tick², belong to no device.
-const LARGEST_MOTION_BITS: u32 = 2;
+pub(crate) const LARGEST_MOTION_BITS: u32 = 2;
 /// Measured and expected further apart than this power of two, rad: not the device that was there a tick before.
-const LARGEST_SURPRISE_BITS: u32 = 3;
+pub(crate) const LARGEST_SURPRISE_BITS: u32 = 3;
+
+impl<N: Number> EstimatedMotion<N> {
+    /// At rest at a measured position.
+    #[must_use]
+    pub fn standing(at: Position<N>) -> Self {
+        Self {
+            position: N::widen(at.0),
+            ..Self::default()
+        }
+    }
+}
+
+/// The motion at a sample from the motion at the one before; `None` where no device could have moved like that.
+#[inline(always)]
+pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
+    tick: &Flow<N, COMMANDS>,
+    correction: &[Weight<N>; 3],
+    before: &EstimatedMotion<N>,
+    commands: &[Part<N>; TAPS],
+    measured: Position<N>,
+) -> Option<EstimatedMotion<N>> {
+    let (position, moved) = tick.apply(before, commands);
+    let surprise = N::widen(measured.0).minus_fitting(position);
+    if !surprise.within(LARGEST_SURPRISE_BITS) {
+        return None;
+    }
+    let surprise = surprise.part();
+    let [of_position, of_moved, of_pushed] = *correction;
+    let after = EstimatedMotion::<N> {
+        position: position.plus_fitting(N::Wide::product(of_position, surprise)),
+        moved: moved.plus_fitting(N::Wide::product(of_moved, surprise)),
+        pushed: before
+            .pushed
+            .plus_fitting(N::Wide::product(of_pushed, surprise)),
+    };
+    let possible =
+        after.moved.within(LARGEST_MOTION_BITS) && after.pushed.within(LARGEST_MOTION_BITS);
+    possible.then_some(after)
+}
 
 impl<N: Number> Estimator<N> {
     /// One control period: the measured penetration to penetration and displacement per tick at the time at which the command
@@ -85,10 +126,7 @@ impl<N: Number> Estimator<N> {
         let motion = state
             .motion
             .and_then(|before| self.corrected(&before, &state.commands, measured))
-            .unwrap_or(EstimatedMotion {
-                position: N::widen(measured.0),
-                ..EstimatedMotion::default()
-            });
+            .unwrap_or(EstimatedMotion::standing(measured));
         state.motion = Some(motion);
         let (position, moved) = self.ahead.apply(&motion, &state.commands);
         Sample {
@@ -105,23 +143,7 @@ impl<N: Number> Estimator<N> {
         commands: &[Part<N>; TAPS],
         measured: Position<N>,
     ) -> Option<EstimatedMotion<N>> {
-        let (position, moved) = self.tick.apply(before, commands);
-        let surprise = N::widen(measured.0).minus_fitting(position);
-        if !surprise.within(LARGEST_SURPRISE_BITS) {
-            return None;
-        }
-        let surprise = surprise.part();
-        let [of_position, of_moved, of_pushed] = self.correction;
-        let after = EstimatedMotion::<N> {
-            position: position.plus_fitting(N::Wide::product(of_position, surprise)),
-            moved: moved.plus_fitting(N::Wide::product(of_moved, surprise)),
-            pushed: before
-                .pushed
-                .plus_fitting(N::Wide::product(of_pushed, surprise)),
-        };
-        let possible =
-            after.moved.within(LARGEST_MOTION_BITS) && after.pushed.within(LARGEST_MOTION_BITS);
-        possible.then_some(after)
+        corrected(&self.tick, &self.correction, before, commands, measured)
     }
 
     /// The force that was commanded after a tick, pushing out of the wall, as it is sent to the motor: after every stage that

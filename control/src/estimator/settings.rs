@@ -1,15 +1,20 @@
 //! What the estimator is told, in SI, and the coefficients that it becomes.
 
-use super::flow::{DeviceInTicks, LONGEST_DELAY};
+use super::flow::{DeviceInTicks, LONGEST_DELAY, approach};
 use super::{Estimator, Weight};
 use crate::number::Exact;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
 /// `a / b` for two positive values, saturating.
 fn ratio(a: Si, b: Si) -> Exact {
-    let bits = i128::from(a.to_bits())
+    ratio_of_bits(a.to_bits(), b.to_bits())
+}
+
+/// The same for two positive values of one format, by their bits.
+pub(crate) fn ratio_of_bits(a: i64, b: i64) -> Exact {
+    let bits = i128::from(a)
         .wrapping_shl(Exact::FRAC_NBITS)
-        .checked_div(i128::from(b.to_bits()))
+        .checked_div(i128::from(b))
         .unwrap_or(i128::from(i64::MAX));
     Exact::from_bits(i64::try_from(bits).unwrap_or(i64::MAX))
 }
@@ -17,6 +22,34 @@ fn ratio(a: Si, b: Si) -> Exact {
 /// `a / b`, the largest value for `b = 0`.
 fn over(a: Si, b: Si) -> Si {
     a.checked_div(b).unwrap_or(Si::MAX)
+}
+
+/// A bandwidth against its range, a 500th to a fifth of the control rate.
+pub(crate) fn check_bandwidth(
+    field: Field,
+    bandwidth_hz: Si,
+    rate_hz: u32,
+) -> Result<(), SettingsError> {
+    let rate = Si::saturating_from_num(rate_hz.max(1));
+    let (min, max) = (
+        over(rate, const { Si::const_from_int(500) }),
+        over(rate, const { Si::const_from_int(5) }),
+    );
+    if bandwidth_hz < min || bandwidth_hz > max {
+        return Err(SettingsError::OutOfRange {
+            field,
+            value: bandwidth_hz,
+            min,
+            max,
+        });
+    }
+    Ok(())
+}
+
+/// `2π p T`.
+pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
+    let rate = Si::saturating_from_num(rate_hz.max(1));
+    ratio(bandwidth_hz, rate).saturating_mul(Exact::TAU)
 }
 
 /// - `bandwidth_hz` is `p`: the three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
@@ -32,24 +65,7 @@ impl EstimatorSettings {
     pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), SettingsError> {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
-        let check = |field, value: Si, min: Si, max: Si| {
-            if value < min || value > max {
-                Err(SettingsError::OutOfRange {
-                    field,
-                    value,
-                    min,
-                    max,
-                })
-            } else {
-                Ok(())
-            }
-        };
-        check(
-            Field::EstimatorBandwidth,
-            self.bandwidth_hz,
-            over(rate, const { Si::const_from_int(500) }),
-            over(rate, const { Si::const_from_int(5) }),
-        )?;
+        check_bandwidth(Field::EstimatorBandwidth, self.bandwidth_hz, rate_hz)?;
         // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
         // digits.)
         let (lightest, heaviest) = (
@@ -81,7 +97,7 @@ impl EstimatorSettings {
         self.validate(rate_hz, force_limit)?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         let inertia = self.inertia.saturating_mul(rate).saturating_mul(rate);
-        let angle = ratio(self.bandwidth_hz, rate).saturating_mul(Exact::TAU);
+        let angle = per_tick(self.bandwidth_hz, rate_hz);
         let device = DeviceInTicks {
             loss: ratio(self.damping.saturating_mul(rate), inertia).min(angle),
             per_torque: ratio(Si::ONE, inertia),
@@ -106,12 +122,7 @@ impl EstimatorSettings {
 
 /// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`.
 fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
-    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
-    let decay = DeviceInTicks {
-        loss: angle,
-        ..*device
-    };
-    let fast = angle.saturating_mul(decay.integrals(Exact::ONE).0);
+    let fast = approach(angle);
     let pole = Exact::ONE.saturating_sub(fast);
     let (reach, drift) = device.integrals(Exact::ONE);
     let kept = Exact::ONE.saturating_sub(device.loss.saturating_mul(reach));

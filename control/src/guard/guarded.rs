@@ -55,9 +55,20 @@ impl<N: Number> Guarded<N> {
     ) -> Force<N> {
         let last = self.last.replace(e).unwrap_or(e);
         let before_change = at_change.map_or(Position::zero(), |x| x - last);
+        self.moved(e - last, before_change, wanted)
+    }
+
+    /// The same for a displacement since the last tick, and the part of it before the force changed.
+    #[inline(always)]
+    pub fn moved(
+        &mut self,
+        moved: Position<N>,
+        before_change: Position<N>,
+        wanted: Force<N>,
+    ) -> Force<N> {
         let guarded = self
             .guard
-            .tick_with_change(&mut self.state, e - last, before_change, wanted);
+            .tick_with_change(&mut self.state, moved, before_change, wanted);
         self.tripped |= guarded.is_err();
         let force = match guarded {
             Ok(force) if !self.tripped => force,
@@ -68,6 +79,26 @@ impl<N: Number> Guarded<N> {
         };
         self.limited = force != wanted;
         force
+    }
+
+    /// The same tick seen from the other end of the axis: `moved`, `before_change` and `wanted` with their signs changed give the
+    /// force with its own changed, and each rounding falls on the mirrored side of the books.
+    #[inline]
+    pub fn moved_mirrored(
+        &mut self,
+        moved: Position<N>,
+        before_change: Position<N>,
+        wanted: Force<N>,
+    ) -> Force<N> {
+        self.mirror();
+        let force = -self.moved(-moved, -before_change, -wanted);
+        self.mirror();
+        force
+    }
+
+    fn mirror(&mut self) {
+        let GuardState { force, older, .. } = &mut self.state;
+        (*force, *older) = (-*force, -*older);
     }
 
     /// What the hand may still get out.

@@ -24,6 +24,7 @@ pub use crate::choices::ChangeOfForce;
 pub use crate::settings::GuardSettings;
 pub use guarded::Guarded;
 pub use settings::GuardedDevice;
+pub(crate) use settings::quantum;
 
 use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 

@@ -125,7 +125,7 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
 }
 
 /// One step of a signal.
-fn quantum<N: Number>() -> Si {
+pub(crate) fn quantum<N: Number>() -> Si {
     let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
     let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);
     (0..Si::FRAC_NBITS).map(step).find(shows).unwrap_or(Si::ONE)
@@ -169,6 +169,7 @@ impl<N: Number> Guard<N> {
             derived.damping.saturating_mul(derived.distance),
         )?;
         quarter(Field::GuardOverspeed, derived.distance)?;
+        quarter(Field::GuardRefill, over(settings.refill, rate))?;
         // An account that pays for more force than the books have room for lets less through.
         let room = [
             const { Si::lit("31.9") },

@@ -4,12 +4,14 @@
 //! of the sampled position. Every law gives a force that pushes out of the wall (a negative one pulls in) and leaves contact
 //! with force 0 and its memory cleared.
 
+mod damped;
 mod enhanced;
 mod fba;
 mod sfa;
 mod spring;
 mod tdpa;
 
+pub use damped::{Damped, DampedState};
 pub use enhanced::{Augmentation, Augmented, EnhancedSfa, EnhancedState};
 pub use fba::{Fba, FbaState};
 pub use sfa::{Sfa, SfaState};

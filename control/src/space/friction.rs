@@ -72,17 +72,16 @@ impl<N: Spatial> Friction<N> {
         }
         let mut anchor = self.anchor(state, touch);
         let mut stretch = touch.normal.across(touch.at - anchor);
-        let length = stretch.length_up();
-        let mut sliding = state.sliding || length > self.static_reach * pressed;
+        let mut sliding = state.sliding || stretch.is_longer(self.static_reach * pressed);
         if sliding {
             let reach = self.kinetic_reach * pressed;
-            if length > reach {
-                stretch = stretch.map(|z| Position(N::share(z.0, reach.0, length.0)));
+            if stretch.is_longer(reach) {
+                stretch = stretch.within(reach);
                 anchor = touch.at - stretch;
+            } else {
+                // It holds again when it is pushed back: with room for a press that is not quite even.
+                sliding = stretch.is_longer(Position(N::three_quarters(reach.0)));
             }
-            // It holds again when it is pushed back: with room for a press that is not quite even.
-            let slack = length + length + length + length;
-            sliding = slack > reach + reach + reach;
         }
         *state = FrictionState {
             sliding,
@@ -105,11 +104,8 @@ impl<N: Spatial> Friction<N> {
         if hold.normal == touch.normal {
             return hold.anchor;
         }
-        let laid = touch
-            .normal
-            .across(state.stretch)
-            .within(state.stretch.length_down());
-        hold.last - laid
+        // Never longer than it was.
+        hold.last - touch.normal.across(state.stretch)
     }
 }
 

@@ -99,13 +99,17 @@ impl<N: Spatial> VectorGuard<N> {
         wanted: Vector<Force<N>>,
     ) -> Result<Vector<Force<N>>, Overspeed> {
         let guard = &self.of_length;
-        let distance = moved.length_up();
-        if distance > guard.furthest || before_change.length_up() > guard.furthest {
+        if moved.is_longer(guard.furthest) || before_change.is_longer(guard.furthest) {
             return self.overrun(state);
         }
         // A quantum less than the length rounded up is at most the length rounded down.
-        let surely = distance - guard.count - Position::quantum();
-        let damped = self.damped(surely.max(Position::zero()));
+        let unsure = guard.count + Position::quantum();
+        let surely = if moved.is_longer(unsure) {
+            moved.length_up() - unsure
+        } else {
+            Position::zero()
+        };
+        let damped = self.damped(surely);
         if state.account < Energy::zero() {
             *state = VectorGuardState {
                 account: (state.account + guard.refill + damped).min(guard.capacity),

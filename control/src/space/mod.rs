@@ -1,7 +1,7 @@
 //! Three degrees of freedom: scalar laws in a vector shell.
 //!
 //! ```text
-//! HIP -> object -> surface point -> shell (law along the normal, or one an axis) + friction -> saturation -> guard -> force
+//! HIP -> states -> object -> surface point -> shell (law along the normal, or one an axis) + friction -> saturation -> guard -> force
 //! ```
 //!
 //! What it rests on, and which choices were made, is in `docs/three-axes.md`. The numbers are those of one degree of freedom;
@@ -14,6 +14,7 @@ pub mod guard;
 pub mod magnitude;
 pub mod number;
 pub mod per_axis;
+pub mod place_estimator;
 pub mod root;
 pub mod scalar;
 pub mod surface_point;
@@ -29,6 +30,7 @@ pub use guard::{VectorGuard, VectorGuardState};
 pub use magnitude::Magnitude;
 pub use number::{Axes, Spatial};
 pub use per_axis::{Leaving, PerAxis};
+pub use place_estimator::{PlaceAhead, PlaceEstimator};
 pub use scalar::{Along, Held};
 pub use surface_point::{Rule, SurfacePoint};
 pub use touch::{Touch, Track};

@@ -19,17 +19,78 @@ pub trait Spatial: Number {
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
     /// `x · part / whole` towards zero with one rounding, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
-    /// `u · v` rounded down once, saturating; exact for `u` of whole numbers.
-    fn dot(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
+    /// `u · v` of a direction and a vector, rounded down once, saturating; exact for `u` of whole numbers.
+    fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
     /// `|v|` rounded down: less than a quantum below. Saturates at the largest signal.
     fn length_down(v: Axes<Self::Signal>) -> Self::Signal;
     /// `|v|` rounded up: less than a quantum above. Saturates at the largest signal.
     fn length_up(v: Axes<Self::Signal>) -> Self::Signal;
+    /// `|v| > limit` for a limit of at least 0, exactly, and without a root.
+    fn longer(v: Axes<Self::Signal>, limit: Self::Signal) -> bool;
+    /// `floor(3 x/4)` for `x >= 0`.
+    fn three_quarters(x: Self::Signal) -> Self::Signal;
+    /// `v · part/whole` for `0 <= part < whole`, each component towards zero, by one quotient for all three: at most two quanta shorter an axis.
+    fn shortened(
+        v: Axes<Self::Signal>,
+        part: Self::Signal,
+        whole: Self::Signal,
+    ) -> Axes<Self::Signal>;
+    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. As [`Number::root`], by words instead of digits.
+    fn root_of_squares(e: Self::Energy) -> Self::Signal;
+    /// What of `v` is across a direction, each component within two quanta and towards zero: never longer than `v`.
+    fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal>;
+    /// A direction turned towards another one by an angle of a cosine and a sine, each component within three quanta, never longer
+    /// than 1; `None` where the two are parallel or opposite.
+    fn turned(
+        u: Axes<Self::Signal>,
+        towards: Axes<Self::Signal>,
+        turn: [Self::Signal; 2],
+    ) -> Option<Axes<Self::Signal>>;
+    /// [`Spatial::length_down`] and [`Spatial::unit`] of the same vector, by one root.
+    fn polar(v: Axes<Self::Signal>) -> (Self::Signal, Option<Axes<Self::Signal>>);
     /// The direction of `v`; `None` for the zero vector.
     ///
     /// Every component lies at most `1 + g` quanta from `v/|v|`, towards zero, with `g` 2^-6 at 32 bits, 1 at 16 and 2 at 8. So its
     /// length is at most 1, and at 32 bits more than 1 less 1.8 quanta (1.1e-7), however short `v` is.
     fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>>;
+}
+
+/// `x / 2^bits` towards zero.
+#[inline(always)]
+fn towards_zero(x: i64, bits: u32) -> i64 {
+    let ones = 1_i64.wrapping_shl(bits).wrapping_sub(1);
+    x.wrapping_add((x >> 63) & ones) >> bits
+}
+
+/// The vector product, of components whose products fit.
+#[inline(always)]
+fn cross([ax, ay, az]: Axes<i64>, [bx, by, bz]: Axes<i64>) -> Axes<i64> {
+    let minor = |a: i64, b: i64, c: i64, d: i64| a.wrapping_mul(b).wrapping_sub(c.wrapping_mul(d));
+    [
+        minor(ay, bz, az, by),
+        minor(az, bx, ax, bz),
+        minor(ax, by, ay, bx),
+    ]
+}
+
+/// Fractional bits of a vector that is nearly 1 long.
+const NEAR_ONE: u32 = 30;
+
+/// A vector of at most `sqrt(2)` with [`NEAR_ONE`] fractional bits, made 1 long by `v (3 - |v|²)/2`, Newton's step for a reciprocal
+/// root, to fewer fractional bits, towards zero: off by 1.5 times the square of what it was off, and never longer than 1, since
+/// `x (3 - x²)/2 <= 1`.
+#[inline(always)]
+fn lengthened(v: Axes<i64>, digits: u32) -> Axes<i64> {
+    const DOWN: u32 = 2 * NEAR_ONE + 1;
+    // Each is a word, which saves the machine two products.
+    let [x, y, z] = v.map(|x| i64::from(x as i32));
+    let squares = x
+        .wrapping_mul(x)
+        .wrapping_add(y.wrapping_mul(y))
+        .wrapping_add(z.wrapping_mul(z));
+    // Rounded down.
+    let factor = (3_i64 << (2 * NEAR_ONE)).wrapping_sub(squares) >> NEAR_ONE;
+    [x, y, z].map(|x| towards_zero(x.wrapping_mul(factor), DOWN.wrapping_sub(digits)))
 }
 
 macro_rules! fixed_spatial {
@@ -53,6 +114,46 @@ macro_rules! fixed_spatial {
             fn squares(v: Axes<$word>) -> $wide {
                 let [x, y, z] = v.map(|part| part.times(part));
                 x.wrapping_add(y).wrapping_add(z)
+            }
+            /// By how much a product with an inverse can be less than a quotient of a direction: 2^(digits + 3 - W) and a quantum.
+            const SMALLER: u32 =
+                1 + match (<$name as Number>::Signal::FRAC_NBITS + 3).checked_sub(<$word>::BITS) {
+                    Some(bits) => 1 << bits,
+                    None => 0,
+                };
+            /// In a double word.
+            #[inline(always)]
+            fn long(v: Axes<<$name as Number>::Signal>) -> Axes<i64> {
+                v.map(|x| i64::from(x.to_bits()))
+            }
+            /// The scalar product of a direction, which is at most 1 long, and a vector: all of its sums fit.
+            #[inline(always)]
+            fn inner([ux, uy, uz]: Axes<i64>, [vx, vy, vz]: Axes<i64>) -> i64 {
+                ux.wrapping_mul(vx)
+                    .wrapping_add(uy.wrapping_mul(vy))
+                    .wrapping_add(uz.wrapping_mul(vz))
+            }
+            /// A product of two signals as a signal, rounded down, saturating.
+            #[inline(always)]
+            fn rounded_down(product: i64) -> <$name as Number>::Signal {
+                let down = product >> <$name as Number>::Signal::FRAC_NBITS;
+                let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
+                <$name as Number>::Signal::from_bits(down.max(least).min(most) as $int)
+            }
+            /// The leading digits of a long vector, its largest component with the highest bit but two of a word; `None` of the zero vector.
+            #[inline(always)]
+            fn leading(v: Axes<i64>) -> Option<Axes<<$name as Number>::Signal>> {
+                let [x, y, z] = v.map(i64::unsigned_abs);
+                let bits = u64::BITS.wrapping_sub((x | y | z).leading_zeros());
+                let room = <$word>::BITS - 2;
+                if bits == 0 {
+                    return None;
+                }
+                let digits = match bits.checked_sub(room) {
+                    Some(down) => v.map(|x| x >> down),
+                    None => v.map(|x| x << room.wrapping_sub(bits)),
+                };
+                Some(digits.map(|x| <$name as Number>::Signal::from_bits(x as $int)))
             }
             /// Root of a sum of three squares, rounded up.
             #[inline(always)]
@@ -89,18 +190,8 @@ macro_rules! fixed_spatial {
                 Self::with_sign(size, x < 0)
             }
             #[inline(always)]
-            fn dot(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal {
-                let product = |a: Self::Signal, b: Self::Signal| {
-                    i64::from(a.to_bits()).wrapping_mul(i64::from(b.to_bits()))
-                };
-                let ([ux, uy, uz], [vx, vy, vz]) = (u, v);
-                // Of words of 32 bits, three largest products do not fit; of a direction and a vector, they do.
-                let sum = product(ux, vx)
-                    .saturating_add(product(uy, vy))
-                    .saturating_add(product(uz, vz));
-                let down = sum >> Self::Signal::FRAC_NBITS;
-                let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
-                Self::Signal::from_bits(down.max(least).min(most) as $int)
+            fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal {
+                Self::rounded_down(Self::inner(Self::long(u), Self::long(v)))
             }
             #[inline(always)]
             fn length_down(v: Axes<Self::Signal>) -> Self::Signal {
@@ -110,28 +201,115 @@ macro_rules! fixed_spatial {
             fn length_up(v: Axes<Self::Signal>) -> Self::Signal {
                 Self::with_sign(Self::root_up(Self::squares(v.map(Self::size))), false)
             }
+            #[inline(always)]
+            fn longer(v: Axes<Self::Signal>, limit: Self::Signal) -> bool {
+                let limit = Self::size(limit);
+                Self::squares(v.map(Self::size)) > limit.times(limit)
+            }
+            #[inline(always)]
+            fn three_quarters(x: Self::Signal) -> Self::Signal {
+                let size = Self::size(x);
+                // Below half of the word's range, so there is room for the three.
+                Self::with_sign(size.wrapping_sub(size.wrapping_add(3) >> 2), x < 0)
+            }
+            #[inline(always)]
+            fn shortened(
+                v: Axes<Self::Signal>,
+                part: Self::Signal,
+                whole: Self::Signal,
+            ) -> Axes<Self::Signal> {
+                const DOWN: u32 = <$word>::BITS - 1;
+                // Below 1, with as many digits as a component has.
+                let share = Self::size(whole)
+                    .divides_within(<$wide>::from(Self::size(part)) << DOWN)
+                    .map_or(<$word as Word>::MAX_SIGNED, |(share, _)| share);
+                v.map(|x| Self::with_sign((Self::size(x).times(share) >> DOWN) as $word, x < 0))
+            }
+            #[inline(always)]
+            fn root_of_squares(e: Self::Energy) -> Self::Signal {
+                Self::with_sign($root(e.to_bits().max(0).unsigned_abs()), false)
+            }
+            #[inline(always)]
+            fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal> {
+                const ONE_BITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
+                let ([ux, uy, uz], [vx, vy, vz]) = (Self::long(u), Self::long(v));
+                let along = towards_zero(Self::inner([ux, uy, uz], [vx, vy, vz]), ONE_BITS);
+                let part = |u: i64, v: i64| {
+                    let long = (v << ONE_BITS).wrapping_sub(along.wrapping_mul(u));
+                    Self::Signal::from_bits(towards_zero(long, ONE_BITS) as $int)
+                };
+                [part(ux, vx), part(uy, vy), part(uz, vz)]
+            }
             #[inline]
-            fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>> {
+            fn turned(
+                u: Axes<Self::Signal>,
+                towards: Axes<Self::Signal>,
+                [cosine, sine]: [Self::Signal; 2],
+            ) -> Option<Axes<Self::Signal>> {
+                const DIGITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
+                // u × (towards × u) is the part of `towards` across `u`, exact but for one shortening of the inner product: no
+                // digits are lost where the two are nearly parallel.
+                let axis = cross(Self::long(towards), Self::long(u));
+                let axis = Self::long(Self::leading(axis)?);
+                let side = Self::unit(Self::leading(cross(Self::long(u), axis))?)?;
+                let (cosine, sine) = (i64::from(cosine.to_bits()), i64::from(sine.to_bits()));
+                let part = |u: i64, side: i64| {
+                    let long = cosine.wrapping_mul(u).wrapping_add(sine.wrapping_mul(side));
+                    // 2 DIGITS fractional bits, of which NEAR_ONE are enough.
+                    match (2 * DIGITS).checked_sub(NEAR_ONE) {
+                        Some(down) => long >> down,
+                        None => long << NEAR_ONE.saturating_sub(2 * DIGITS),
+                    }
+                };
+                let ([ux, uy, uz], [sx, sy, sz]) = (Self::long(u), Self::long(side));
+                let unit = lengthened([part(ux, sx), part(uy, sy), part(uz, sz)], DIGITS);
+                // At the end of the format there is no 1.
+                Some(unit.map(|x| Self::with_sign(x.unsigned_abs() as $word, x < 0)))
+            }
+            #[inline]
+            fn polar(v: Axes<Self::Signal>) -> (Self::Signal, Option<Axes<Self::Signal>>) {
+                const ONE_BITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
+                const INVERSE_BITS: u32 = 2 * <$word>::BITS - 3;
                 let sizes = v.map(Self::size);
                 let [x, y, z] = sizes;
                 let all = x | y | z;
                 if all == 0 {
-                    return None;
+                    return (Self::Signal::ZERO, None);
                 }
                 // So long that the root has all its digits, and so short that the squares fit: the highest bit but one.
-                let scale = (1 as $word).wrapping_shl(all.leading_zeros().saturating_sub(1));
+                let up = all.leading_zeros().saturating_sub(1);
+                let scale = (1 as $word).wrapping_shl(up);
                 let scaled = sizes.map(|size| size.wrapping_mul(scale));
                 // The one value whose highest bit is set is a power of two: its square fits three times as well.
-                let length = Self::root_up(Self::squares(scaled));
+                let squares = Self::squares(scaled);
+                let root = $root(squares);
+                // Below 2^W sqrt(3)/2, so there is room for the one.
+                let length = root.wrapping_add(<$word>::from(root.times(root) != squares));
+                // Of the length once, instead of three quotients. From 2^(W-2) on, so that this is a signed word's magnitude.
+                let ones = ((1 as $wide) << INVERSE_BITS).wrapping_sub(1);
+                let inverse = length
+                    .divides_within(ones)
+                    .map_or(<$word as Word>::MAX_SIGNED, |(inverse, _)| inverse);
                 let mut unit = [Self::Signal::ZERO; 3];
                 for (out, (size, x)) in unit.iter_mut().zip(scaled.into_iter().zip(v)) {
-                    let lifted = <$wide>::from(size) << Self::Signal::FRAC_NBITS;
-                    let size = length
-                        .divides_within(lifted)
-                        .map_or(<$word as Word>::MAX_SIGNED, |(size, _)| size);
-                    *out = Self::with_sign(size, x < 0);
+                    // At most a few too small; what is left says so.
+                    let mut size_of_part =
+                        (size.times(inverse) >> (INVERSE_BITS - ONE_BITS)) as $word;
+                    let mut rest =
+                        (<$wide>::from(size) << ONE_BITS).wrapping_sub(size_of_part.times(length));
+                    for _ in 0..Self::SMALLER {
+                        if rest >= <$wide>::from(length) {
+                            rest = rest.wrapping_sub(<$wide>::from(length));
+                            size_of_part = size_of_part.wrapping_add(1);
+                        }
+                    }
+                    *out = Self::with_sign(size_of_part, x < 0);
                 }
-                Some(unit)
+                (Self::with_sign(root >> up, false), Some(unit))
+            }
+            #[inline(always)]
+            fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>> {
+                Self::polar(v).1
             }
         }
     };
@@ -159,21 +337,60 @@ macro_rules! float_spatial {
                 }
             }
             #[inline(always)]
-            fn dot(u: Axes<$float>, v: Axes<$float>) -> $float {
+            fn along(u: Axes<$float>, v: Axes<$float>) -> $float {
                 u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
             }
             #[inline(always)]
             fn length_down(v: Axes<$float>) -> $float {
-                Self::dot(v, v).sqrt()
+                Self::along(v, v).sqrt()
             }
             #[inline(always)]
             fn length_up(v: Axes<$float>) -> $float {
-                Self::dot(v, v).sqrt()
+                Self::along(v, v).sqrt()
+            }
+            #[inline(always)]
+            fn longer(v: Axes<$float>, limit: $float) -> bool {
+                Self::along(v, v) > limit * limit
+            }
+            #[inline(always)]
+            fn three_quarters(x: $float) -> $float {
+                0.75 * x
+            }
+            #[inline(always)]
+            fn shortened(v: Axes<$float>, part: $float, whole: $float) -> Axes<$float> {
+                v.map(|x| x * (part / whole))
+            }
+            #[inline(always)]
+            fn root_of_squares(e: $float) -> $float {
+                <$float as Number>::root(e)
+            }
+            #[inline(always)]
+            fn across(u: Axes<$float>, v: Axes<$float>) -> Axes<$float> {
+                let along = Self::along(u, v);
+                let [x, y, z] = u.map(|u| along * u);
+                [v[0] - x, v[1] - y, v[2] - z]
+            }
+            #[inline]
+            fn turned(
+                u: Axes<$float>,
+                towards: Axes<$float>,
+                [cosine, sine]: [$float; 2],
+            ) -> Option<Axes<$float>> {
+                let cross = |[ax, ay, az]: Axes<$float>, [bx, by, bz]: Axes<$float>| {
+                    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+                };
+                let side = Self::unit(cross(u, cross(towards, u)))?;
+                let part = |i: usize| cosine * u[i] + sine * side[i];
+                Self::unit([part(0), part(1), part(2)])
+            }
+            #[inline]
+            fn polar(v: Axes<$float>) -> ($float, Option<Axes<$float>>) {
+                let length = Self::length_down(v);
+                (length, (length > 0.0).then(|| v.map(|x| x / length)))
             }
             #[inline]
             fn unit(v: Axes<$float>) -> Option<Axes<$float>> {
-                let length = Self::length_down(v);
-                (length > 0.0).then(|| v.map(|x| x / length))
+                Self::polar(v).1
             }
         }
     };

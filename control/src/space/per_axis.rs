@@ -82,7 +82,8 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);
-        if normal == touch.normal && moved == touch.depth - self.track.depth() {
+        let straight = normal == touch.normal && moved == touch.depth - self.track.depth();
+        if touch.moved.is_none() && straight {
             return e - self.last;
         }
         share_of(&normal, moved)

@@ -1,7 +1,8 @@
 //! A law of one degree of freedom with its memory, as the shells of three axes drive it.
 
 use crate::law::{
-    Contact, EnhancedState, FbaState, Law, Sample, SfaState, SpringState, TdpaState, View,
+    Contact, DampedState, EnhancedState, FbaState, Law, Sample, SfaState, SpringState, TdpaState,
+    View,
 };
 use crate::{AnyLaw, Force, Number};
 
@@ -30,6 +31,7 @@ impl<N: Number> Along<N> for AnyLaw<N> {
     fn reset(&mut self) {
         match self {
             Self::Spring(_, state) => *state = SpringState::default(),
+            Self::Damped(_, state) => *state = DampedState::default(),
             Self::Tdpa(_, state) => *state = TdpaState::default(),
             Self::Fba(_, state) => *state = FbaState::default(),
             Self::Sfa(_, state) => *state = SfaState::default(),

@@ -56,36 +56,31 @@ impl<N: Spatial> SurfacePoint<N> {
     pub fn tick(&mut self, surface: &impl Surface<N>, at: Vector<Position<N>>) -> Touch<N> {
         let nearest = surface.nearest(at, &self.side);
         self.side = nearest.normal;
-        let closest = Touch {
-            at,
-            normal: nearest.normal,
-            depth: nearest.depth,
-        };
         if nearest.depth <= Position::zero() {
             self.inside = None;
-            return closest;
+            return Touch::measured(at, nearest);
         }
         let (direction, entry) = self
             .inside
             .unwrap_or_else(|| (nearest.normal, at + nearest.normal.times(nearest.depth)));
-        let touch = match &self.rule {
-            Rule::Closest => closest,
-            Rule::Penetration => back_to(entry, closest),
+        let seen = match &self.rule {
+            Rule::Closest => nearest,
+            Rule::Penetration => back_to(entry, at, nearest),
             Rule::Restricted(turn) => restricted(surface, turn, &direction, &nearest, at),
         };
-        self.inside = Some((touch.normal, entry));
-        touch
+        self.inside = Some((seen.normal, entry));
+        Touch::measured(at, seen)
     }
 }
 
 /// Back to a point.
-fn back_to<N: Spatial>(entry: Vector<Position<N>>, closest: Touch<N>) -> Touch<N> {
-    let out = entry - closest.at;
-    Direction::of(out).map_or(closest, |normal| Touch {
-        normal,
-        depth: out.length_down(),
-        ..closest
-    })
+fn back_to<N: Spatial>(
+    entry: Vector<Position<N>>,
+    at: Vector<Position<N>>,
+    closest: Nearest<N>,
+) -> Nearest<N> {
+    let (depth, normal) = Direction::polar(entry - at);
+    normal.map_or(closest, |normal| Nearest { normal, depth })
 }
 
 /// The closest surface point in the cone around a direction.
@@ -98,37 +93,36 @@ fn restricted<N: Spatial>(
     direction: &Direction<N>,
     nearest: &Nearest<N>,
     at: Vector<Position<N>>,
-) -> Touch<N> {
+) -> Nearest<N> {
     if Position::<N>(direction.cosine(&nearest.normal)) >= Position(turn.cosine) {
-        return Touch {
-            at,
-            normal: nearest.normal,
-            depth: nearest.depth,
-        };
+        return *nearest;
     }
     let side = &nearest.normal;
-    let mut best: Option<Touch<N>> = None;
+    let mut best: Option<Nearest<N>> = None;
     let mut consider = |normal: Direction<N>| {
         if let Some(depth) = surface.exit(at, &normal, side)
             && best.is_none_or(|best| depth < best.depth)
         {
-            best = Some(Touch { at, normal, depth });
+            best = Some(Nearest { normal, depth });
         }
     };
-    consider(*direction);
-    let mut towards = |way: Direction<N>| {
-        let inside = Position::<N>(direction.cosine(&way)) >= Position(turn.cosine);
-        consider(if inside {
-            way
-        } else {
-            direction.turned(&way, turn)
+    let towards_closest = direction.turned(side, turn);
+    if surface.is_round() {
+        consider(towards_closest);
+    } else {
+        consider(*direction);
+        consider(towards_closest);
+        surface.ways(&mut |way: Direction<N>| {
+            let inside = Position::<N>(direction.cosine(&way)) >= Position(turn.cosine);
+            consider(if inside {
+                way
+            } else {
+                direction.turned(&way, turn)
+            });
         });
-    };
-    towards(nearest.normal);
-    surface.ways(&mut towards);
+    }
     // Where no way leads out, the direction stays until one does.
-    best.unwrap_or(Touch {
-        at,
+    best.unwrap_or(Nearest {
         normal: *direction,
         depth: nearest.depth,
     })

@@ -1,5 +1,6 @@
 //! What the shells are told of a contact, and how the hand moved along its normal.
 
+use super::environment::Nearest;
 use super::number::Spatial;
 use super::vector::{Direction, Vector};
 use crate::Position;
@@ -14,12 +15,28 @@ pub struct Touch<N: Spatial> {
     pub normal: Direction<N>,
     /// How deep the HIP is below the surface point, positive inside.
     pub depth: Position<N>,
+    /// Displacement per tick, where it is estimated; else it is that since the last tick.
+    pub moved: Option<Vector<Position<N>>>,
+}
+
+impl<N: Spatial> Touch<N> {
+    /// Of a measured place.
+    #[inline(always)]
+    #[must_use]
+    pub fn measured(at: Vector<Position<N>>, seen: Nearest<N>) -> Self {
+        Self {
+            at,
+            normal: seen.normal,
+            depth: seen.depth,
+            moved: None,
+        }
+    }
 }
 
 /// The last tick, for displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Track<N: Spatial> {
-    last: Option<Touch<N>>,
+    last: Option<(Vector<Position<N>>, Nearest<N>)>,
 }
 
 /// A change of the penetration that is the displacement but for the rounding of two projections.
@@ -29,29 +46,38 @@ fn is_rounding<N: Spatial>(change: Position<N>, moved: Position<N>) -> bool {
 }
 
 impl<N: Spatial> Track<N> {
-    /// How far the HIP moved, as a vector; zero in the first tick.
+    /// How far the HIP moved, as a vector; zero in the first tick, where it is not estimated.
     #[inline]
     #[must_use]
     pub fn moved(&self, touch: &Touch<N>) -> Vector<Position<N>> {
-        self.last
-            .map_or(Vector::default(), |last| touch.at - last.at)
+        touch.moved.unwrap_or_else(|| {
+            self.last
+                .map_or(Vector::default(), |(last, _)| touch.at - last)
+        })
     }
 
     /// Penetration and inward displacement along the normal **of the last tick**, along which the last force acts: so that force
     /// times displacement is the work at the port, `F·Δx`.
     ///
     /// On a surface that does not turn it is the change of the penetration, to the bit: what a law of one degree of
-    /// freedom is told.
+    /// freedom is told. An estimated displacement is taken along the same normal, as it is.
     #[inline]
     #[must_use]
     pub fn sample(&self, touch: &Touch<N>) -> Sample<N> {
         let e = touch.depth;
-        let Some(last) = &self.last else {
+        if let Some(moved) = touch.moved {
+            let normal = self.normal().unwrap_or(touch.normal);
+            return Sample {
+                e,
+                moved: normal.opposite().component(moved),
+            };
+        }
+        let Some((at, last)) = &self.last else {
             return Sample::measured(e, Position::zero());
         };
         let change = e - last.depth;
         // Rounded down: never further in than it went, so that no law books work that was not done.
-        let moved = last.normal.opposite().component(touch.at - last.at);
+        let moved = last.normal.opposite().component(touch.at - *at);
         let straight = last.normal == touch.normal && is_rounding(change, moved);
         Sample {
             e,
@@ -62,18 +88,22 @@ impl<N: Spatial> Track<N> {
     /// The normal of the last tick.
     #[must_use]
     pub fn normal(&self) -> Option<Direction<N>> {
-        self.last.map(|last| last.normal)
+        self.last.map(|(_, last)| last.normal)
     }
 
     /// The penetration of the last tick; 0 before the first.
     #[must_use]
     pub fn depth(&self) -> Position<N> {
-        self.last.map_or(Position::zero(), |last| last.depth)
+        self.last.map_or(Position::zero(), |(_, last)| last.depth)
     }
 
     /// After the tick.
     #[inline]
     pub fn keep(&mut self, touch: &Touch<N>) {
-        self.last = Some(*touch);
+        let seen = Nearest {
+            normal: touch.normal,
+            depth: touch.depth,
+        };
+        self.last = Some((touch.at, seen));
     }
 }

@@ -8,8 +8,13 @@
 //!
 //! What still does not fit (0.7 kg at 10 kHz) is refused by the error of the coefficient's own field.
 
+use super::number::Spatial;
+use super::place_estimator::PlaceEstimator;
 use crate::settings::{FilterSettings, Settings, Si};
-use crate::{AnyLaw, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind};
+use crate::{
+    AnyLaw, EstimatorSettings, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind,
+    VelocityKind, VelocitySettings,
+};
 
 /// Which length is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,6 +73,11 @@ impl LengthUnit {
                 ..GuardSettings::default()
             },
             states: StatesKind::Measured,
+            // A direction that turns is no axis whose velocity could be filtered.
+            velocity: VelocitySettings {
+                from: VelocityKind::Told,
+                ..VelocitySettings::default()
+            },
             ..*si
         }
     }
@@ -86,6 +96,28 @@ impl LengthUnit {
         }
         .validate()?;
         AnyLaw::new(&unit)
+    }
+
+    /// An estimator an axis, of settings given in SI.
+    ///
+    /// # Errors
+    /// As [`EstimatorSettings::estimator`]; ranges are told in this unit.
+    pub fn estimator<N: Spatial>(
+        self,
+        si: &[EstimatorSettings; 3],
+        rate_hz: u32,
+        force_limit: Si,
+    ) -> Result<PlaceEstimator<N>, SettingsError> {
+        let axis = |si: &EstimatorSettings| {
+            let unit = EstimatorSettings {
+                inertia: self.per_length(si.inertia),
+                damping: self.per_length(si.damping),
+                ..*si
+            };
+            unit.estimator(rate_hz, force_limit)
+        };
+        let [x, y, z] = si;
+        Ok(PlaceEstimator::new([axis(x)?, axis(y)?, axis(z)?]))
     }
 
     /// The settings of the energy guard and its device, given in SI, in this unit.

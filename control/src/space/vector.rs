@@ -63,12 +63,22 @@ macro_rules! signal_vector {
             pub fn length_up(self) -> $quantity<N> {
                 $quantity(N::length_up(self.signals()))
             }
+            /// Whether it is longer than a limit of at least 0; exact, and cheaper than its length.
+            #[inline(always)]
+            #[must_use]
+            pub fn is_longer(self, limit: $quantity<N>) -> bool {
+                N::longer(self.signals(), limit.0)
+            }
             /// Limited to a length below the end of the format, never longer; shorter by less than three quanta of each component, and a vector within the limit
             /// stays as it is. The direction is kept to the rounding of the components, each towards zero.
             #[inline]
             #[must_use]
             pub fn within(self, limit: $quantity<N>) -> Self {
-                self.shortened(self.length_up(), limit)
+                if self.is_longer(limit) {
+                    self.shortened(self.length_up(), limit)
+                } else {
+                    self
+                }
             }
             /// [`Vector::within`] where the length, rounded up, is known already.
             #[inline]
@@ -80,7 +90,7 @@ macro_rules! signal_vector {
                 if length + $quantity::<N>::quantum() == length {
                     return self.half_shortened(limit);
                 }
-                self.map(|x| $quantity(N::share(x.0, limit.0, length.0)))
+                Self(N::shortened(self.signals(), limit.0, length.0).map($quantity))
             }
             #[cold]
             fn half_shortened(self, limit: $quantity<N>) -> Self {
@@ -139,23 +149,30 @@ impl<N: Spatial> Direction<N> {
     pub fn of(v: Vector<Position<N>>) -> Option<Self> {
         N::unit(v.signals()).map(Self)
     }
+    /// The length of a vector, rounded down, and its direction, by one root.
+    #[inline]
+    #[must_use]
+    pub fn polar(v: Vector<Position<N>>) -> (Position<N>, Option<Self>) {
+        let (length, unit) = N::polar(v.signals());
+        (Position(length), unit.map(Self))
+    }
     /// The component of a displacement along it, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn component(&self, v: Vector<Position<N>>) -> Position<N> {
-        Position(N::dot(self.0, v.signals()))
+        Position(N::along(self.0, v.signals()))
     }
     /// The component of a force along it, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn component_of_force(&self, v: Vector<Force<N>>) -> Force<N> {
-        Force(N::dot(self.0, v.signals()))
+        Force(N::along(self.0, v.signals()))
     }
     /// The cosine of the angle to another, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn cosine(&self, other: &Self) -> N::Signal {
-        N::dot(self.0, other.0)
+        N::along(self.0, other.0)
     }
     /// So far along it: each component towards zero.
     #[inline(always)]
@@ -169,11 +186,11 @@ impl<N: Spatial> Direction<N> {
     pub fn times_force(&self, size: Force<N>) -> Vector<Force<N>> {
         Vector(self.0.map(|part| Force(N::times(part, size.0))))
     }
-    /// What of a displacement is across it: each component within two quanta.
+    /// What of a displacement is across it: each component within two quanta, and never longer than the displacement.
     #[inline]
     #[must_use]
     pub fn across(&self, v: Vector<Position<N>>) -> Vector<Position<N>> {
-        v - self.times(self.component(v))
+        Vector(N::across(self.0, v.signals()).map(Position))
     }
     /// The other way.
     #[inline(always)]
@@ -186,16 +203,7 @@ impl<N: Spatial> Direction<N> {
     #[inline]
     #[must_use]
     pub fn turned(&self, towards: &Self, turn: &Turn<N>) -> Self {
-        let across = self.across(Vector(towards.0.map(Position)));
-        // Twice: between nearly parallel directions the first is short, and its rounding is not.
-        let side = Self::of(across)
-            .map(|side| self.across(Vector(side.0.map(Position))))
-            .and_then(Self::of);
-        let Some(side) = side else {
-            return *self;
-        };
-        let parts = self.times(Position(turn.cosine)) + side.times(Position(turn.sine));
-        Self::of(parts).unwrap_or(*self)
+        N::turned(self.0, towards.0, [turn.cosine, turn.sine]).map_or(*self, Self)
     }
 }
 

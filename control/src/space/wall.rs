@@ -7,6 +7,7 @@ use super::guard::{VectorGuard, VectorGuardState};
 use super::magnitude::Magnitude;
 use super::number::Spatial;
 use super::per_axis::PerAxis;
+use super::place_estimator::PlaceEstimator;
 use super::scalar::Along;
 use super::surface_point::SurfacePoint;
 use super::touch::Touch;
@@ -38,12 +39,14 @@ impl<N: Spatial, L: Along<N>> Shell<N, L> {
     }
 }
 
-/// An object with its law, friction and guard.
+/// An object with what it is told of the HIP, its law, friction and guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceWall<N: Spatial, S, L> {
     /// The object.
     pub surface: S,
-    /// Which point of it.
+    /// What says where the HIP will be; without one, it is where it is measured.
+    pub estimator: Option<PlaceEstimator<N>>,
+    /// Which point of the object.
     pub point: SurfacePoint<N>,
     /// The law.
     pub shell: Shell<N, L>,
@@ -54,40 +57,68 @@ pub struct SpaceWall<N: Spatial, S, L> {
     /// The guard, where there is one.
     pub guard: Option<(VectorGuard<N>, VectorGuardState<N>)>,
     last: Option<Vector<Position<N>>>,
+    /// What was commanded at the last tick, after every stage that may change it.
+    commanded: Vector<Force<N>>,
 }
 
 impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
-    /// Outside, at rest, without friction and guard.
+    /// Outside, at rest, without estimator, friction and guard.
     pub fn new(surface: S, point: SurfacePoint<N>, shell: Shell<N, L>, limit: Force<N>) -> Self {
         Self {
             surface,
+            estimator: None,
             point,
             shell,
             friction: None,
             limit,
             guard: None,
             last: None,
+            commanded: Vector::default(),
         }
     }
 
-    /// One control period: the position of the HIP to the force on it.
+    /// One control period: the measured position of the HIP to the force on it.
+    ///
+    /// If a later stage changes that force, [`SpaceWall::commanded`] must follow.
     ///
     /// # Errors
     /// Overspeed, of a guard: the force is 0, and the caller has to switch off.
     #[inline]
     pub fn tick(&mut self, at: Vector<Position<N>>) -> Result<Vector<Force<N>>, Overspeed> {
-        let touch = self.point.tick(&self.surface, at);
+        let touch = match &mut self.estimator {
+            None => self.point.tick(&self.surface, at),
+            Some(estimator) => {
+                estimator.commanded(self.commanded);
+                let ahead = estimator.tick(at);
+                Touch {
+                    moved: Some(ahead.moved),
+                    ..self.point.tick(&self.surface, ahead.at)
+                }
+            }
+        };
         let mut force = self.shell.tick(&touch);
         if let Some((friction, state)) = &mut self.friction {
             let pressed = touch.normal.component_of_force(force);
             force = force + friction.tick(state, &touch, pressed);
         }
         let force = force.within(self.limit);
+        // The guard keeps the books of the port, and so is told what was measured.
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
-        match &mut self.guard {
+        let guarded = match &mut self.guard {
             Some((guard, state)) => guard.tick(state, moved, force),
             None => Ok(force),
+        };
+        self.commanded = guarded.unwrap_or_default();
+        guarded
+    }
+
+    /// What became of the last tick's force, where a later stage changed it: estimator and guard then count with that.
+    #[inline]
+    pub fn commanded(&mut self, force: Vector<Force<N>>) {
+        self.commanded = force;
+        if let Some((guard, state)) = &mut self.guard {
+            guard.commanded(state, force);
         }
     }
 }

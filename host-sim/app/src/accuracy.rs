@@ -15,7 +15,7 @@ pub struct Options {
     /// Folder for the diagrams as SVG and all figures as JSON; without it they are only printed.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Fewer substeps, rates and repeats: some seconds instead of some minutes, not to be published.
+    /// Fewer substeps, rates and repeats, to see that it works; not to be published.
     #[arg(long)]
     quick: bool,
     /// Replaces what another command left in the folder.

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
+use touchstone_link::words::{described, name_of, number_of, page};
 use touchstone_protocol::{
-    Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Identity, Phase, Reply, Request,
-    ResetReason, RingRecord, Status,
+    Counters, DeviceCommand, DeviceSettings, Fault, Phase, Reply, Request, ResetReason, RingRecord,
+    Status,
 };
 use touchstone_sim::error::{Error, Result};
 
@@ -27,6 +28,10 @@ pub struct Options {
 }
 
 #[derive(Debug, Clone, Subcommand)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one in a run of the program"
+)]
 enum Action {
     #[command(flatten)]
     Haptic(haptic::Action),
@@ -233,30 +238,6 @@ fn fault_json(fault: &Fault) -> serde_json::Value {
     })
 }
 
-/// The microcontroller's own number.
-pub fn number_of(identity: &Identity) -> String {
-    use std::fmt::Write;
-    let mut number = String::new();
-    for byte in identity.unique_id {
-        // Writing into a string cannot fail.
-        let _ = write!(number, "{byte:02x}");
-    }
-    number
-}
-
-/// Who it is, on one line.
-pub fn described(identity: &Identity) -> String {
-    let number = number_of(identity);
-    format!(
-        "{}, firmware {} ({:016x}), protocol {}, settings {}, number {number}",
-        identity.board.name(),
-        identity.firmware_version,
-        identity.build_hash,
-        identity.protocol_version,
-        identity.settings_version,
-    )
-}
-
 fn started(reason: ResetReason) -> String {
     match reason {
         ResetReason::Panic(place) => {
@@ -264,30 +245,6 @@ fn started(reason: ResetReason) -> String {
         }
         other => format!("after: {}", other.words()),
     }
-}
-
-/// The fault's code and name.
-pub fn name_of(fault: &Fault) -> String {
-    match fault.known() {
-        Some(code) => format!("{:02} {}", fault.code, page(code)),
-        None => format!(
-            "{:02}, which this version of the program does not know",
-            fault.code
-        ),
-    }
-}
-
-/// The name of a fault's page in `docs/faults/`, without its number.
-#[must_use]
-pub fn page(code: FaultCode) -> String {
-    let mut name = String::new();
-    for letter in format!("{code:?}").chars() {
-        if letter.is_ascii_uppercase() && !name.is_empty() {
-            name.push('-');
-        }
-        name.push(letter.to_ascii_lowercase());
-    }
-    name
 }
 
 fn fault(client: &mut Client) -> Result<()> {

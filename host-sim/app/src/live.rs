@@ -6,8 +6,14 @@ use super::browser::open;
 use super::out::{note, result, tell};
 use super::report_options::program_name;
 use std::path::{Path, PathBuf};
+use touchstone_control::LawKind;
 use touchstone_device::Address;
+use touchstone_lab::thesis::space as three_axes;
+use touchstone_link::rows::COLUMNS;
+use touchstone_live::board_page as board;
 use touchstone_live::page::{self, Content};
+use touchstone_live::space_loop::{SpaceChoice, SpaceObject};
+use touchstone_live::space_page;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
@@ -20,7 +26,12 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// File to write; one that is no such page is left alone.
-    #[arg(long, value_name = "PAGE.html", default_value = "touchstone-live.html")]
+    #[arg(
+        long,
+        value_name = "PAGE.html",
+        default_value = "touchstone-live.html",
+        default_value_if("serial", "true", "touchstone-board.html")
+    )]
     out: PathBuf,
     /// Writes the page and does not open it.
     #[arg(long)]
@@ -28,12 +39,31 @@ pub struct Options {
     /// Shows a board instead: serial port (/dev/ttyACM0, COM3) or tcp:HOST:PORT. Serves a page to this machine alone, until Ctrl-C.
     #[arg(long, value_name = "PORT", conflicts_with_all = ["scene", "out", "SceneOptions"])]
     port: Option<Address>,
+    /// Writes a page for a board instead that has the port itself, without this program: for browsers with WebSerial (Chromium and its
+    /// kin).
+    #[arg(long, conflicts_with_all = ["scene", "port", "SceneOptions"])]
+    serial: bool,
+    /// A wall of three axes instead, on a simulated omega.3: give 3. The object is then `plane`, `inclined` or `sphere`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=3), conflicts_with_all = ["port", "serial", "SceneOptions"])]
+    dof: Option<u8>,
 }
 
 /// Writes the page, and opens it.
 pub fn main(options: &Options) -> Result<()> {
     if let Some(address) = &options.port {
         return board_page::main(address, !options.no_open);
+    }
+    if options.dof.is_some() {
+        return finish(options, &space(&options.scene)?);
+    }
+    if options.serial {
+        let (page, _) = board::render(&board::Content {
+            way: board::Way::Serial,
+            columns: &COLUMNS,
+            place: "serial port",
+            program: &program_name(),
+        });
+        return finish(options, &page);
     }
     let (scene, _) = options.changes.load(&options.scene)?;
     let scene = without_files(scene)?;
@@ -46,7 +76,37 @@ pub fn main(options: &Options) -> Result<()> {
         source: &source,
         program: &program_name(),
     });
-    write(&options.out, &page)?;
+    finish(options, &page)
+}
+
+/// The page of three axes: the thesis' objects and laws (§5.2), the enhanced law at five times the critical stiffness at first.
+fn space(object: &str) -> Result<String> {
+    let thesis = three_axes::settings(LawKind::EnhancedSfa, 25.0);
+    let object = match object {
+        // The name of the scene that stands there where none was given.
+        "thesis-knob" | "sphere" => SpaceObject::Sphere(three_axes::RADIUS_MM),
+        "plane" => SpaceObject::Plane(three_axes::Object::Horizontal.normal()),
+        "inclined" => SpaceObject::Plane(three_axes::Object::Inclined.normal()),
+        other => {
+            return Err(Error::Option {
+                option: "live --dof 3".to_owned(),
+                problem: format!("there is no object `{other}`"),
+                fix: "give plane, inclined or sphere".to_owned(),
+            });
+        }
+    };
+    let choice = SpaceChoice {
+        object,
+        guard: Some(super::haptic::guard(0.0, three_axes::RATE_HZ)),
+        law: thesis,
+        per_axis: false,
+    };
+    Ok(space_page::render(&choice, &program_name()))
+}
+
+/// Writes the page, says where, and opens it.
+fn finish(options: &Options, page: &str) -> Result<()> {
+    write(&options.out, page)?;
     let path = std::path::absolute(&options.out).unwrap_or_else(|_| options.out.clone());
     result(
         || serde_json::json!({ "page": path, "bytes": page.len() }),
@@ -59,6 +119,17 @@ pub fn main(options: &Options) -> Result<()> {
         note!("note: no browser was found; open {} in one", path.display());
     }
     Ok(())
+}
+
+/// The page for whoever puts a scene of their own into it.
+pub fn page_without_scene() -> String {
+    page::render(&Content {
+        scene: "",
+        name: "",
+        description: "",
+        source: "",
+        program: &program_name(),
+    })
 }
 
 /// The scene's words on the command line, without the options that are this page's own.

@@ -11,7 +11,6 @@ mod config;
 mod device;
 mod doctor;
 mod expect;
-mod fault_words;
 mod flash;
 mod haptic;
 mod hard;

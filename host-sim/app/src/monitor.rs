@@ -1,6 +1,5 @@
 //! `touchstone monitor`: what a device measures and does, live; every control tick as CSV.
 
-use super::device::{name_of, page};
 use super::number;
 use super::out::{self, is_read, print, say, tell};
 use super::port::PortOption;
@@ -10,6 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
+use touchstone_link::counted::Counted;
+use touchstone_link::words::{name_of, page};
 use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
@@ -94,31 +95,6 @@ fn dropped(client: &mut Client) -> Result<u32> {
     match client.ask(&Request::Counters)? {
         Reply::Counters(counters) => Ok(counters.telemetry_dropped),
         other => Err(client.odd(&other)),
-    }
-}
-
-/// What came and what did not.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counted {
-    pub records: u64,
-    pub lost: u64,
-    last: Option<u32>,
-}
-
-impl Counted {
-    /// Takes a record; what is missing before it counts as lost, and is given back.
-    pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
-        let steps = self.last.map_or(0, |last| {
-            let steps = tick.wrapping_sub(last) / u32::from(decimation);
-            // Backwards: the device was restarted.
-            let forward = steps < u32::MAX / 2 / u32::from(decimation);
-            if forward { steps } else { 0 }
-        });
-        let missing = steps.saturating_sub(1);
-        self.lost += u64::from(missing);
-        self.records += 1;
-        self.last = Some(tick);
-        missing
     }
 }
 
@@ -299,7 +275,7 @@ fn io(path: &Path, error: &csv::Error) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::{COLUMNS, Counted};
+    use super::COLUMNS;
 
     #[test]
     fn what_a_trace_has_too_bears_its_name() {
@@ -330,19 +306,5 @@ mod tests {
                 "current_q_a"
             ]
         );
-    }
-
-    #[test]
-    fn gaps_count_across_the_wrap_and_a_restart_does_not() {
-        let mut counted = Counted::default();
-        for tick in [u32::MAX - 1, u32::MAX, 0, 3, 4, 0, 1] {
-            counted.take(tick, 1);
-        }
-        assert_eq!((counted.records, counted.lost), (7, 2));
-        let mut counted = Counted::default();
-        for tick in [10, 20, 40, 50] {
-            counted.take(tick, 10);
-        }
-        assert_eq!((counted.records, counted.lost), (4, 1));
     }
 }

@@ -78,6 +78,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         ),
         runs: &runs,
         notes: &warnings,
+        live_page: Some(&super::live::page_without_scene()),
         ..ReportInput::default()
     };
     let written = match &options.out {

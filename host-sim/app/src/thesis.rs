@@ -120,6 +120,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         notes: &notes,
         row_notes: &row_notes,
         sections: &[section],
+        live_page: Some(&super::live::page_without_scene()),
     };
     let written = report::write(&input, &options.out)?;
     tell!("");

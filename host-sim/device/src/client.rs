@@ -3,12 +3,12 @@
 use super::{Address, Received, Transport, open};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
+use touchstone_link::words;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::reply::version_of_hello;
-use touchstone_protocol::settings::KeyError;
 use touchstone_protocol::{
-    DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Phase, Refusal, Reply, Request,
-    Telemetry, ToDevice,
+    DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Refusal, Reply, Request, Telemetry,
+    ToDevice,
 };
 use touchstone_sim::error::{Error, Result};
 
@@ -149,13 +149,8 @@ impl Client {
             if let Some(version) = version_of_hello(payload)
                 && version != PROTOCOL_VERSION
             {
-                return Err(Error::device(
-                    &*self.place,
-                    format!(
-                        "the device speaks version {version} of the protocol, this program {PROTOCOL_VERSION}"
-                    ),
-                    "flash the firmware of this version: touchstone flash",
-                ));
+                let (problem, fix) = words::other_version(version, PROTOCOL_VERSION);
+                return Err(self.wrong(problem, fix));
             }
             match frame::message::<FromDevice>(payload) {
                 Some(FromDevice::Telemetry(record)) => self.telemetry.push_back(record),
@@ -210,61 +205,18 @@ impl Client {
 
     /// An answer to another question.
     pub fn odd(&self, reply: &Reply) -> Error {
-        let kind = format!("{reply:?}");
-        let kind = kind.split(['(', ' ']).next().unwrap_or_default().to_owned();
-        self.wrong(
-            format!("answered something else ({kind})"),
-            "flash the firmware of this version: touchstone flash",
-        )
+        let (problem, fix) = words::odd(reply);
+        self.wrong(problem, fix)
     }
 
     fn refused(&self, refusal: &Refusal) -> Error {
-        match refusal {
-            Refusal::NotNow(phase) => self.wrong(
-                format!("the device refuses this in state `{}`", phase.name()),
-                next_step(*phase),
-            ),
-            Refusal::Key(KeyError::NoSuchField) => self.wrong(
-                "the device knows no such setting",
-                "`touchstone config schema` lists them",
-            ),
-            Refusal::Key(KeyError::NotAValue) => self.wrong(
-                "this is no value of this setting",
-                "`touchstone config schema` shows what it may be",
-            ),
-            Refusal::Invalid(invalid) => {
-                self.wrong(format!("refused: {invalid}"), "choose another value")
-            }
-            Refusal::Flash => self.wrong(
-                "the flash could not be written",
-                "the settings before are still there; try again",
-            ),
-            Refusal::RingRuns => self.wrong(
-                "the ring is still running: it stops at a fault",
-                "watch live values with `touchstone monitor`",
-            ),
-            Refusal::NotUnderstood => self.wrong(
-                "the device does not know this request",
-                "flash the firmware of this version: touchstone flash",
-            ),
-        }
+        let (problem, fix) = words::refused(refusal);
+        self.wrong(problem, fix)
     }
 }
 
 /// The number of the answer that is waited for, and its place.
 type Wanted = Option<(u8, Option<std::result::Result<Reply, Refusal>>)>;
-
-/// The command that leads on.
-const fn next_step(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Boot => "calibrate first: touchstone device calibrate",
-        Phase::Calibrating => "wait for its end, or: touchstone device stop",
-        Phase::Ready => "stop first: touchstone device stop",
-        Phase::Armed => "disarm first: touchstone device disarm",
-        Phase::Fault => "look at it and clear it: touchstone device fault, touchstone device stop",
-        Phase::Stopped => "calibrate first: touchstone device calibrate",
-    }
-}
 
 /// Before anybody answered.
 fn nobody() -> Identity {

@@ -19,8 +19,11 @@ pub struct Survey {
     pub effector_mass_kg: Option<f64>,
     /// Inertia that each axis moves, in the mean of all poses.
     pub inertia_kg: [f64; 3],
-    /// Damping of each axis. No library says it: the thesis' value (§5.2), to be replaced by what is measured.
+    /// Damping of each axis. No library says it: the thesis' value (§5.2), until `touchstone device identify` measures it.
     pub damping_n_s_per_m: [f64; 3],
+    /// Dry friction of each axis, N, where it was measured. Its twin has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_n: Option<[f64; 3]>,
     /// Where it was moved to.
     pub position_min_m: [f64; 3],
     /// Where it was moved to.
@@ -30,6 +33,7 @@ pub struct Survey {
     /// Upper ends of the joints.
     pub joint_angle_max_rad: Vec<f64>,
     /// Places, and what was said there.
+    #[serde(default)]
     pub pose: Vec<Pose>,
 }
 
@@ -114,12 +118,36 @@ impl Survey {
                     / count
             }),
             damping_n_s_per_m: [OMEGA3_AXIS.damping; 3],
+            friction_n: None,
             position_min_m: of_axes(&|axis| along(axis).fold(f64::INFINITY, f64::min)),
             position_max_m: of_axes(&|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
             joint_angle_min_rad: low.to_vec(),
             joint_angle_max_rad: high.to_vec(),
             pose: poses,
         })
+    }
+
+    /// Of what was measured of each axis: mass, damping, friction; and where it was moved to.
+    #[must_use]
+    pub fn measured(
+        device: &str,
+        axes: [[f64; 3]; 3],
+        position_min_m: [f64; 3],
+        position_max_m: [f64; 3],
+    ) -> Self {
+        Self {
+            device: device.into(),
+            library: String::new(),
+            effector_mass_kg: None,
+            inertia_kg: axes.map(|[mass, _, _]| mass),
+            damping_n_s_per_m: axes.map(|[_, damping, _]| damping),
+            friction_n: Some(axes.map(|[_, _, friction]| friction)),
+            position_min_m,
+            position_max_m,
+            joint_angle_min_rad: Vec::new(),
+            joint_angle_max_rad: Vec::new(),
+            pose: Vec::new(),
+        }
     }
 
     /// As a file.
@@ -166,7 +194,7 @@ impl Survey {
             axes,
             ..DeviceTwin::default()
         };
-        twin.plant(1e-3).map_err(|why| Error::Option {
+        twin.validate().map_err(|why| Error::Option {
             option: "--twin".into(),
             problem: why.to_string(),
             fix: "correct inertia_kg and damping_n_s_per_m in the survey".into(),

@@ -7,8 +7,8 @@ use touchstone_control::space::{
     Surface, SurfacePoint, Vector, VectorGuard,
 };
 use touchstone_control::{
-    AnyLaw, Fixed32, Force, GuardSettings, GuardedDevice, Position, Reported, Settings,
-    SettingsError, Si,
+    AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, Position, Reported,
+    Settings, SettingsError, Si,
 };
 use touchstone_mesh::{Mesh, MeshSurface};
 
@@ -26,6 +26,8 @@ pub struct WallSettings {
     pub per_axis: bool,
     /// The guard, SI, where there is one.
     pub guard: Option<GuardSettings>,
+    /// What the estimator of each axis is told of the device, SI, where the law is to have estimated states.
+    pub estimator: Option<[EstimatorSettings; 3]>,
     /// Step of a measured position, m.
     pub count_m: f64,
 }
@@ -71,6 +73,12 @@ impl Surface<N> for Obstacle<'_> {
             Self::Mesh(mesh) => Surface::<N>::ways(mesh, visit),
         }
     }
+    fn is_round(&self) -> bool {
+        match self {
+            Self::Shape(shape) => shape.is_round(),
+            Self::Mesh(mesh) => Surface::<N>::is_round(mesh),
+        }
+    }
 }
 
 /// A wall, tick by tick.
@@ -94,6 +102,10 @@ impl<'m> DeviceWall<'m> {
         let limit = Force::from_f64(settings.law.force_limit.to_num());
         let point = SurfacePoint::new(Rule::Closest);
         let mut wall = SpaceWall::new(obstacle, point, shell, limit);
+        if let Some(axes) = &settings.estimator {
+            let law = &settings.law;
+            wall.estimator = Some(UNIT.estimator(axes, law.rate_hz, law.force_limit)?);
+        }
         if let Some(guard) = &settings.guard {
             let device = GuardedDevice {
                 rate_hz: settings.law.rate_hz,
@@ -130,8 +142,6 @@ impl ForceLaw for DeviceWall<'_> {
     }
 
     fn commanded(&mut self, force_n: [f64; 3]) {
-        if let Some((guard, state)) = &mut self.wall.guard {
-            guard.commanded(state, Vector(force_n.map(Force::from_f64)));
-        }
+        self.wall.commanded(Vector(force_n.map(Force::from_f64)));
     }
 }

@@ -90,7 +90,7 @@ function setting({ path, unit, about, value }, name) {
 
 function ask(order) {
   $("answer").textContent = `${order.path ?? order.do}: asked`;
-  if (!link.send(order)) complain(`NOT SENT (${order.do}): there is no connection to the program.${order.do === "stop" ? " SWITCH THE POWER OFF." : ""}`);
+  if (!link.send(order)) complain(`NOT SENT (${order.do}): there is no connection to ${BoardLink.peer}.${order.do === "stop" ? " SWITCH THE POWER OFF." : ""}`);
 }
 const stop = () => ask({ do: "stop" });
 
@@ -121,7 +121,7 @@ function show() {
     $("fault-check").textContent = fault.check;
     $("fault-clear").textContent = `${fault.clear || "Stop, then calibrate."} That stop is the button above.`;
   }
-  const lost = !connected ? "NO CONNECTION TO THE PROGRAM. It disarms the device when this page is gone; if it has ended itself, look at the board: its power switch is the stop that always works."
+  const lost = !connected ? BoardLink.lost
     : deviceLost !== null ? `NO CONNECTION TO THE DEVICE: ${deviceLost}. A device that was armed may still be armed: its power switch is the stop that always works. It is tried again every second, and disarmed first.` : "";
   $("lost").hidden = !lost;
   if ($("lost").textContent !== lost) $("lost").textContent = lost;
@@ -134,7 +134,7 @@ const heard = {
   done: answered,
   troubles: (message) => { troubles = message; },
 };
-const link = new ProgramLink({
+const link = new BoardLink({
   open: () => { connected = true; show(); },
   closed: () => { connected = false; state = null; show(); },
   words: (message) => { heard[message.type](message); show(); },
@@ -173,7 +173,7 @@ function frame(now) {
   if (passed >= 1) { took.rate = recent.records / passed; recent = { records: 0, since: performance.now() }; }
   if (run.last) READOUT.forEach(([, of], i) => { cells[i].textContent = of(); });
   const quiet = performance.now() - took.at;
-  $("status").textContent = !connected ? "No connection to the program." : link.silent ? "The program says nothing any more." : quiet > 300 ? `No record for ${(quiet / 1000).toFixed(1)} s.` : `Records arrive, ${took.records} so far.`;
+  $("status").textContent = !connected ? `No connection to ${BoardLink.peer}.` : link.silent ? `From ${BoardLink.peer} comes nothing any more.` : quiet > 300 ? `No record for ${(quiet / 1000).toFixed(1)} s.` : `Records arrive, ${took.records} so far.`;
 }
 
 // The stop comes first, wherever the focus is: nothing here needs a space.

@@ -4,7 +4,9 @@ const $ = (id) => document.getElementById(id);
 const AGAIN_MS = 1000, SILENT_MS = 500;
 
 /** Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
-class ProgramLink {
+class BoardLink {
+  static peer = "the program";
+  static lost = "NO CONNECTION TO THE PROGRAM. It disarms the device when this page is gone; if it has ended itself, look at the board: its power switch is the stop that always works.";
   constructor(on) {
     this.on = on;
     this.heard = performance.now();

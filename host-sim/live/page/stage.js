@@ -1,5 +1,7 @@
 // The stage: the knob as one sees it, the lens on the wall's surface, and the last moments as a strip below.
 
+const STRIP_S = 0.6, STRIP_ROW = 1.5;
+
 /** Shows a run's last row in a part of the canvas. */
 class Stage {
   constructor(canvas) {
@@ -45,7 +47,7 @@ class Stage {
     g.arc(x, y, r * 1.4, turn(surface), turn(surface + 0.9));
     g.arc(x, y, r * 1.08, turn(surface + 0.9), turn(surface), true);
     g.fill();
-    for (let a = surface; a < surface + 0.9; a += 0.09) stroke(g, ink.hatch, 1, [], () => { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); });
+    stroke(g, ink.hatch, 1, [], () => { for (let a = surface; a < surface + 0.9; a += 0.09) { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); } });
     stroke(g, ink.text, 2.5, [], () => { g.moveTo(...at(surface, r * 1.04)); g.lineTo(...at(surface, r * 1.44)); });
     g.fillStyle = ink.panel;
     g.beginPath();
@@ -53,10 +55,7 @@ class Stage {
     g.fill();
     stroke(g, ink.muted, 2, [], () => g.arc(x, y, r, 0, 7));
     if (!row) return;
-    for (let i = 0; i < 24; i += 1) {
-      const a = row.angle_rad + (i * Math.PI) / 12;
-      stroke(g, ink.line, 2, [], () => { g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); });
-    }
+    stroke(g, ink.line, 2, [], () => { for (let i = 0; i < 24; i += 1) { const a = row.angle_rad + (i * Math.PI) / 12; g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); } });
     // Where the law sees its surface: moved outwards by the offset.
     if (row.surface_shifted_rad < surface - 1e-4) {
       const moved = Math.max(row.surface_shifted_rad, surface - 2.5);
@@ -92,12 +91,12 @@ class Stage {
 
 /** What happens at the surface, enlarged: to the right is into the wall. */
 class Lens {
-  constructor() { this.half = 0.02; }
+  constructor() { this.half = 0.02; this.bins = new Bins(); }
   draw(g, box, run, colour, titled) {
     const { facts, ring, last: row } = run;
     const surface = facts.surface_rad, h = box.h;
     let widest = 0.01;
-    ring.since(0.6, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - surface))); });
+    ring.since(STRIP_S, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - surface))); });
     // Steps of the scale that last: a lens that breathes cannot be read.
     const wanted = round(widest * 1.25);
     this.half += (wanted > this.half ? 0.4 : 0.15) * (wanted - this.half);
@@ -108,14 +107,12 @@ class Lens {
     g.clip();
     g.fillStyle = ink.wall;
     g.fillRect(X(surface), top, box.x + box.w - X(surface), low - top);
-    for (let at = X(surface) - h; at < box.x + box.w; at += 12) {
-      g.save();
-      g.beginPath();
-      g.rect(X(surface), top, box.w, low - top);
-      g.clip();
-      stroke(g, ink.hatch, 0.7, [], () => { g.moveTo(at, low); g.lineTo(at + low - top, top); });
-      g.restore();
-    }
+    g.save();
+    g.beginPath();
+    g.rect(X(surface), top, box.w, low - top);
+    g.clip();
+    stroke(g, ink.hatch, 0.7, [], () => { for (let at = X(surface) - h; at < box.x + box.w; at += 12) { g.moveTo(at, low); g.lineTo(at + low - top, top); } });
+    g.restore();
     stroke(g, ink.text, 2.5, [], () => { g.moveTo(X(surface), top); g.lineTo(X(surface), low); });
     g.fillStyle = ink.muted;
     g.textBaseline = "bottom";
@@ -138,13 +135,35 @@ class Lens {
     }
     g.restore();
   }
-  /** The last 0.6 s, falling: a limit cycle is a zigzag. */
+  /** The last 0.6 s, falling: a limit cycle is a zigzag. Least and most of each row of pixels, so that no tick is lost and no row is drawn twice. */
   strip(g, { ring }, X, top, low, colour) {
-    const now = ring.at("clock", 0), Y = (t) => top + ((now - t) / 0.6) * (low - top);
-    const series = [["surface_shifted_rad", ink.shift, 1.4, [4, 3]], ["mass_rad", ink.mass, 1.4, [2, 2]], ["angle_rad", colour, 2, []]];
-    for (const [name, ink, wide, dash] of series) {
-      stroke(g, ink, wide, dash, () => ring.since(0.6, (i) => g.lineTo(X(ring.columns[name][i]), Y(ring.columns.clock[i]))));
+    const rows = Math.max(2, Math.floor((low - top) / STRIP_ROW)), now = ring.at("clock", 0), { clock } = ring.columns;
+    g.lineJoin = "bevel";
+    for (const [name, paint, wide, dash] of [["surface_shifted_rad", ink.shift, 1.4, 4], ["mass_rad", ink.mass, 1.4, 2], ["angle_rad", colour, 2, 0]]) {
+      const values = ring.columns[name];
+      const { least, most } = this.bins.clear(rows);
+      ring.since(STRIP_S, (i) => {
+        const row = Math.floor((1 - (now - clock[i]) / STRIP_S) * (rows - 1));
+        if (row < 0) return;
+        if (values[i] < least[row]) least[row] = values[i];
+        if (values[i] > most[row]) most[row] = values[i];
+      });
+      stroke(g, paint, wide, [], () => {
+        let pen = false, at = 0;
+        for (let row = 0; row < rows; row += 1) {
+          // Dashes are rows without a line: those of the canvas are measured along each zigzag, which takes longer than all else here.
+          if (least[row] === Infinity || (dash && row % (2 * dash) >= dash)) { pen = pen && least[row] === Infinity; continue; }
+          const y = top + ((rows - 1 - row) / (rows - 1)) * (low - top), a = X(least[row]), b = X(most[row]);
+          // From the end that is nearer to where the pen stands.
+          const [first, second] = pen && Math.abs(at - b) < Math.abs(at - a) ? [b, a] : [a, b];
+          if (pen) g.lineTo(first, y); else g.moveTo(first, y);
+          if (second !== first) g.lineTo(second, y);
+          at = second;
+          pen = true;
+        }
+      });
     }
+    g.lineJoin = "round";
   }
   parts(g, box, run, row, X, top, line, strip, colour) {
     const x = X(row.angle_rad), left = box.x + 4, right = box.x + box.w - 4;

@@ -62,7 +62,7 @@ function words(now) {
   if (passed >= 1) {
     rate = { at: now, done: counted.done, ticks: (counted.done - rate.done) / passed, frames: 0, fps: rate.frames / passed };
     const skipped = counted.skipped ? `, ${counted.skipped} skipped` : "";
-    $("status").textContent = running ? `${rate.ticks.toFixed(0)} ticks a second of ${(runs[0].facts.rate_hz * chosen.speed).toFixed(0)}, ${counted.late} of ${counted.done} late (more than 10 ms)${skipped}, ${rate.fps.toFixed(0)} frames a second` : `paused after ${counted.done} ticks`;
+    $("status").textContent = running ? `${rate.ticks.toFixed(0)} ticks a second of ${(runs[0].facts.rate_hz * chosen.speed).toFixed(0)}, ${counted.late} of ${counted.done} late (more than 10 ms)${skipped}, ${rate.fps.toFixed(0)} frames a second${ease.every > 1 ? `, one of ${ease.every} drawn to leave room for ticks` : ""}` : `paused after ${counted.done} ticks`;
   }
 }
 
@@ -79,11 +79,26 @@ const inSight = new Set();
 const watch = new IntersectionObserver((entries) => { for (const entry of entries) inSight[entry.isIntersecting ? "add" : "delete"](entry.target); });
 for (const figure of figures) watch.observe(figure.canvas);
 
-let wordsAt = 0, drawn = 0;
+let wordsAt = 0, drawn = 0, frames = 0;
+/** Ticks go before pictures: while ticks come late, only every second, third … frame is drawn. */
+const ease = { every: 1, at: 0, done: 0, late: 0, quiet: 0 };
+const MOST_EASED = 6, LATE_SHARE = 0.002;
+function easeOff(now) {
+  if (now - ease.at < 1000) return;
+  // Counts start again with some runs.
+  const late = Math.max(0, counted.late + counted.skipped - ease.late), done = Math.max(0, counted.done - ease.done);
+  ease.quiet = late > LATE_SHARE * done ? 0 : ease.quiet + 1;
+  if (ease.quiet === 0) ease.every = Math.min(MOST_EASED, ease.every + 1);
+  else if (ease.quiet >= 3) { ease.every = Math.max(1, ease.every - 1); ease.quiet = 0; }
+  Object.assign(ease, { at: now, done: counted.done, late: counted.late + counted.skipped });
+}
 function frame(now) {
   requestAnimationFrame(frame);
   turn(now);
   if (!runs.length || pending) return;
+  easeOff(now);
+  frames += 1;
+  if (frames % ease.every) return;
   rate.frames += 1;
   const hand = runs[0].last?.rest_rad ?? null;
   const pointed = aim ?? (hand === null ? null : chosen.automatic ? unmapped(hand) : hand);
@@ -197,5 +212,4 @@ $("story").append(own);
 
 readInk();
 requestAnimationFrame(frame);
-const bytes = Uint8Array.from(atob($("module").textContent), (c) => c.charCodeAt(0));
-WebAssembly.compile(bytes).then((module) => tell("start", { module, ROW: content.row, FACTS: content.facts, TRACE: content.trace }), (error) => complain(`this browser cannot run WebAssembly: ${error}`));
+unpacked().then((module) => tell("start", { module, ROW: content.row, FACTS: content.facts, TRACE: content.trace }), (error) => complain(`this browser cannot run WebAssembly: ${error}`));

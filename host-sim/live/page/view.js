@@ -14,9 +14,11 @@ function sheet(canvas) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
   }
-  const g = canvas.getContext("2d");
+  // Opaque: what is below need not be mixed in.
+  const g = canvas.getContext("2d", { alpha: false });
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
-  g.clearRect(0, 0, width, height);
+  g.fillStyle = ink.panel;
+  g.fillRect(0, 0, width, height);
   g.font = "12px system-ui, sans-serif";
   g.lineJoin = "round";
   return { g, width, height };
@@ -30,6 +32,18 @@ function stroke(g, colour, width, dash, path) {
   path();
   g.stroke();
   g.setLineDash([]);
+}
+
+/** Least and most of each column or row of pixels; its room is taken once. */
+class Bins {
+  constructor() { this.least = this.most = new Float64Array(0); this.broken = new Uint8Array(0); }
+  clear(n) {
+    if (this.least.length !== n) Object.assign(this, { least: new Float64Array(n), most: new Float64Array(n), broken: new Uint8Array(n) });
+    this.least.fill(Infinity);
+    this.most.fill(-Infinity);
+    this.broken.fill(0);
+    return this;
+  }
 }
 
 /** The last numbers of a run, a column each, in a ring. */
@@ -119,7 +133,7 @@ const BOX = (width, height) => ({ x: 46, y: 16, w: width - 54, h: height - 46 })
 /** A scrolling plot. `series`: {name, colour, dash, wide, of(side, ring columns, i)}. */
 class Plot {
   constructor(canvas, unit, least, series) {
-    Object.assign(this, { canvas, unit, series, range: new Range(least) });
+    Object.assign(this, { canvas, unit, series, range: new Range(least), rooms: [] });
   }
   draw(runs, seconds, level) {
     const { g, width, height } = sheet(this.canvas);
@@ -132,8 +146,7 @@ class Plot {
       for (const line of this.series) {
         if (run.second && line.first) continue;
         // Lowest and highest value in each column of pixels: nothing is lost, whatever the rate.
-        const n = Math.max(1, Math.floor(box.w)), least = new Float64Array(n).fill(Infinity), most = new Float64Array(n).fill(-Infinity);
-        const broken = new Uint8Array(n);
+        const n = Math.max(1, Math.floor(box.w)), { least, most, broken } = (this.rooms[lines.length] ??= new Bins()).clear(n);
         run.ring.since(seconds, (i) => {
           const value = line.of(columns, i, run);
           const at = Math.floor((1 + (columns.clock[i] - now) / seconds) * (n - 1));

@@ -1,41 +1,19 @@
-"use strict";
-// The loop: ticks in real time, beside the page's own thread, so that drawing never delays a tick.
-//
-// A tick is late when it is done more than LATE_MS after its time; ticks for which there was no time at all (the machine slept, the
-// page was hidden) are skipped and counted apart.
+// The loop of one axis: one run or two under the same hand.
 
-const LATE_MS = 10, MOST_BEHIND_MS = 250, POST_MS = 15;
-// A pointer is read some 60 times a second; a hand moves smoothly up to some 10 Hz.
-const HAND_HZ = 8;
 // Ten minutes at 1 kHz with 13 columns are 62 MB.
 const MOST_RECORDED = 600000;
 // A run can be turned back as long as all its rest points are known; this much of it is drawn again.
 const MOST_PAST = 600000, DRAWN_S = 5;
 
-let wasm, ROW, FACTS, TRACE;
+let ROW, FACTS, TRACE;
 const sides = [null, null];
 let aim = null, strength = 0.3, automatic = false;
-let running = false, speed = 1, origin = 0, due = 0;
 let hand = { x: 0, v: 0 }, ticks = 0, autoTick = 0, dirty = 0;
-let count = { done: 0, late: 0, skipped: 0 };
-let record = null, posted = 0, every = 1;
+let record = null, every = 1;
 /** Rest points since the start of the run; null where a setting was changed since, or there are too many. */
 let past = null;
 /** Rest points of a file, one a tick from the start of the run on. */
 let played = null, playedTick = 0;
-
-const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));
-const given = () => text(wasm.live_text(), wasm.live_text_bytes());
-
-function put(string) {
-  const bytes = new TextEncoder().encode(string);
-  const room = wasm.live_text_room(bytes.length);
-  new Uint8Array(wasm.memory.buffer, room, bytes.length).set(bytes);
-}
-
-function numbers(address, n) {
-  return new Float64Array(wasm.memory.buffer, address, n);
-}
 
 function factsOf(side) {
   const values = numbers(wasm.live_facts(side.handle), FACTS.length);
@@ -138,12 +116,6 @@ function back(count) {
   postMessage({ type: "back", a: all[0], b: all[1], most, why: `Tick ${to} of the run.` });
 }
 
-/** Time starts anew at the next tick: what passed while nothing ran is not made up for. */
-function clock() {
-  origin = performance.now();
-  due = 0;
-}
-
 /** Where the hand means to be: outside with the pointer, inside as far as the pointer's push needs against a perfect wall. */
 function target() {
   const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad } = sides[0].facts;
@@ -156,6 +128,8 @@ function target() {
   return inside > 0 ? surface_rad + inside * Math.max(1, strength * reach_rad_per_n_m) : at;
 }
 
+const rateHz = () => sides[0]?.facts.rate_hz;
+
 function tick() {
   const period = 1 / sides[0].facts.rate_hz;
   const goal = played ? played[Math.min(playedTick++, played.length - 1)] : target();
@@ -166,9 +140,7 @@ function tick() {
     autoTick += 1;
     hand = { x: goal, v: 0 };
   } else {
-    const w = Math.min(2 * Math.PI * HAND_HZ, 0.5 / period);
-    hand.v += (w * w * (goal - hand.x) - 2 * w * hand.v) * period;
-    hand.x += hand.v * period;
+    follow(hand, goal, period);
   }
   const time = ticks * period;
   ticks += 1;
@@ -185,36 +157,13 @@ function tick() {
   if (record && (record.ticks += 1) >= MOST_RECORDED) stopRecord("it is full");
 }
 
-function post(now) {
-  posted = now;
+function post() {
   if (!dirty) return;
   dirty = 0;
   const rows = sides.map((side) => (side ? Float64Array.from(side.rows) : null));
   for (const side of sides) if (side) side.rows = [];
   const recorded = record ? record.ticks : null;
   postMessage({ type: "rows", a: rows[0], b: rows[1], count, recorded }, rows.filter((r) => r).map((r) => r.buffer));
-}
-
-function work() {
-  const now = performance.now();
-  if (running && sides[0]) {
-    const perMs = (sides[0].facts.rate_hz * speed) / 1000;
-    const behind = now - origin - due / perMs;
-    if (behind > MOST_BEHIND_MS) {
-      count.skipped += Math.floor(behind * perMs);
-      origin += behind;
-    }
-    const last = Math.floor((now - origin) * perMs);
-    while (due < last) {
-      // Judged when it is done, not when the batch began.
-      const lateness = performance.now() - origin - (due + 1) / perMs;
-      if (lateness > LATE_MS) count.late += 1;
-      due += 1;
-      tick();
-    }
-  }
-  if (now - posted >= POST_MS) post(now);
-  setTimeout(work, 1);
 }
 
 function startRecord() {
@@ -252,7 +201,7 @@ const acts = {
     speed = message.speed;
     clock();
   },
-  step: () => { if (!running && sides[0]) { tick(); post(performance.now()); } },
+  step: () => { if (!running && sides[0]) { tick(); post(); } },
   back: (message) => { if (!running && sides[0]) back(message.ticks); },
   reset: () => { stopRecord("the run started again"); reset(); postMessage({ type: "reset" }); },
   record: (message) => { if (message.on) startRecord(); else stopRecord(""); },

@@ -1,22 +1,30 @@
-//! The page that shows a board: drawn by the code of the simulated one, fed by one socket of the program.
+//! The page that shows a board: drawn by the code of the simulated one. It is fed by one socket of the program, or has the port
+//! itself, where the browser has WebSerial.
 
-use crate::page::{MARK, STAGE, STYLE, VIEW, block, escape, fill, hash};
+use crate::page::{
+    MARK, MEMORY, STAGE, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
+};
 
 const PAGE: &str = include_str!("../page/board.html");
 const BOARD_STYLE: &str = include_str!("../page/board.css");
-const SCRIPT: [&str; 5] = [
-    "\"use strict\";\n",
-    VIEW,
-    STAGE,
-    include_str!("../page/board_link.js"),
-    include_str!("../page/board.js"),
-];
+const BOARD: &str = include_str!("../page/board.js");
+const SOCKET: &str = include_str!("../page/board_link.js");
+const SERIAL: [&str; 3] = [UNPACK, MEMORY, include_str!("../page/serial_link.js")];
+
+/// How the page reaches the board.
+#[derive(Debug, Clone, Copy)]
+pub enum Way<'a> {
+    /// Through the program: the address of its socket, token included.
+    Socket(&'a str),
+    /// The browser has the port.
+    Serial,
+}
 
 /// What the page starts with.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
-    /// Address of the socket, token included.
-    pub socket: &'a str,
+    /// How it reaches the board.
+    pub way: Way<'a>,
     /// Names of the numbers of a record.
     pub columns: &'a [&'a str],
     /// Where the device is.
@@ -28,17 +36,39 @@ pub struct Content<'a> {
 /// The page, and its content security policy.
 #[must_use]
 pub fn render(content: &Content) -> (String, String) {
-    let script = SCRIPT.concat();
+    let link = match content.way {
+        Way::Socket(_) => SOCKET.to_owned(),
+        Way::Serial => SERIAL.concat(),
+    };
+    let script = ["\"use strict\";\n", VIEW, STAGE, &link, BOARD].concat();
     let style = format!("{STYLE}{BOARD_STYLE}");
-    let data = serde_json::json!({
-        "socket": content.socket,
+    let mut data = serde_json::json!({
         "columns": content.columns,
         "place": content.place,
     });
-    // A policy names paths without what is asked of them.
-    let socket = content.socket.split('?').next().unwrap_or_default();
+    let (runs, connects, module, gone, way) = match content.way {
+        Way::Socket(socket) => {
+            data["socket"] = socket.into();
+            // A policy names paths without what is asked of them.
+            let socket = socket.split('?').next().unwrap_or_default();
+            (
+                "",
+                format!("; connect-src {socket}"),
+                String::new(),
+                "When this page is closed or hangs, the program disarms the device.",
+                "This page speaks to the program on this machine and to nothing else.",
+            )
+        }
+        Way::Serial => (
+            " 'wasm-unsafe-eval'",
+            String::new(),
+            packed_module(),
+            "When this page is closed, it says stop to a device that is on; when it hangs, nobody does: limits.host_silence_s is the device's own watchdog on it.",
+            "This page speaks to the port that you choose and to nothing else; frames, settings and the model beside the board are the program's own, as WebAssembly.",
+        ),
+    };
     let policy = format!(
-        "default-src 'none'; script-src '{}'; style-src '{}'; connect-src {socket}; img-src data:; base-uri 'none'; form-action 'none'",
+        "default-src 'none'; script-src '{}'{runs}; style-src '{}'{connects}; img-src data:; base-uri 'none'; form-action 'none'",
         hash(&script),
         hash(&style)
     );
@@ -49,6 +79,9 @@ pub fn render(content: &Content) -> (String, String) {
             ("STYLE", &style),
             ("PROGRAM", &escape(content.program)),
             ("CONTENT", &block(&data)),
+            ("GONE", gone),
+            ("WAY", way),
+            ("MODULE", &module),
             ("SCRIPT", &script),
         ],
     );

@@ -22,16 +22,28 @@ fn desk<T>(with: impl FnOnce(&mut Desk) -> T) -> T {
     DESK.with_borrow_mut(with)
 }
 
-fn take() -> String {
+pub(crate) fn take() -> String {
     TEXT.with_borrow(|text| String::from_utf8_lossy(text).into_owned())
 }
 
-fn give(text: String) {
+pub(crate) fn give(text: String) {
     TEXT.set(text.into_bytes());
 }
 
+/// The bytes in the buffer.
+pub(crate) fn take_bytes() -> Vec<u8> {
+    TEXT.with_borrow(Clone::clone)
+}
+
+/// Puts bytes into the buffer; gives how many.
+pub(crate) fn give_bytes(bytes: Vec<u8>) -> usize {
+    let count = bytes.len();
+    TEXT.set(bytes);
+    count
+}
+
 /// What came of it as a number, and an error's text in the buffer.
-fn number(result: Result<i32>) -> i32 {
+pub(crate) fn number(result: Result<i32>) -> i32 {
     result.unwrap_or_else(|error| {
         give(error.to_string());
         -1

@@ -3,12 +3,12 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest, Sha256};
-use touchstone_live::board_page::{Content, render};
+use touchstone_live::board_page::{Content, Way, render};
 use touchstone_live::page::MARK;
 
 fn page() -> (String, String) {
     render(&Content {
-        socket: "ws://127.0.0.1:4000/socket?token=ab",
+        way: Way::Socket("ws://127.0.0.1:4000/socket?token=ab"),
         columns: &["clock", "missing"],
         place: "</script><script>alert(1)</script>",
         program: "Touchstone <0.1>",
@@ -57,5 +57,30 @@ fn its_policy_allows_its_own_script_and_style() {
 fn what_a_place_is_called_stays_data() {
     let (page, _) = page();
     assert!(!page.contains("<script>alert") && page.contains("Touchstone &lt;0.1>"));
-    assert_eq!(page.matches("</script>").count(), 2);
+    assert_eq!(page.matches("</script>").count(), 3);
+}
+
+#[test]
+fn a_page_that_has_the_port_itself_connects_to_nothing() {
+    let (page, policy) = render(&Content {
+        way: Way::Serial,
+        columns: &["clock"],
+        place: "serial port",
+        program: "Touchstone",
+    });
+    assert!(page.len() <= 1_500_000, "{}", page.len());
+    assert!(!policy.contains("connect-src") && policy.contains(" 'wasm-unsafe-eval'; style-src"));
+    let drawn = page.replace("http://www.w3.org/2000/svg", "");
+    for foreign in [
+        "http:",
+        "https:",
+        "src=",
+        "url(",
+        "fetch(",
+        " eval(",
+        "WebSocket(",
+    ] {
+        assert!(!drawn.contains(foreign), "{foreign}");
+    }
+    assert!(page.contains("requestPort()"));
 }

@@ -1,24 +1,24 @@
 //! The enhanced law's specification tick (thesis Algorithm 3.1, Fig. 3.18; the virtual mass of §3.5 by backward Euler).
 
-use super::{GAIN, HIGHEST, SIGNAL, signal, spring, towards_zero};
+use super::{GAIN, HIGHEST, Int, SIGNAL, cut, signal, spring, times, towards_zero};
 
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enhanced {
     /// `k_de`, a gain; what is regulated towards; `k_v`.
-    pub desired: i128,
+    pub desired: Int,
     /// The stiffness that is regulated towards, a gain.
-    pub target: i128,
+    pub target: Int,
     /// `k_v`, a gain.
-    pub soft: i128,
+    pub soft: Int,
     /// `1/k_v`, a ratio.
-    pub compliance: i128,
+    pub compliance: Int,
     /// Fraction of the ideal step (3.7, 3.8), a ratio.
-    pub of_ideal: i128,
+    pub of_ideal: Int,
     /// `b/k_v` (3.9), a ratio.
-    pub of_force: i128,
+    pub of_force: Int,
     /// `a` (3.11), a ratio.
-    pub of_penetration: i128,
+    pub of_penetration: Int,
     /// The stiffness at the HIP is regulated, not that at the mass.
     pub at_hip: bool,
     /// The offset is changed at every tick, not only while the mass moves inward.
@@ -28,21 +28,21 @@ pub struct Enhanced {
     /// The force of the first contact is kept at its end (2.16, 2.17).
     pub keep_force: bool,
     /// `m/T²`, a gain.
-    pub inertia: i128,
+    pub inertia: Int,
     /// `k_f`, a gain.
-    pub coupling: i128,
+    pub coupling: Int,
     /// `c_f/T`, a gain.
-    pub damping: i128,
+    pub damping: Int,
     /// `m/T² + k_f + c_f/T + c_env/T`, a gain.
-    pub total: i128,
+    pub total: Int,
     /// `k_f + k_v`, a gain.
-    pub series: i128,
+    pub series: Int,
     /// Energy lent to each contact.
-    pub credit: i128,
+    pub credit: Int,
     /// Most that is stored.
-    pub energy_cap: i128,
+    pub energy_cap: Int,
     /// Largest force.
-    pub limit: i128,
+    pub limit: Int,
 }
 
 /// Where the contact stands.
@@ -63,52 +63,52 @@ pub struct Memory {
     /// Where the contact stands.
     pub contact: Contact,
     /// Penetration of the last tick.
-    pub last: i128,
+    pub last: Int,
     /// Force at the HIP.
-    pub force: i128,
+    pub force: Int,
     /// Energy left, the loan included.
-    pub energy: i128,
+    pub energy: Int,
     /// Penetration of the mass.
-    pub mass: i128,
+    pub mass: Int,
     /// Its displacement in the last tick.
-    pub mass_moved: i128,
+    pub mass_moved: Int,
     /// `O`.
-    pub offset: i128,
+    pub offset: Int,
     /// Force of the wall on the mass.
-    pub at_mass: i128,
+    pub at_mass: Int,
 }
 
 /// A force outwards of a tension, rounded down; none inwards.
-fn outward(tension: i128) -> i128 {
+fn outward(tension: Int) -> Int {
     (tension.max(0) >> GAIN).min(HIGHEST)
 }
 
 /// The same rounded up.
-fn outward_up(tension: i128) -> i128 {
+fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
 /// A share of a signal, towards zero.
-fn share(ratio: i128, x: i128) -> i128 {
-    towards_zero(ratio * x, 1 << SIGNAL).clamp(-HIGHEST, HIGHEST)
+fn share(ratio: Int, x: Int) -> Int {
+    cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }
 
 /// The position that a tension holds in a spring, towards zero.
-fn per(tension: i128, stiffness: i128) -> i128 {
+fn per(tension: Int, stiffness: Int) -> Int {
     towards_zero(tension, stiffness).clamp(-HIGHEST, HIGHEST)
 }
 
-fn size(x: i128) -> i128 {
+fn size(x: Int) -> Int {
     x.abs().min(HIGHEST)
 }
 
 impl Enhanced {
     /// One tick at the penetration `e` after a displacement `moved`: memory and force.
     #[must_use]
-    pub fn tick(&self, memory: &Memory, e: i128, moved: i128) -> (Memory, i128) {
+    pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         let mut m = *memory;
         if m.contact == Contact::Free && e > 0 {
-            let force = outward(self.desired * e).min(self.limit);
+            let force = outward(times(self.desired, e)).min(self.limit);
             let (contact, energy) = (Contact::First, self.credit);
             let first = Memory {
                 contact,
@@ -120,14 +120,14 @@ impl Enhanced {
             return (first, force);
         }
         if m.contact == Contact::First {
-            m.energy = (m.energy + m.force * moved).min(self.energy_cap);
+            m.energy = (m.energy + times(m.force, moved)).min(self.energy_cap);
             if moved < 0 && e > 0 {
                 m = self.hand_over(&m);
             }
         }
         let force = match m.contact {
             Contact::Free => None,
-            Contact::First => (e > 0).then(|| outward(self.desired * e)),
+            Contact::First => (e > 0).then(|| outward(times(self.desired, e))),
             Contact::Augmenting => self.augmented(&mut m, e, moved),
         };
         let Some(force) = force else {
@@ -151,18 +151,19 @@ impl Enhanced {
     }
 
     /// The first contact is over: the mass takes its place, with what is left of the energy.
-    fn hand_over(&self, m: &Memory) -> Memory {
+    #[must_use]
+    pub fn hand_over(&self, m: &Memory) -> Memory {
         let e = m.last;
         let (mass, offset) = if self.keep_force {
             let mass = signal(e - per(m.force << GAIN, self.coupling));
             (mass, signal(share(self.compliance, m.force) - mass).max(0))
         } else {
-            (per(self.coupling * e, self.series), 0)
+            (per(times(self.coupling, e), self.series), 0)
         };
         // Half of the coupling's force times its stretch, both rounded up; a force beyond the format is not granted.
         let stretch = size(signal(e - mass));
-        let tension = self.coupling * stretch;
-        let stored = (outward_up(tension) * stretch + 1) >> 1;
+        let tension = times(self.coupling, stretch);
+        let stored = (times(outward_up(tension), stretch) + 1) >> 1;
         let covered = tension <= HIGHEST << GAIN && stored <= m.energy;
         let (mass, energy) = if covered {
             (mass, m.energy - stored)
@@ -175,13 +176,14 @@ impl Enhanced {
             mass_moved: 0,
             offset,
             energy,
-            at_mass: outward(self.soft * signal(mass + offset)),
+            at_mass: outward(times(self.soft, signal(mass + offset))),
             ..*m
         }
     }
 
     /// Algorithm 3.1, lines 7 to 13.
-    fn offset(&self, m: &Memory, e: i128) -> i128 {
+    #[must_use]
+    pub fn offset(&self, m: &Memory, e: Int) -> Int {
         if !self.every_tick && m.mass_moved <= 0 {
             return m.offset;
         }
@@ -204,21 +206,36 @@ impl Enhanced {
     }
 
     /// `d' = (N0 - f)/D` towards zero, and not beyond the end of positions.
-    fn displacement(&self, from: i128, drive: i128, force: i128) -> i128 {
+    fn displacement(&self, from: Int, drive: Int, force: Int) -> Int {
         let step = per(drive - (force << GAIN), self.total);
         signal(signal(from + step) - from)
     }
 
+    /// What drives the mass, but for the wall: `m d/T² + k_f (e - x) + c_f Δe/T`.
+    #[must_use]
+    pub fn drive(&self, m: &Memory, e: Int, moved: Int) -> Int {
+        times(self.inertia, m.mass_moved)
+            + times(self.coupling, signal(e - m.mass))
+            + times(self.damping, moved)
+    }
+
+    /// The force of the coupling on the HIP, towards zero.
+    #[must_use]
+    pub fn coupled(&self, m: &Memory, e: Int, moved: Int) -> Int {
+        let stretch = times(self.coupling, signal(e - m.mass));
+        let tension = stretch + times(self.damping, signal(moved - m.mass_moved));
+        cut(tension, GAIN).clamp(-HIGHEST, HIGHEST)
+    }
+
     /// The force on the HIP; `None` outside.
-    fn augmented(&self, m: &mut Memory, e: i128, moved: i128) -> Option<i128> {
+    fn augmented(&self, m: &mut Memory, e: Int, moved: Int) -> Option<Int> {
         m.offset = self.offset(m, e);
-        let wanted = outward(self.soft * signal(m.mass + m.offset));
+        let wanted = outward(times(self.soft, signal(m.mass + m.offset)));
         if wanted == 0 {
             return None;
         }
         let before = *m;
-        let drive =
-            self.inertia * m.mass_moved + self.coupling * signal(e - m.mass) + self.damping * moved;
+        let drive = self.drive(m, e, moved);
         let step;
         (m.energy, m.at_mass, step) = if self.exact {
             self.paid_move(&before, drive, wanted)
@@ -229,12 +246,7 @@ impl Enhanced {
             (energy.min(self.energy_cap), force, step)
         };
         (m.mass, m.mass_moved) = (signal(m.mass + step), step);
-        let stretch = self.coupling * signal(e - m.mass);
-        let shown = towards_zero(
-            stretch + self.damping * signal(moved - m.mass_moved),
-            1 << GAIN,
-        );
-        let shown = shown.clamp(-HIGHEST, HIGHEST);
+        let shown = self.coupled(m, e, moved);
         if shown > 0 || shown == 0 && e > 0 {
             return Some(shown);
         }
@@ -243,8 +255,8 @@ impl Enhanced {
         }
         // A wall does not pull: the mass goes on as if it were not coupled, if that is paid for.
         let force = if self.exact { wanted } else { m.at_mass };
-        let coast = self.displacement(before.mass, self.inertia * before.mass_moved, force);
-        let after = before.energy + force * coast;
+        let coast = self.displacement(before.mass, times(self.inertia, before.mass_moved), force);
+        let after = before.energy + times(force, coast);
         let paid = !self.exact || after >= 0;
         let step = if paid { coast } else { 0 };
         if self.exact {
@@ -260,27 +272,28 @@ impl Enhanced {
     }
 
     /// Energy, force and displacement of the mass such that `E' = E + f d' >= 0`.
-    fn paid_move(&self, m: &Memory, drive: i128, wanted: i128) -> (i128, i128, i128) {
+    #[must_use]
+    pub fn paid_move(&self, m: &Memory, drive: Int, wanted: Int) -> (Int, Int, Int) {
         let step = self.displacement(m.mass, drive, wanted);
-        let after = m.energy + wanted * step;
+        let after = m.energy + times(wanted, step);
         if after >= 0 {
             return (after.min(self.energy_cap), wanted, step);
         }
         let retreat = m.energy / wanted;
-        let force = outward_up(drive + self.total * retreat).min(wanted);
+        let force = outward_up(drive + times(self.total, retreat)).min(wanted);
         if force == 0 {
             return (m.energy, 0, self.displacement(m.mass, drive, 0));
         }
-        (m.energy - force * retreat, force, -retreat)
+        (m.energy - times(force, retreat), force, -retreat)
     }
 }
 
 /// (2.1) to (2.4): energy and force after a displacement that is known.
-fn passive(energy: i128, wanted: i128, moved: i128) -> (i128, i128) {
-    let force = if energy + wanted * moved >= 0 {
+fn passive(energy: Int, wanted: Int, moved: Int) -> (Int, Int) {
+    let force = if energy + times(wanted, moved) >= 0 {
         wanted
     } else {
         energy / -moved
     };
-    (energy + force * moved, force)
+    (energy + times(force, moved), force)
 }

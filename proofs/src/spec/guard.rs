@@ -1,83 +1,83 @@
 //! The energy guard's specification tick, line by line that of `proofs/coq/Guard.v`, which the theorem is about.
 
-use super::{GAIN, HIGHEST, SIGNAL};
+use super::{GAIN, HIGHEST, Int, SIGNAL, times};
 
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Guard {
     /// `C`.
-    pub capacity: i128,
+    pub capacity: Int,
     /// `P T`.
-    pub refill: i128,
+    pub refill: Int,
     /// `c`, a gain.
-    pub damping: i128,
+    pub damping: Int,
     /// The longest measured displacement that is not overspeed.
-    pub furthest: i128,
+    pub furthest: Int,
     /// `δ`.
-    pub count: i128,
+    pub count: Int,
     /// `s`, a ratio.
-    pub late: i128,
+    pub late: Int,
     /// `κ`, a ratio.
-    pub stray: i128,
+    pub stray: Int,
     /// Half a count and what rounding leaves out.
-    pub slack: i128,
+    pub slack: Int,
     /// `1/D`, a gain.
-    pub per_reach: i128,
+    pub per_reach: Int,
     /// `s d` and half a count.
-    pub in_flight: i128,
+    pub in_flight: Int,
     /// `(1 + s)/4c`, a ratio.
-    pub overrun: i128,
+    pub overrun: Int,
 }
 
 /// The memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// What the hand may still get out.
-    pub account: i128,
+    pub account: Int,
     /// The force of the last tick.
-    pub force: i128,
+    pub force: Int,
     /// The force of the tick before it.
-    pub older: i128,
+    pub older: Int,
 }
 
 /// `x` within `-limit..=limit`.
-fn within(x: i128, limit: i128) -> i128 {
+fn within(x: Int, limit: Int) -> Int {
     x.min(limit).max(-limit)
 }
 
 impl Guard {
     /// What the trusted damping took over a displacement of this size.
-    fn damped(&self, distance: i128) -> i128 {
+    fn damped(&self, distance: Int) -> Int {
         let surely = (distance - self.count).max(0);
-        ((self.damping * surely) >> GAIN) * surely
+        times(times(self.damping, surely) >> GAIN, surely)
     }
 
     /// What a force may still cost after the next sample.
-    fn reserve(&self, force: i128) -> i128 {
-        force.abs() * self.in_flight
+    fn reserve(&self, force: Int) -> Int {
+        times(force.abs(), self.in_flight)
     }
 
     /// The largest force that so much energy pays for over every displacement.
     #[must_use]
-    pub fn largest_force(&self, free: i128) -> i128 {
-        (self.per_reach * (free >> SIGNAL)) >> GAIN
+    pub fn largest_force(&self, free: Int) -> Int {
+        times(self.per_reach, free >> SIGNAL) >> GAIN
     }
 
-    fn booked(&self, memory: &Memory, moved: i128, before_change: i128) -> i128 {
+    fn booked(&self, memory: &Memory, moved: Int, before_change: Int) -> Int {
         let change = memory.force - memory.older;
-        let under_older =
-            before_change + ((self.late * (moved - before_change) + self.stray * change) >> SIGNAL);
-        memory.account + self.refill + memory.force * moved
-            - change * under_older
-            - change.abs() * self.slack
+        let under_older = before_change
+            + ((times(self.late, moved - before_change) + times(self.stray, change)) >> SIGNAL);
+        memory.account + self.refill + times(memory.force, moved)
+            - times(change, under_older)
+            - times(change.abs(), self.slack)
             + self.damped(moved.abs())
     }
 
     /// What the forces that acted can have lost at most until they are off.
-    fn lost(&self, memory: &Memory) -> i128 {
+    fn lost(&self, memory: &Memory) -> Int {
         let size = memory.force.abs().max(memory.older.abs());
-        let over = ((self.overrun * size) >> SIGNAL).min(HIGHEST);
-        size * (over + 1).min(HIGHEST)
+        let over = (times(self.overrun, size) >> SIGNAL).min(HIGHEST);
+        times(size, (over + 1).min(HIGHEST))
     }
 
     /// One tick, and whether it was no overspeed.
@@ -85,9 +85,9 @@ impl Guard {
     pub fn tick(
         &self,
         memory: &Memory,
-        moved: i128,
-        before_change: i128,
-        wanted: i128,
+        moved: Int,
+        before_change: Int,
+        wanted: Int,
     ) -> (Memory, bool) {
         let still = Memory::default();
         if moved.abs() > self.furthest || before_change.abs() > self.furthest {
@@ -112,59 +112,10 @@ impl Guard {
 
     /// What is told of the force in the end.
     #[must_use]
-    pub fn commanded(memory: &Memory, told: i128) -> Memory {
+    pub fn commanded(memory: &Memory, told: Int) -> Memory {
         Memory {
             force: within(told, memory.force.abs()),
             ..*memory
         }
     }
-
-    /// What the theorem asks of the coefficients, for a device whose positions are wrong by at most `δ/2`, that moves at most
-    /// `d` in a tick, whose forces begin to act after a share `s` of it and whose `s (1-s)/4c` is `κ`: `covers` of
-    /// `proofs/coq/GuardLosesNothing.v`, times `2^`[`FINE`], each as what the left side lacks of the right. None may be negative.
-    #[must_use]
-    pub fn room(&self, device: &Device) -> [(&'static str, i128); 5] {
-        let one = 1_i128 << FINE;
-        let product = |a: i128, b: i128| -(-(a * b) >> FINE);
-        let Device { s, d, delta, kappa } = *device;
-        let largest = self.largest_force(self.capacity);
-        let half = (delta + 1) >> 1;
-        let ratio = |stored: i128| stored << (FINE - SIGNAL);
-        let rest = product(one - s, d);
-        let slack = half
-            + one
-            + (s - ratio(self.late)).abs() * self.furthest
-            + (kappa - ratio(self.stray)).max(0) * 2 * largest;
-        let reach = rest + self.in_flight * one + half;
-        [
-            ("count", self.count * one - delta),
-            ("in flight", self.in_flight * one - product(s, d) - half),
-            ("reach", (one << (GAIN + SIGNAL)) - self.per_reach * reach),
-            ("slack", self.slack * one - slack),
-            (
-                "not negative",
-                self.overrun
-                    .min(self.per_reach)
-                    .min(self.damping)
-                    .min(self.refill)
-                    .min(self.capacity),
-            ),
-        ]
-    }
-}
-
-/// Fractional bits below a quantum that [`Device`] has.
-pub const FINE: u32 = 40;
-
-/// The device of the theorem: `s` and `κ` as numbers, `d` and `δ` in quanta, all with [`FINE`] fractional bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Device {
-    /// Share of a tick after which a force begins to act.
-    pub s: i128,
-    /// The furthest that it moves in a tick.
-    pub d: i128,
-    /// Twice the largest error of a measured position.
-    pub delta: i128,
-    /// `s (1-s)/4c`, or more.
-    pub kappa: i128,
 }

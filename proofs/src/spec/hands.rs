@@ -1,10 +1,10 @@
 //! Guards, hands and laws for whoever compares the guard with its specification: any settings, hostile motions, any wanted force.
 
-use super::guard::{Guard as Specified, Memory};
+use super::guard::Memory;
 use fixed::types::I8F24;
 use touchstone_control::{
-    ChangeOfForce, FilterSettings, FirstContact, Fixed32, Guard, GuardSettings, GuardState,
-    GuardedDevice, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings, Si,
+    ChangeOfForce, FilterSettings, FirstContact, GuardSettings, GuardedDevice, IdealStep, LawKind,
+    ObserverForm, OffsetUpdate, Regulate, Settings, Si,
 };
 
 /// Seeded numbers.
@@ -79,35 +79,6 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
         count: Si::from_bits(random.below(429_496_730).cast_signed() >> random.below(20)),
     };
     (settings, device)
-}
-
-/// A guard's coefficients as the specification has them.
-#[must_use]
-pub fn specified(law: &Guard<Fixed32>) -> Specified {
-    let signal = |x: I8F24| i128::from(x.to_bits());
-    Specified {
-        capacity: i128::from(law.capacity.0.to_bits()),
-        refill: i128::from(law.refill.0.to_bits()),
-        damping: i128::from(law.damping.0.to_bits()),
-        furthest: signal(law.furthest.0),
-        count: signal(law.count.0),
-        late: signal(law.late.0),
-        stray: signal(law.stray.0),
-        slack: signal(law.slack.0),
-        per_reach: i128::from(law.per_reach.0.to_bits()),
-        in_flight: signal(law.in_flight.0),
-        overrun: signal(law.overrun.0),
-    }
-}
-
-/// Its memory.
-#[must_use]
-pub fn memory(state: &GuardState<Fixed32>) -> Memory {
-    Memory {
-        account: i128::from(state.account.0.to_bits()),
-        force: i128::from(state.force.0.to_bits()),
-        older: i128::from(state.older.0.to_bits()),
-    }
 }
 
 /// The signal of so many quanta, at most the end of the format.

@@ -1,15 +1,15 @@
 //! Specification ticks of the spring (thesis 1.6, §1.2.6) and of successive force augmentation (thesis 2.11 to 2.17, 3.2, 3.3).
 
-use super::{GAIN, HIGHEST, SIGNAL, signal, spring, towards_zero};
+use super::{GAIN, HIGHEST, Int, SIGNAL, cut, signal, spring, times};
 
 /// `f = k_de e + (b/T) Δe`, never pulling, zero outside; coefficients in quanta.
 #[must_use]
-pub fn spring_tick(desired: i128, damping: i128, limit: i128, e: i128, moved: i128) -> i128 {
+pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -> Int {
     if e <= 0 {
         return 0;
     }
-    let tension = desired * e + damping * moved.min(e);
-    towards_zero(tension, 1 << GAIN).clamp(0, HIGHEST.min(limit))
+    let tension = times(desired, e) + times(damping, moved.min(e));
+    cut(tension, GAIN).clamp(0, HIGHEST.min(limit))
 }
 
 /// When the offset is changed.
@@ -27,19 +27,19 @@ pub enum Update {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sfa {
     /// `k_de`, a gain.
-    pub desired: i128,
+    pub desired: Int,
     /// `k_v`, a gain.
-    pub soft: i128,
+    pub soft: Int,
     /// `k_c/k_v - 1` (2.14a), a ratio.
-    pub gain: i128,
+    pub gain: Int,
     /// `1/k_v`, a ratio.
-    pub compliance: i128,
+    pub compliance: Int,
     /// When the offset is changed.
     pub update: Update,
     /// The force of the first contact is kept at its end (2.16, 2.17).
     pub keep_force: bool,
     /// Largest force.
-    pub limit: i128,
+    pub limit: Int,
 }
 
 /// The memory; `augmenting` is after the first reversal, `inside` from the first tick in the wall on.
@@ -50,18 +50,18 @@ pub struct Memory {
     /// After the first reversal.
     pub augmenting: bool,
     /// Penetration of the last tick.
-    pub last: i128,
+    pub last: Int,
     /// That of the tick before it.
-    pub before_last: i128,
+    pub before_last: Int,
     /// `O`.
-    pub offset: i128,
+    pub offset: Int,
     /// Force of the last tick.
-    pub force: i128,
+    pub force: Int,
 }
 
 impl Sfa {
     /// (2.14) and (3.2): the step of the offset.
-    fn step(&self, m: &Memory, moved: i128) -> i128 {
+    fn step(&self, m: &Memory, moved: Int) -> Int {
         let due = match self.update {
             Update::TurnInward => moved > 0 && m.last <= m.before_last,
             Update::Inward => moved > 0,
@@ -70,7 +70,7 @@ impl Sfa {
         if !due {
             return 0;
         }
-        let step = towards_zero(self.gain * moved, 1 << SIGNAL).clamp(-HIGHEST, HIGHEST);
+        let step = cut(times(self.gain, moved), SIGNAL).clamp(-HIGHEST, HIGHEST);
         // What the limit takes away again is no reason for an offset.
         let wanted = spring(self.desired, m.last).min(self.limit);
         match (m.last > 0, m.force.cmp(&wanted)) {
@@ -82,13 +82,13 @@ impl Sfa {
 
     /// One tick at the penetration `e` after a displacement `moved`: memory and force.
     #[must_use]
-    pub fn tick(&self, memory: &Memory, e: i128, moved: i128) -> (Memory, i128) {
+    pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         let m = memory;
         let turned = m.inside && !m.augmenting && moved < 0;
         let offset = if turned && self.keep_force {
             // (2.16), (2.17)
             let force = spring(self.desired, e).clamp(0, self.limit);
-            let held = towards_zero(self.compliance * force, 1 << SIGNAL).clamp(-HIGHEST, HIGHEST);
+            let held = cut(times(self.compliance, force), SIGNAL).clamp(-HIGHEST, HIGHEST);
             signal(held - e)
         } else if m.augmenting {
             signal(m.offset + self.step(m, moved))

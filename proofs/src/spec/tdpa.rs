@@ -1,40 +1,37 @@
 //! TDPA's specification tick (thesis 1.6, 2.1 to 2.6).
 
-use super::{HIGHEST, LOWEST, damping_loss, spring};
+use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, spring, times};
 
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tdpa {
     /// `k_de`, a gain.
-    pub desired: i128,
+    pub desired: Int,
     /// `f(n-1) Δe` (the port's energy) if true, `f(n) Δe` (thesis 2.1) if not.
     pub exact: bool,
     /// `c_i/T`, a gain (2.6).
-    pub device_damping: i128,
+    pub device_damping: Int,
     /// Largest force.
-    pub limit: i128,
+    pub limit: Int,
     /// Most that is stored.
-    pub energy_cap: i128,
+    pub energy_cap: Int,
 }
 
 /// The memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Force of the last tick.
-    pub force: i128,
+    pub force: Int,
     /// Observed energy.
-    pub energy: i128,
+    pub energy: Int,
     /// Whether the HIP was in the wall.
     pub inside: bool,
 }
 
-/// The lowest energy of the format: a deficit of 32 kJ is cut off there.
-const LOWEST_ENERGY: i128 = -(1 << 63);
-
 impl Tdpa {
     /// One tick at the penetration `e` after a displacement `moved`: memory and force.
     #[must_use]
-    pub fn tick(&self, memory: &Memory, e: i128, moved: i128) -> (Memory, i128) {
+    pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         if e <= 0 {
             return (Memory::default(), 0);
         }
@@ -57,23 +54,23 @@ impl Tdpa {
     }
 
     /// (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, and `f(n)` such that it is not negative.
-    fn thesis(&self, memory: &Memory, wanted: i128, moved: i128, loss: i128) -> (i128, i128) {
+    fn thesis(&self, memory: &Memory, wanted: Int, moved: Int, loss: Int) -> (Int, Int) {
         let energy = (memory.energy + loss).min(self.energy_cap);
-        let force = if energy + wanted * moved >= 0 {
+        let force = if energy + times(wanted, moved) >= 0 {
             wanted
         } else {
             // Outward, and not enough in store: what there is, over the displacement.
             energy / -moved
         };
-        ((energy + force * moved).min(self.energy_cap), force)
+        ((energy + times(force, moved)).min(self.energy_cap), force)
     }
 
     /// `E(n) = E(n-1) + f(n-1) Δe`, and `f(n)` such that the next displacement, taken to be like the last, leaves no deficit.
-    fn exact(&self, memory: &Memory, wanted: i128, moved: i128, loss: i128) -> (i128, i128) {
-        let lowest = |energy: i128| energy.max(LOWEST_ENERGY);
+    fn exact(&self, memory: &Memory, wanted: Int, moved: Int, loss: Int) -> (Int, Int) {
+        let lowest = |energy: Int| energy.max(LOWEST_ENERGY);
         let energy =
-            lowest(lowest(memory.energy + memory.force * moved) + loss).min(self.energy_cap);
-        let force = if moved == 0 || energy + wanted * moved >= 0 {
+            lowest(lowest(memory.energy + times(memory.force, moved)) + loss).min(self.energy_cap);
+        let force = if moved == 0 || energy + times(wanted, moved) >= 0 {
             wanted
         } else {
             let enough = (energy.abs() / moved.abs()).min(HIGHEST);

@@ -8,19 +8,22 @@ use touchstone_control::space::{
     Shape, Shell, SpaceWall, SurfacePoint, Turn, Vector, VectorGuard,
 };
 use touchstone_control::{
-    AnyLaw, Fixed32, Force, GuardSettings, GuardedDevice, LawKind, Position, Settings, Si,
+    AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, LawKind, Position,
+    Settings, Si,
 };
 
 /// A wall of three axes.
 pub type Wall = SpaceWall<Fixed32, Shape<Fixed32>, AnyLaw<Fixed32>>;
 
 /// Names of the cases.
-pub const SPACE_CASES: [&str; 5] = [
+pub const SPACE_CASES: [&str; 7] = [
     "space-ball",
     "space-frictionless",
     "space-per-axis",
     "space-restricted",
     "space-corner",
+    "space-estimated",
+    "space-estimated-frictionless",
 ];
 /// Ticks of each.
 pub const SPACE_TICKS: u32 = 4000;
@@ -88,8 +91,18 @@ pub fn space_wall(case: &str) -> Option<Wall> {
         kinetic_coefficient: const { Si::lit("0.3") },
     };
     let friction = friction.friction(unit, 1000, const { Si::lit("2") }).ok()?;
-    if case != "space-frictionless" {
+    if !case.ends_with("frictionless") {
         wall.friction = Some((friction, FrictionState::default()));
+    }
+    if case.starts_with("space-estimated") {
+        let axis = EstimatorSettings {
+            bandwidth_hz: const { Si::lit("62.6") },
+            inertia: const { Si::lit("0.148") },
+            damping: const { Si::lit("2.5") },
+            delay_s: const { Si::lit("0.0005") },
+        };
+        let axes = [axis; 3];
+        wall.estimator = Some(unit.estimator(&axes, 1000, const { Si::lit("12") }).ok()?);
     }
     let (guard, device) = unit.guard(
         &GuardSettings {

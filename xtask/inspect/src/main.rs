@@ -12,6 +12,7 @@ mod changes;
 mod cortex;
 mod firmware;
 mod floats;
+mod operators;
 mod proofs;
 mod thumb;
 mod vectors;
@@ -24,7 +25,8 @@ use cortex::ProgramCode;
 
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
-                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] | refuted REPORT HARNESS; \
+                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | \
+                     operators instrument WORK WITHOUT | operators refused WORK MESSAGES | operators alone NUMBER WORK | operators table OUTCOMES; \
                      `cargo xtask` calls it from the workspace's folder";
 
 fn answer(words: &[&str]) -> Result<Answer, String> {
@@ -46,15 +48,30 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
                 report: &text(report)?,
                 usage: &text(usage)?,
                 memory_kib: memory.parse().map_err(|_| USAGE.to_owned())?,
+                memo: &path(report).with_file_name("proved.tsv"),
             };
             match rest {
                 [part] => proofs::some(&run, part),
-                [words, machine] => proofs::whole(&run, words, machine, false),
-                [words, machine, "--bless"] => proofs::whole(&run, words, machine, true),
+                [words, machine] => proofs::whole(&run, words, machine, false, None),
+                [words, machine, "--bless"] => proofs::whole(&run, words, machine, true, None),
+                [words, machine, "--resume", list] => {
+                    proofs::whole(&run, words, machine, false, Some(&text(list)?))
+                }
+                [words, machine, "--bless", "--resume", list] => {
+                    proofs::whole(&run, words, machine, true, Some(&text(list)?))
+                }
                 _ => Ok(Answer::Usage(USAGE.into())),
             }
         }
+        ["remaining", list, memo] => proofs::remaining(&text(list)?, path(memo)),
         ["statements", lock] => proofs::unchanged(&text(lock)?),
+        ["operators", "instrument", work, without] => {
+            operators::instrument(path(work), path(without))
+        }
+        ["operators", "refused", work, messages] => operators::refused(path(work), path(messages)),
+        ["operators", "alone", number, work] => operators::alone(number, path(work)),
+        ["operators", "table", outcomes] => operators::table(path(outcomes)),
+        ["refuting", report] => proofs::refuting(&text(report)?),
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
         _ => Ok(Answer::Usage(USAGE.into())),
     }

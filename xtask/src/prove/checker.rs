@@ -11,9 +11,12 @@ use super::usage::Watch;
 use crate::inspect;
 use crate::outcome::Outcome;
 
-/// The checker ends a harness that takes longer by the clock, which is no answer: four times as long, for a machine that others
-/// use as well.
-const TIMEOUT_S: u32 = 480;
+/// Each process may take so much processor time, by `ulimit -t`, which is no answer either: a little more than what the gate allows a
+/// harness altogether.
+const PROCESS_S: u32 = 150;
+/// The checker ends a harness that takes longer by the clock: only to come to an end at all, for what a machine that others use as
+/// well leaves to it nobody knows.
+const TIMEOUT_S: u32 = 2400;
 /// Each process that the checker starts, by `ulimit -v`; one that needs more fails.
 pub const MEMORY_KIB: u64 = 8 << 20;
 
@@ -32,6 +35,8 @@ pub enum Which<'a> {
     Containing(&'a str),
     /// The one of this name.
     Named(&'a str),
+    /// Those of these names.
+    These(&'a [String]),
 }
 
 /// Runs harnesses of the workspace in `workspace`, `jobs` at a time; progress on standard error.
@@ -58,7 +63,7 @@ pub fn run(
         .current_dir(workspace)
         .args([
             "-c",
-            &format!("ulimit -v {MEMORY_KIB} && exec cargo kani \"$@\""),
+            &format!("ulimit -v {MEMORY_KIB} && ulimit -t {PROCESS_S} && exec cargo kani \"$@\""),
             "sh",
         ])
         .args([
@@ -81,6 +86,12 @@ pub fn run(
         Which::All => {}
         Which::Containing(part) => drop(command.args(["--harness", part])),
         Which::Named(name) => drop(command.args(["--exact", "--harness", name])),
+        Which::These(names) => {
+            command.arg("--exact");
+            for name in names {
+                command.args(["--harness", name]);
+            }
+        }
     }
     let watch = Watch::start(&target);
     let why = to_end(&mut command, progress)?;
@@ -182,6 +193,40 @@ fn reason(errors: &[String]) -> Option<String> {
         .collect();
     let last = &others[others.len().saturating_sub(2)..];
     (!last.is_empty()).then(|| last.join(" "))
+}
+
+/// The checker's own list of all harnesses, in the target's folder.
+pub fn list(target: &Path) -> Result<PathBuf, String> {
+    std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
+    let list = target.join("list.json");
+    let changed = |path: &Path| path.metadata().and_then(|it| it.modified()).ok();
+    let newest = std::fs::read_dir("proofs/src").map_err(|why| format!("proofs/src: {why}"))?;
+    let newest = newest
+        .filter_map(|entry| changed(&entry.ok()?.path()))
+        .max();
+    // Making it compiles everything once more.
+    if changed(&list) > newest {
+        return Ok(list);
+    }
+    let made = Path::new("kani-list.json");
+    let _ = std::fs::remove_file(made);
+    let mut command = Command::new("cargo");
+    // It knows neither packages nor a target, and takes the folder's package.
+    command
+        .args(["kani", "list", "--format", "json"])
+        .current_dir("proofs")
+        .env("CARGO_TARGET_DIR", target)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    let _ = command
+        .status()
+        .map_err(|why| format!("cargo kani list: {why}"))?;
+    let found = [Path::new("proofs/kani-list.json"), made];
+    let found = found.into_iter().find(|path| path.is_file());
+    let found = found.ok_or("`cargo kani list` left no list")?;
+    std::fs::copy(found, &list).map_err(|why| format!("{}: {why}", list.display()))?;
+    let _ = std::fs::remove_file(found);
+    Ok(list)
 }
 
 /// Whether one named harness refutes what stands in a workspace. `Err`: anything else than a proof or a refutation of that

@@ -7,27 +7,32 @@
 
 pub mod checker;
 mod coq;
+mod systematic;
 mod usage;
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
 use crate::outcome::Outcome;
 use crate::{inspect, mutants, shell};
 use checker::{Left, MEMORY_KIB, Which};
+use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str =
-    "cargo xtask prove [--harness NAME] [--bless] [--theorems] | --mutants [--tests | --theorems]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --mutants [--tests | --theorems | --systematic [--sample | [--shard I/N] [--proofs]]]";
 const LOCK: &str = "proofs/harnesses.lock";
-/// Harnesses that run at the same time.
+/// What was proved, beside the report.
+const MEMO: &str = "proved.tsv";
+/// Harnesses of a part of a run that is taken up again.
+const AT_A_TIME: usize = 52;
+/// Harnesses that run at the same time, where `--jobs` does not say.
 const JOBS: u32 = 2;
 
 /// The command. Run from anywhere in the workspace.
 pub fn run(args: &[String]) -> Outcome {
-    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let mut words: Vec<&str> = args.iter().map(String::as_str).collect();
     if let Err(why) = std::env::set_current_dir(shell::root()) {
         return Outcome::Failed(format!("the workspace: {why}"));
     }
@@ -41,24 +46,60 @@ pub fn run(args: &[String]) -> Outcome {
     match words.as_slice() {
         ["--theorems"] => return coq::run(),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
+        ["--mutants", "--systematic", rest @ ..] => return by_rule(rest),
         _ => {}
     }
-    match words.as_slice() {
-        [] | ["--bless"] | ["--harness", _] | ["--mutants"] => {}
-        _ => return Outcome::Usage(USAGE.into()),
-    }
+    let jobs = match words.as_slice() {
+        [before @ .., "--jobs", jobs] => {
+            let jobs = jobs.parse().ok().filter(|jobs| (1..=64).contains(jobs));
+            words = before.to_vec();
+            jobs
+        }
+        _ => Some(JOBS),
+    };
+    let known = matches!(
+        words.as_slice(),
+        [] | ["--bless"]
+            | ["--resume"]
+            | ["--bless", "--resume"]
+            | ["--harness", _]
+            | ["--mutants"]
+    );
+    let Some(jobs) = jobs.filter(|_| known) else {
+        return Outcome::Usage(USAGE.into());
+    };
     if shell::capture(&mut kani_version()).is_none() {
         return without_checker();
     }
     match words.as_slice() {
         ["--mutants"] => mutants::by_proofs(),
-        ["--harness", part] => some(part),
+        ["--harness", part] => some(part, jobs),
         _ => {
-            let theorems = coq::run();
-            println!("theorems over traces: {theorems}");
-            with_theorems(theorems, whole(words.contains(&"--bless")))
+            let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
+            let harnesses = whole(bless, resume, jobs);
+            println!("harnesses: {harnesses}");
+            with_sample(with_theorems(coq::run(), harnesses))
         }
     }
+}
+
+/// `--shard I/N` and `--proofs`, either, both or none; or `--sample`.
+fn by_rule(words: &[&str]) -> Outcome {
+    if words == ["--sample"] {
+        return systematic::sample();
+    }
+    let (proofs, words) = match words {
+        [words @ .., "--proofs"] => (true, words),
+        words => (false, words),
+    };
+    let shard = match words {
+        [] => Some(Shard::ALL),
+        ["--shard", text] => Shard::read(text),
+        _ => None,
+    };
+    shard.map_or(Outcome::Usage(USAGE.into()), |shard| {
+        systematic::run(shard, proofs)
+    })
 }
 
 /// Harnesses with theorems: what failed, else what did not run, else both.
@@ -84,35 +125,74 @@ fn target() -> std::path::PathBuf {
 }
 
 /// Those whose name contains `part`; says nothing about the others, nor about the lock.
-fn some(part: &str) -> Outcome {
+fn some(part: &str, jobs: u32) -> Outcome {
     let which = Which::Containing(part);
-    match checker::run(Path::new("."), &target(), which, JOBS, true) {
+    match checker::run(Path::new("."), &target(), which, jobs, true) {
         Ok(left) => gate(&left, &[part]),
         Err(why) => Outcome::Failed(why),
     }
 }
 
-/// All of them, against the lock, with the table.
-fn whole(bless: bool) -> Outcome {
+/// All of them, against the lock, with the table. Resumed: those that were not proved before, of this code and as they are stated.
+fn whole(bless: bool, resume: bool, jobs: u32) -> Outcome {
     let (machine, begun) = (machine(load()), Instant::now());
-    let left = match checker::run(Path::new("."), &target(), Which::All, JOBS, true) {
+    let left = if resume {
+        remaining(jobs)
+    } else {
+        // What an older run proved does not count in a whole one.
+        let _ = std::fs::remove_file(target().join(MEMO));
+        checker::run(Path::new("."), &target(), Which::All, jobs, true).map(|left| (left, None))
+    };
+    let (left, list) = match left {
         Ok(left) => left,
         Err(why) => return Outcome::Failed(why),
     };
     let took_s = begun.elapsed().as_secs();
     let version = shell::capture(&mut kani_version()).unwrap_or_default();
+    let parts = if resume { " in parts, the last of" } else { "" };
     let run = format!(
-        "{}, {JOBS} harnesses at a\ntime, {} min {:02} s by the clock with compiling.",
+        "{}, {jobs} harnesses at a\ntime,{parts} {} min {:02} s by the clock with compiling.",
         version.lines().next().unwrap_or("Kani"),
         took_s / 60,
         took_s % 60,
     );
-    let bless = bless.then_some("--bless");
-    let words: Vec<&str> = [run.as_str(), machine.as_str()]
-        .into_iter()
-        .chain(bless)
-        .collect();
+    let mut words = vec![run, machine];
+    if bless {
+        words.push("--bless".into());
+    }
+    if let Some(list) = list {
+        words.extend(["--resume".into(), list.display().to_string()]);
+    }
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
     gate(&left, &words)
+}
+
+/// Runs what was not proved before, some at a time, so that what is broken off has lost little; the last of the runs, and the list.
+fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
+    let list = checker::list(&target())?;
+    let memo = target().join(MEMO);
+    let words = ["remaining".as_ref(), list.as_os_str(), memo.as_os_str()];
+    let (names, outcome) = inspect::ask(words);
+    println!("{outcome}");
+    let mut last = None;
+    for names in names.chunks(AT_A_TIME) {
+        let left = checker::run(Path::new("."), &target(), Which::These(names), jobs, true)?;
+        let outcome = gate(&left, &["::"]);
+        println!("{outcome}");
+        last = Some(left);
+    }
+    // Nothing was left to run: a run of one, for the gate to read.
+    let left = match last {
+        Some(left) => left,
+        None => checker::run(
+            Path::new("."),
+            &target(),
+            Which::Containing("p9_angle16"),
+            jobs,
+            true,
+        )?,
+    };
+    Ok((left, Some(list)))
 }
 
 fn gate(left: &Left, more: &[&str]) -> Outcome {
@@ -147,7 +227,21 @@ fn machine(load: Option<f64>) -> String {
 fn without_checker() -> Outcome {
     let theorems = coq::run();
     println!("theorems over traces: {theorems}");
-    with_theorems(theorems, without_harnesses())
+    with_sample(with_theorems(theorems, without_harnesses()))
+}
+
+/// And a few wrong changes, which the tests must refute again.
+fn with_sample(before: Outcome) -> Outcome {
+    let sample = systematic::sample();
+    println!("wrong changes by rule: {sample}");
+    match (sample, before) {
+        (Outcome::Ok(text), Outcome::Ok(before)) => Outcome::Ok(format!("{before}; {text}")),
+        (Outcome::Ok(text), Outcome::NotRun(before)) => {
+            Outcome::NotRun(format!("{before}; {text}"))
+        }
+        (Outcome::Ok(_), before) => before,
+        (sample, before) => Outcome::Failed(format!("{}; {}", before.reason(), sample.reason())),
+    }
 }
 
 fn without_harnesses() -> Outcome {

@@ -77,11 +77,7 @@ impl<N: Spatial> Surface<N> for Cylinder<N> {
         };
         let cap = slanted(self.half - ahead, rise.modulus().0);
         let wall = Direction::of(across).and_then(|direction| {
-            let far = chord(
-                self.radius,
-                radial.length_down(),
-                direction.component(radial),
-            );
+            let far = chord(self.radius, radial, &direction);
             slanted(far, across.length_down().0)
         });
         match (cap, wall) {

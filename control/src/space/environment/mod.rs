@@ -49,6 +49,12 @@ pub trait Surface<N: Spatial> {
 
     /// The directions in which surface points can be closest, apart from that of the closest one.
     fn ways(&self, visit: &mut dyn FnMut(Direction<N>));
+
+    /// Whether from everywhere inside the way out is the shorter the nearer it lies to that to the closest point: then the only way
+    /// to ask for is the one towards it.
+    fn is_round(&self) -> bool {
+        false
+    }
 }
 
 /// `length / cosine`; `None` where the direction does not lead out.
@@ -104,5 +110,8 @@ impl<N: Spatial> Surface<N> for Shape<N> {
     }
     fn ways(&self, visit: &mut dyn FnMut(Direction<N>)) {
         of_each!(self, object => object.ways(visit))
+    }
+    fn is_round(&self) -> bool {
+        of_each!(self, object => Surface::<N>::is_round(object))
     }
 }

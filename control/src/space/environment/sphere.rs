@@ -17,11 +17,11 @@ pub struct Sphere<N: Spatial> {
 impl<N: Spatial> Surface<N> for Sphere<N> {
     #[inline]
     fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N> {
-        let from = at - self.centre;
+        let (length, normal) = Direction::polar(at - self.centre);
         Nearest {
             // At the centre all points are as close: the one that was.
-            normal: Direction::of(from).unwrap_or(*side),
-            depth: self.radius - from.length_down(),
+            normal: normal.unwrap_or(*side),
+            depth: self.radius - length,
         }
     }
     fn exit(
@@ -30,24 +30,25 @@ impl<N: Spatial> Surface<N> for Sphere<N> {
         along: &Direction<N>,
         _: &Direction<N>,
     ) -> Option<Position<N>> {
-        let from = at - self.centre;
-        Some(chord(
-            self.radius,
-            from.length_down(),
-            along.component(from),
-        ))
+        Some(chord(self.radius, at - self.centre, along))
     }
     fn ways(&self, _: &mut dyn FnMut(Direction<N>)) {}
+    fn is_round(&self) -> bool {
+        true
+    }
 }
 
-/// From inside a circle, at a distance from its centre of which a part lies along the way: how far it is to the circle,
-/// `sqrt(b² + (R - r)(R + r)) - b`.
+/// From inside a circle or a ball, at a place seen from its centre: how far it is to the surface in a direction,
+/// `sqrt(b² + R² - |v|²) - b` with the part `b` of the place along it.
 pub(super) fn chord<N: Spatial>(
     radius: Position<N>,
-    from: Position<N>,
-    along: Position<N>,
+    from: Vector<Position<N>>,
+    direction: &Direction<N>,
 ) -> Position<N> {
-    let square = |a: Position<N>, b: Position<N>| Force::<N>(a.0) * b;
-    let sum = square(along, along) + square(radius - from, radius + from).max(Energy::zero());
-    Position(N::root(sum.0)) - along
+    let along = direction.component(from);
+    let square = |a: Position<N>| Force::<N>(a.0) * a;
+    // Coordinates are at most a quarter of the format: the sums fit.
+    let inside = square(radius) - from.map(|x| Force(x.0)).work(from);
+    let sum = square(along) + inside.max(Energy::zero());
+    Position(N::root_of_squares(sum.0)) - along
 }

@@ -1,13 +1,15 @@
 //! The device's side: records as they come, the model beside them, and the connection that may break.
 
-use super::rows::RecordRows;
-use crate::config::{self, value};
-use crate::device::{described, status_of};
+use crate::config;
+use crate::device::status_of;
 use crate::monitor::SILENCE_LIMIT;
 use std::time::{Duration, Instant};
 use touchstone_device::{Address, Client};
 use touchstone_drive::twin::Twin;
-use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_link::rows::{RecordRows, decimation};
+use touchstone_link::setting::parsed;
+use touchstone_link::told;
+use touchstone_link::words::described;
 use touchstone_protocol::{
     DeviceCommand, DeviceSettings, Phase, Reply, Request, Status, Telemetry,
 };
@@ -15,11 +17,6 @@ use touchstone_sim::error::{Error, Result};
 
 /// A connection that broke is tried again this often.
 const AGAIN: Duration = Duration::from_secs(1);
-/// Bytes of a busy record with its frame, and of the serial line in a second (921,600 baud, ten bits a byte), of which answers need
-/// some.
-const RECORD_BYTES: u32 = 36;
-const LINE_BYTES: u32 = 80_000;
-
 /// What happened in a turn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum News {
@@ -67,8 +64,7 @@ impl DeviceSide {
     /// Takes a connection that was just made.
     fn begin(&mut self, mut client: Client) -> Result<()> {
         self.settings = client.settings()?;
-        let line = self.settings.timing.rate_hz * RECORD_BYTES;
-        self.decimation = u16::try_from(line.div_ceil(LINE_BYTES)).unwrap_or(u16::MAX);
+        self.decimation = decimation(&self.settings);
         client.tell(&Request::Telemetry {
             decimation: self.decimation,
         })?;
@@ -80,15 +76,13 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// The model of these settings; it follows where every tick is told.
+    /// The model of these settings.
     fn model(&mut self) {
-        let twin = self.client.as_ref().and_then(|client| {
-            let one_by_one = self.decimation == 1;
-            one_by_one.then(|| Twin::new(&self.settings, client.identity().board).ok())?
-        });
-        let (rate_hz, surface_rad) = (self.settings.timing.rate_hz, self.settings.wall.surface_rad);
-        self.rows
-            .begin(twin, self.decimation, rate_hz, surface_rad.to_num());
+        let twin = self
+            .client
+            .as_ref()
+            .and_then(|client| Twin::new(&self.settings, client.identity().board).ok());
+        self.rows.begin(twin, self.decimation, &self.settings);
     }
 
     /// Waits some 20 ms at most for records, or tries to connect again.
@@ -154,17 +148,7 @@ impl DeviceSide {
     /// Switches the device off if it moves or may move something; what was done, in words.
     pub fn off(&mut self) -> Option<String> {
         let status = self.status().ok()?;
-        let (command, done) = match status.phase {
-            Phase::Armed => (
-                DeviceCommand::Disarm,
-                "the device was armed, and is disarmed",
-            ),
-            Phase::Calibrating => (
-                DeviceCommand::Stop,
-                "the device was calibrating, and is stopped",
-            ),
-            _ => return None,
-        };
+        let (command, done) = told::switched_off(status.phase)?;
         Some(match self.command(command) {
             Ok(()) => done.to_owned(),
             Err(error) => format!("THE DEVICE MAY STILL BE ON: {error}"),
@@ -223,7 +207,7 @@ impl DeviceSide {
 
     /// Changes a setting, given as text.
     pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
-        let setting = config::parsed(path, text)?;
+        let setting = parsed(path, text)?;
         let (_, after) = self.with(|client| config::set(client, &setting))?;
         self.settings = after;
         Ok(())
@@ -237,19 +221,10 @@ impl DeviceSide {
         })
     }
 
-    /// Who it is, in words.
-    pub fn described(&self) -> String {
+    /// Who is there, and everything that can be set.
+    pub fn hello(&self) -> serde_json::Value {
         let known = self.client.as_ref().map(|client| client.identity());
-        known.map_or_else(|| "no device".to_owned(), described)
-    }
-
-    /// Every setting: what it is, and its value.
-    pub fn fields(&self) -> serde_json::Value {
-        let entry = |field| {
-            let mut entry = value::json(field);
-            entry["shown"] = value::shown(&self.settings, field).into();
-            entry
-        };
-        FIELDS.iter().map(entry).collect::<Vec<_>>().into()
+        let device = known.map_or_else(|| "no device".to_owned(), described);
+        told::hello(&device, &self.settings, self.decimation)
     }
 }

@@ -9,8 +9,6 @@
 
 mod device_side;
 mod door;
-mod rows;
-mod told;
 mod visitor;
 
 use super::browser::open;
@@ -31,8 +29,8 @@ pub fn main(address: &Address, opens: bool) -> Result<()> {
     let program = super::report_options::program_name();
     let door = Door::open(|socket| {
         page::render(&page::Content {
-            socket,
-            columns: &rows::COLUMNS,
+            way: page::Way::Socket(socket),
+            columns: &touchstone_link::rows::COLUMNS,
             place: &address.to_string(),
             program: &program,
         })

@@ -2,11 +2,11 @@
 
 use super::device_side::{DeviceSide, News};
 use super::door::Socket;
-use super::told;
 use crate::monitor::SIGN_OF_LIFE;
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};
+use touchstone_link::told;
 use touchstone_protocol::DeviceCommand;
 use touchstone_sim::error::{Error, Result};
 use tungstenite::Message;
@@ -48,7 +48,7 @@ impl Visitor {
         };
         link.rows.take(0);
         // A page that is gone already is noticed by its first turn.
-        let _ = visitor.say(&told::hello(link));
+        let _ = visitor.say(&link.hello());
         let _ = visitor.state(link);
         visitor
     }
@@ -77,7 +77,7 @@ impl Visitor {
         if self.looked_at.elapsed() >= LOOK {
             self.looked_at = Instant::now();
             if let Ok((dropped, damaged)) = link.troubles() {
-                self.say(&json!({ "type": "troubles", "dropped": dropped, "damaged": damaged }))?;
+                self.say(&told::troubles(dropped, damaged))?;
             }
         }
         Ok(())
@@ -91,7 +91,7 @@ impl Visitor {
             News::Lost(why) => self.say(&told::connection(Some(&why), None))?,
             News::Back(done) => {
                 self.say(&told::connection(None, done.as_deref()))?;
-                self.say(&told::hello(link))?;
+                self.say(&link.hello())?;
                 self.state(link)?;
             }
         }
@@ -145,7 +145,7 @@ impl Visitor {
         )?;
         // Settings are no part of a record. A value that was refused stays where it was written.
         if error.is_none() && matches!(order["do"].as_str(), Some("set" | "defaults")) {
-            self.say(&told::hello(link))?;
+            self.say(&link.hello())?;
         }
         self.state(link)
     }

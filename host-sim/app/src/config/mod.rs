@@ -1,7 +1,6 @@
 //! `touchstone config`: the settings of a device, one by one or all at once.
 
 pub mod toml_file;
-pub mod value;
 
 use super::out::{self, print, say, tell};
 use super::port::PortOption;
@@ -9,12 +8,11 @@ use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use touchstone_device::Client;
 use touchstone_drive::wire::checked;
-use touchstone_protocol::settings::SettingsError;
-use touchstone_protocol::settings::fields::{FIELDS, Field, field};
+use touchstone_link::setting::{self, Setting, option, parsed, unknown, without_path};
+use touchstone_link::value;
+use touchstone_protocol::settings::fields::{FIELDS, Field};
 use touchstone_protocol::{Board, DeviceSettings, Request};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::{nearest, renamed};
-use value::Wrong;
 
 /// Options of `config`.
 #[derive(Debug, Clone, clap::Args)]
@@ -117,29 +115,6 @@ pub fn main(options: &Options) -> Result<()> {
     }
 }
 
-fn option(path: &str, (problem, fix): Wrong) -> Error {
-    Error::Option {
-        option: path.to_owned(),
-        problem,
-        fix,
-    }
-}
-
-/// The setting of a path.
-fn known(path: &str) -> Result<&'static Field> {
-    field(path).ok_or_else(|| option(path, unknown(path)))
-}
-
-/// Problem and fix for a path that no setting has.
-fn unknown(path: &str) -> Wrong {
-    let paths: Vec<&str> = FIELDS.iter().map(|field| field.path).collect();
-    let fix = match renamed(path).or_else(|| nearest(path, &paths)) {
-        Some(near) => format!("did you mean {near}?"),
-        None => "`touchstone config schema` lists all settings".into(),
-    };
-    ("there is no such setting".into(), fix)
-}
-
 /// The settings that paths of settings or tables name; all without any.
 fn select(paths: &[String]) -> Result<Vec<&'static Field>> {
     let mut shown: Vec<&'static Field> = Vec::new();
@@ -182,34 +157,13 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
     )
 }
 
-/// A setting and the value that it shall have, as postcard has it.
-pub type Setting = (&'static Field, Vec<u8>);
-
-/// The setting and the value that two texts name.
-pub fn parsed(path: &str, text: &str) -> Result<Setting> {
-    let field = known(path)?;
-    let bytes = value::parse(field, text).map_err(|wrong| option(path, wrong))?;
-    Ok((field, bytes))
-}
-
 /// Changes a setting; gives all of them before and after.
 pub fn set(client: &mut Client, setting: &Setting) -> Result<(DeviceSettings, DeviceSettings)> {
-    let (field, bytes) = (setting.0, setting.1.as_slice());
     let before = client.settings()?;
-    let mut after = before.clone();
-    after
-        .set(field.path, bytes)
-        .map_err(|_| option(field.path, value::wanted(field)))?;
-    // The device's own check, before it is asked: its message is the same, and names what is to be done.
-    if let Err(invalid) = checked(&after, client.identity().board) {
-        let fix = "choose another value, or change several settings at once with: touchstone config import";
-        // A setting that was not named can be refused, for what the new value leaves it.
-        let problem = without_path(&invalid, field.path);
-        return Err(option(field.path, (problem, fix.into())));
-    }
+    let after = setting::changed(&before, setting, client.identity().board)?;
     client.tell(&Request::Set {
-        path: field.path,
-        value: bytes,
+        path: setting.0.path,
+        value: &setting.1,
     })?;
     Ok((before, after))
 }
@@ -230,15 +184,6 @@ fn io(file: &Path, error: &std::io::Error) -> Error {
         problem: error.to_string(),
         fix: "choose another file".into(),
     }
-}
-
-/// Why a setting is refused, without its path where that stands before it anyway.
-fn without_path(invalid: &SettingsError, path: &str) -> String {
-    let text = invalid.to_string();
-    let rest = text
-        .strip_prefix(path)
-        .and_then(|rest| rest.strip_prefix(" = ").or_else(|| rest.strip_prefix(": ")));
-    rest.map_or_else(|| text.clone(), str::to_owned)
 }
 
 fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result<()> {

@@ -1,12 +1,12 @@
 //! All settings as a TOML file: written with units, ranges and comments, read with every error at its line.
 
 use super::unknown;
-use super::value::{self, Wrong};
-use crate::device::described;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
+use touchstone_link::value::{self, Wrong};
+use touchstone_link::words::described;
 use touchstone_protocol::settings::fields::{FIELDS, Field, Kind, field};
 use touchstone_protocol::{DeviceSettings, Identity};
 use touchstone_sim::error::{Error, Result};

@@ -2,7 +2,6 @@
 
 mod usb;
 
-use super::device::described;
 use super::flash::{BoardName, INSTALL};
 use super::haptic;
 use super::out::{self, print};
@@ -12,6 +11,7 @@ use std::process::{Command, ExitCode};
 use std::sync::Arc;
 use touchstone_device::haptic::HapticDevice;
 use touchstone_device::{Address, Client, Omega3, ports};
+use touchstone_link::words::described;
 use touchstone_protocol::PROTOCOL_VERSION;
 use touchstone_protocol::stored::LAYOUT_VERSION;
 use touchstone_sim::error::Error;

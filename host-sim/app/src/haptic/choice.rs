@@ -3,11 +3,12 @@
 use clap::ValueEnum;
 use std::path::PathBuf;
 use std::sync::Arc;
-use touchstone_device::haptic::{HapticDevice, SimulatedArm};
+use touchstone_device::haptic::{FALCON_RATE_HZ, HapticDevice, Rest, SimulatedArm, SimulatedDelta};
 use touchstone_device::{Inverse3, Omega3, SERVICE, Survey};
 use touchstone_dhd::{Dhd, LibrarySearch};
-use touchstone_lab::thesis::space::{Object, ProbingMotion};
+use touchstone_lab::thesis::space::{Object, ProbingMotion, SLIDE_MM_PER_S};
 use touchstone_sim::error::{Error, Result};
+use touchstone_world::plant::{FIRM_TRANSLATION, Hand, OMEGA3};
 
 /// A kind of haptic device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -18,6 +19,8 @@ pub enum HapticKind {
     Inverse3,
     /// An omega.3 by its published limits, or what a survey says, in a simulated hand.
     Simulated,
+    /// A delta mechanism with the Falcon's geometry, in a simulated hand.
+    SimulatedDelta,
 }
 
 impl HapticKind {
@@ -27,6 +30,20 @@ impl HapticKind {
             Self::Omega3 => "omega3",
             Self::Inverse3 => "inverse3",
             Self::Simulated => "simulated",
+            Self::SimulatedDelta => "simulated-delta",
+        }
+    }
+
+    /// Whether it is one of this program's own, with a time of its own.
+    pub fn is_simulated(self) -> bool {
+        matches!(self, Self::Simulated | Self::SimulatedDelta)
+    }
+
+    /// The rate at which a simulated one is played where none is given, Hz.
+    pub fn own_rate_hz(self) -> u32 {
+        match self {
+            Self::SimulatedDelta => FALCON_RATE_HZ,
+            _ => OMEGA3.rates_hz.1,
         }
     }
 }
@@ -66,8 +83,44 @@ pub fn described(library: &Dhd) -> String {
     format!("library {version}, {}", library.path().display())
 }
 
-/// What a simulated hand does: nothing, above the centre, or the motion of an object's experiment, over and over.
-type Hand = Option<(Object, u32)>;
+/// What a simulated hand does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SimulatedHand {
+    /// Nobody is at it; at this rate, Hz.
+    Nobody(u32),
+    /// It holds still above the centre.
+    Still,
+    /// It moves around an object, over and over; at this rate, Hz.
+    Moves(Object, u32),
+}
+
+impl SimulatedHand {
+    fn firm(self) -> Option<Hand> {
+        (!matches!(self, Self::Nobody(_))).then_some(FIRM_TRANSLATION)
+    }
+}
+
+/// The rest point of a simulated hand that slides so fast, and how often a second it is asked for.
+fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
+    let (object, rate_hz) = match hand {
+        SimulatedHand::Nobody(rate_hz) => return (Box::new(|_| [0.0; 3]), rate_hz),
+        SimulatedHand::Still => (Object::Horizontal, 1000),
+        SimulatedHand::Moves(object, rate_hz) => (object, rate_hz),
+    };
+    let motion = ProbingMotion::of(object).at_speed(slide_mm_per_s);
+    let rest = move |time_s: f64| {
+        let whole_s = f64::from(motion.ticks()) * 1e-3;
+        motion.rest_mm(time_s % whole_s).map(|x| x * 1e-3)
+    };
+    (Box::new(rest), rate_hz)
+}
+
+fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
+    // 80 mm of workspace instead of 160.
+    let (rest, rate_hz) = rest(hand, 20.0);
+    let at = hand.firm();
+    SimulatedDelta::falcon(at.as_ref(), rate_hz, rest).map_err(|fault| fault.at("simulated-delta"))
+}
 
 impl WhichDevice {
     /// The kind that is to be used, if one was named.
@@ -86,10 +139,14 @@ impl WhichDevice {
             fix: format!("leave it out, or give --device {}", only.word()),
         };
         match self.model() {
-            Some(HapticKind::Inverse3 | HapticKind::Omega3) if self.twin.is_some() => {
+            Some(HapticKind::Inverse3 | HapticKind::Omega3 | HapticKind::SimulatedDelta)
+                if self.twin.is_some() =>
+            {
                 Err(lost("--twin", HapticKind::Simulated))
             }
-            Some(HapticKind::Simulated | HapticKind::Omega3) if self.haply.is_some() => {
+            Some(HapticKind::Simulated | HapticKind::Omega3 | HapticKind::SimulatedDelta)
+                if self.haply.is_some() =>
+            {
                 Err(lost("--haply", HapticKind::Inverse3))
             }
             _ => Ok(()),
@@ -103,6 +160,7 @@ impl WhichDevice {
             HapticKind::Omega3,
             HapticKind::Inverse3,
             HapticKind::Simulated,
+            HapticKind::SimulatedDelta,
         ];
         let models = models.iter().filter(wanted);
         models
@@ -114,8 +172,11 @@ impl WhichDevice {
                     HapticKind::Inverse3 => {
                         self.inverse3().map(|inverse| inverse.sheet().name.clone())
                     }
-                    HapticKind::Simulated => {
-                        self.simulated(None).map(|arm| arm.sheet().name.clone())
+                    HapticKind::Simulated => self
+                        .simulated(SimulatedHand::Still)
+                        .map(|arm| arm.sheet().name.clone()),
+                    HapticKind::SimulatedDelta => {
+                        delta(SimulatedHand::Still).map(|delta| delta.sheet().name.clone())
                     }
                 };
                 (*model, found)
@@ -124,10 +185,11 @@ impl WhichDevice {
     }
 
     /// Opens it, with its motors off.
-    pub fn open(&self, hand: Hand) -> Result<Box<dyn HapticDevice>> {
+    pub fn open(&self, hand: SimulatedHand) -> Result<Box<dyn HapticDevice>> {
         self.check()?;
         match self.model() {
             Some(HapticKind::Simulated) => Ok(Box::new(self.simulated(hand)?)),
+            Some(HapticKind::SimulatedDelta) => Ok(Box::new(delta(hand)?)),
             Some(HapticKind::Omega3) => Ok(Box::new(self.omega3()?.0)),
             Some(HapticKind::Inverse3) => Ok(Box::new(self.inverse3()?)),
             None => self.first(),
@@ -170,7 +232,7 @@ impl WhichDevice {
         Ok((omega, library))
     }
 
-    fn simulated(&self, hand: Hand) -> Result<SimulatedArm> {
+    fn simulated(&self, hand: SimulatedHand) -> Result<SimulatedArm> {
         let (twin, name) = match &self.twin {
             None => (touchstone_device::haptic::DeviceTwin::default(), None),
             Some(file) => {
@@ -178,14 +240,12 @@ impl WhichDevice {
                 (survey.twin()?, Some(format!("simulated {}", survey.device)))
             }
         };
-        let (object, rate_hz) = hand.unwrap_or((Object::Horizontal, 1000));
-        let motion = ProbingMotion::of(object);
-        let rest = move |time_s: f64| {
-            let whole_s = f64::from(motion.ticks()) * 1e-3;
-            motion.rest_mm(time_s % whole_s).map(|x| x * 1e-3)
+        let (rest, rate_hz) = rest(hand, SLIDE_MM_PER_S);
+        let twin = touchstone_device::haptic::DeviceTwin {
+            hand: hand.firm(),
+            ..twin
         };
-        let arm = SimulatedArm::new(twin, rate_hz, Box::new(rest))
-            .map_err(|fault| fault.at("simulated"))?;
+        let arm = SimulatedArm::new(twin, rate_hz, rest).map_err(|fault| fault.at("simulated"))?;
         Ok(match name {
             Some(name) => arm.named(name),
             None => arm,

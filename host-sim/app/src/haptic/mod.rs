@@ -1,11 +1,13 @@
-//! `touchstone device list`, `info`, `run` and `survey`: haptic devices that have no law of their own.
+//! `touchstone device list`, `info`, `run`, `identify` and `survey`: haptic devices that have no law of their own.
 
 mod choice;
+mod identify;
 mod run;
 mod survey;
 mod trace;
 
 pub use choice::{described, library};
+pub use run::guard;
 
 use super::out::{self, say};
 use choice::WhichDevice;
@@ -24,6 +26,8 @@ pub enum Action {
     Info(WhichDevice),
     /// Plays a wall on a haptic device: THE MOTORS ARE ON until it ends, at the latest by Ctrl-C.
     Run(run::Options),
+    /// Moves a haptic device that nobody holds by some millimetres, and finds mass, damping and friction of each axis: THE MOTORS ARE ON.
+    Identify(identify::Options),
     /// Writes a haptic device's inertia, Jacobian and ranges to a file that can be simulated. Its motors stay off.
     Survey(survey::Options),
 }
@@ -32,6 +36,7 @@ pub enum Action {
 pub fn main(action: &Action) -> Result<ExitCode> {
     let done = match action {
         Action::Run(options) => return run::main(options),
+        Action::Identify(options) => return identify::main(options),
         Action::List(which) => list(which),
         Action::Info(which) => info(which),
         Action::Survey(options) => survey::main(options),
@@ -77,7 +82,7 @@ fn list(which: &WhichDevice) -> Result<()> {
 
 /// Opens one, tells, and releases it.
 fn info(which: &WhichDevice) -> Result<()> {
-    let mut device = which.open(None)?;
+    let mut device = which.open(choice::SimulatedHand::Still)?;
     let place = device.sheet().name.clone();
     let seen = device
         .standing()

@@ -1,6 +1,6 @@
 //! `touchstone device run`: a wall on a haptic device, in real time.
 
-use super::choice::{HapticKind, WhichDevice};
+use super::choice::{HapticKind, SimulatedHand, WhichDevice};
 use super::trace::DeviceTrace;
 use crate::out::{json, print, say, tell};
 use crate::{interrupt, number};
@@ -11,16 +11,20 @@ use std::process::ExitCode;
 use std::str::FromStr;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-use touchstone_control::{Choice, GuardSettings, LawKind, Settings, Si};
+use touchstone_control::{
+    Choice, EstimatorSettings, GuardSettings, LawKind, Settings, Si, StatesKind,
+};
 use touchstone_device::haptic::{DataSheet, HapticDevice};
 use touchstone_device::servo::{
     DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, ServoTick,
     SimulatedPace, play, real_time,
 };
 use touchstone_device::{DeviceWall, Obstacle, WallSettings};
+use touchstone_lab::identify::lever::Lever;
 use touchstone_lab::thesis::space::{self, Object};
 use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
 use touchstone_world::plant::OMEGA3;
 
 /// What stands in the device's workspace.
@@ -74,6 +78,12 @@ pub struct Options {
     /// The law along the normal.
     #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: LawKind,
+    /// Takes stiffness and law from a file of settings, as `touchstone tune --out` writes it for the scene of `device identify --scene`.
+    #[arg(long, value_name = "FILE.toml", requires = "lever_mm", conflicts_with_all = ["law", "k_desired"])]
+    settings: Option<PathBuf>,
+    /// The lever of that scene, as `device identify` says it, mm.
+    #[arg(long, value_name = "MM", requires = "settings", allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of millimetres"))]
+    lever_mm: Option<f64>,
     /// One law an axis, instead of one along the normal.
     #[arg(long)]
     per_axis: bool,
@@ -132,8 +142,8 @@ impl fmt::Display for Scenery {
     }
 }
 
-/// What the guard takes for sure of a device, SI: its damping is the thesis' (§5.2), its delay the sheet's.
-fn guard(sheet: &DataSheet, rate_hz: u32) -> GuardSettings {
+/// What the guard takes for sure of a device, SI: its damping is the thesis' (§5.2).
+pub fn guard(delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
     // Rounded down, as the guard's own range is.
     let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
@@ -141,28 +151,58 @@ fn guard(sheet: &DataSheet, rate_hz: u32) -> GuardSettings {
         capacity: si(0.04),
         damping: si(2.5),
         overspeed: si(1.5),
-        delay: si(sheet.delay_s).min(tick_s),
+        delay: si(delay_s).min(tick_s),
         ..GuardSettings::default()
     }
 }
 
-fn wall(options: &Options, sheet: &DataSheet, rate_hz: u32, force_limit_n: f64) -> WallSettings {
+/// The law with what its estimators are told, where it has estimated states.
+fn law_of(options: &Options, rate_hz: u32) -> Result<(Settings, Option<[EstimatorSettings; 3]>)> {
+    let (Some(file), Some(lever_mm)) = (&options.settings, options.lever_mm) else {
+        return Ok((space::settings(options.law, options.k_desired), None));
+    };
+    let lever = Lever {
+        length_m: 1e-3 * lever_mm,
+    };
+    let scene = Scene::load("thesis-knob")?.with_settings(file)?;
+    let knob = scene.settings()?;
+    if knob.rate_hz != rate_hz {
+        return Err(Error::Option {
+            option: "--settings".into(),
+            problem: format!("it was tuned for {} Hz, not {rate_hz}", knob.rate_hz),
+            fix: format!("give --rate-hz {}, or tune it again", knob.rate_hz),
+        });
+    }
+    let estimated = knob.states == StatesKind::Estimated;
+    let told = estimated.then(|| [lever.estimator(&knob.estimator); 3]);
+    Ok((lever.settings(&knob), told))
+}
+
+fn wall(
+    options: &Options,
+    sheet: &DataSheet,
+    rate_hz: u32,
+    force_limit_n: f64,
+) -> Result<WallSettings> {
+    let (law, estimator) = law_of(options, rate_hz)?;
     let law = Settings {
         rate_hz,
         force_limit: Si::saturating_from_num(force_limit_n),
-        ..space::settings(options.law, options.k_desired)
+        ..law
     };
-    WallSettings {
+    Ok(WallSettings {
         law,
         per_axis: options.per_axis,
-        guard: (!options.no_guard).then(|| guard(sheet, rate_hz)),
+        guard: (!options.no_guard).then(|| guard(sheet.delay_s, rate_hz)),
+        estimator,
         count_m: sheet.count_m,
-    }
+    })
 }
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    if options.fast && options.which.model() != Some(HapticKind::Simulated) {
+    let kind = options.which.model();
+    if options.fast && !kind.is_some_and(HapticKind::is_simulated) {
         return Err(Error::Option {
             option: "--fast".into(),
             problem: "a real device has its own time".into(),
@@ -172,8 +212,10 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let mesh = options.object.mesh(options.stl_unit_m)?;
     // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
     let stop = interrupt::noted()?;
-    let simulated_hz = options.rate_hz.unwrap_or(OMEGA3.rates_hz.1);
-    let hand = Some((options.object.object(), simulated_hz));
+    let simulated_hz = options
+        .rate_hz
+        .unwrap_or(kind.map_or(OMEGA3.rates_hz.1, HapticKind::own_rate_hz));
+    let hand = SimulatedHand::Moves(options.object.object(), simulated_hz);
     let mut device = options.which.open(hand)?;
     let sheet = device.sheet().clone();
     let rate_hz = options.rate_hz.unwrap_or(sheet.rates_hz.1);
@@ -192,7 +234,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .force_limit_n
         .unwrap_or(sheet.force_n)
         .min(sheet.force_n);
-    let settings = wall(options, &sheet, rate_hz, force_n);
+    let settings = wall(options, &sheet, rate_hz, force_n)?;
     let obstacle = mesh.as_ref().map_or_else(
         || Obstacle::Shape(options.object.object().shape()),
         Obstacle::of,
@@ -214,8 +256,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     tell!(
         "wall      {}, {} {} N/mm at {rate_hz} Hz, up to {force_n} N, {}",
         options.object,
-        options.law.word(),
-        options.k_desired,
+        settings.law.law.word(),
+        1e-3 * settings.law.k_desired.to_num::<f64>(),
         if options.no_guard {
             "no guard"
         } else {

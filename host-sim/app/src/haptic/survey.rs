@@ -28,7 +28,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// Surveys. The motors are never switched on.
 pub fn main(options: &Options) -> Result<()> {
-    if let Some(other @ (HapticKind::Simulated | HapticKind::Inverse3)) = options.which.model() {
+    let model = options.which.model();
+    if let Some(other) = model.filter(|kind| *kind != HapticKind::Omega3) {
         return Err(Error::Option {
             option: "--device".into(),
             problem: format!(

@@ -7,8 +7,7 @@ mod sheet;
 mod spin;
 
 use super::config::toml_file;
-use super::config::value;
-use super::device::{calibrated, described, name_of, number_of, status_of};
+use super::device::{calibrated, status_of};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
@@ -24,6 +23,8 @@ use touchstone_drive::wire::{checked, hardware};
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_lab::tune::{self, Effort};
+use touchstone_link::value;
+use touchstone_link::words::{described, name_of, number_of};
 use touchstone_protocol::settings::fields::field;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request};
 use touchstone_sim::error::{Error, Result};
@@ -271,7 +272,7 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
         tuned.worst
     );
     // Above 1 some device near this one is outside of a limit; above all, the wall is none.
-    if !(tuned.worst <= 1.0) {
+    if tuned.worst.is_nan() || tuned.worst > 1.0 {
         return Err(Error::Option {
             option: "--k-desired".into(),
             problem: format!(

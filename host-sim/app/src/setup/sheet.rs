@@ -1,11 +1,11 @@
 //! What was measured of a knob, for people: as lines, and as a page with the settings that came of it.
 
-use super::super::config::value;
 use super::super::report_options::program;
 use super::kept::{VALUES, as_json, values};
 use std::path::{Path, PathBuf};
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::report::{Block, Section, pages};
+use touchstone_link::value;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::fields::FIELDS;
 use touchstone_sim::error::Result;

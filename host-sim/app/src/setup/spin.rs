@@ -1,6 +1,6 @@
 //! Has a device measure its motor, and hears what it says of it.
 
-use crate::device::{calibration_limit, name_of};
+use crate::device::calibration_limit;
 use crate::interrupt;
 use crate::monitor::{SIGN_OF_LIFE, SILENCE_LIMIT};
 use crate::out::note;
@@ -12,6 +12,7 @@ use touchstone_device::Client;
 use touchstone_drive::measurement::FAST_FIELD;
 use touchstone_drive::{Reason, wire};
 use touchstone_lab::identify::motor::{KnownMotor, MeasuredMotor, MotorTick, motor};
+use touchstone_link::words::name_of;
 use touchstone_protocol::{
     DeviceCommand, DeviceSettings, Fault, FaultCode, Phase, Reply, Request, Telemetry,
 };

@@ -9,11 +9,13 @@ mod fault;
 mod injected;
 mod one_axis;
 mod simulated;
+mod simulated_delta;
 
 pub use fault::{HapticFault, SwitchOff};
 pub use injected::{DeviceCall, FaultInjection, FaultKind, Injected};
 pub use one_axis::OneAxis;
-pub use simulated::{DeviceTwin, SimulatedArm};
+pub use simulated::{DeviceTwin, Rest, SimulatedArm};
+pub use simulated_delta::{FALCON_RATE_HZ, SimulatedDelta};
 
 /// What is known of a device before it moves.
 #[derive(Debug, Clone, PartialEq)]

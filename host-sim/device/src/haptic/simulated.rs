@@ -4,19 +4,19 @@ use super::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
 };
 use touchstone_world::plant::{
-    Cartesian, Device, FIRM_TRANSLATION, Hand, HeldLinear, Invalid, Limits, OMEGA3, OMEGA3_AXIS,
-    State,
+    BareLinear, Cartesian, Device, FIRM_TRANSLATION, Hand, HeldLinear, Invalid, Limits, OMEGA3,
+    OMEGA3_AXIS, State,
 };
 
-/// What of a device is simulated.
+/// What of a device is simulated: in a hand, or with nobody at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceTwin {
     /// Limits.
     pub limits: Limits,
     /// Each axis, in kg and N·s/m.
     pub axes: [Device; 3],
-    /// The hand at it.
-    pub hand: Hand,
+    /// The hand at it; without one its rest point is not asked for but at the start.
+    pub hand: Option<Hand>,
 }
 
 impl Default for DeviceTwin {
@@ -25,20 +25,61 @@ impl Default for DeviceTwin {
         Self {
             limits: OMEGA3,
             axes: [OMEGA3_AXIS; 3],
-            hand: FIRM_TRANSLATION,
+            hand: Some(FIRM_TRANSLATION),
         }
     }
 }
 
+/// A plant with its state.
+#[derive(Debug, Clone)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one in a device, and it stays where it is"
+)]
+enum Simulated {
+    Held(Cartesian<HeldLinear>, [State<4>; 3]),
+    Alone(Cartesian<BareLinear>, [State<2>; 3]),
+}
+
 impl DeviceTwin {
-    /// Its plant over an interval.
+    /// Whether it can be: its plant over an interval.
     ///
     /// # Errors
     /// [`Invalid`] for what no device or hand can have.
-    pub fn plant(&self, interval_s: f64) -> Result<Cartesian<HeldLinear>, Invalid> {
+    pub fn validate(&self) -> Result<(), Invalid> {
+        self.simulated(1e-3, [0.0; 3]).map(|_| ())
+    }
+
+    fn simulated(&self, interval_s: f64, at: [f64; 3]) -> Result<Simulated, Invalid> {
         let [x, y, z] = self.axes;
-        let axis = |device| HeldLinear::new(&device, &self.hand, interval_s);
-        Cartesian::new([axis(x)?, axis(y)?, axis(z)?])
+        Ok(match &self.hand {
+            Some(hand) => {
+                let axis = |device| HeldLinear::new(&device, hand, interval_s);
+                let plant = Cartesian::new([axis(x)?, axis(y)?, axis(z)?])?;
+                Simulated::Held(plant, Cartesian::<HeldLinear>::at_rest(at))
+            }
+            None => {
+                let axis = |device| BareLinear::new(&device, interval_s);
+                let plant = Cartesian::new([axis(x)?, axis(y)?, axis(z)?])?;
+                Simulated::Alone(plant, Cartesian::<BareLinear>::at_rest(at))
+            }
+        })
+    }
+}
+
+impl Simulated {
+    fn position(&self) -> [f64; 3] {
+        match self {
+            Self::Held(_, state) => Cartesian::<HeldLinear>::position(state),
+            Self::Alone(_, state) => Cartesian::<BareLinear>::position(state),
+        }
+    }
+
+    fn step(&mut self, force_n: [f64; 3], rest_m: [f64; 3]) {
+        match self {
+            Self::Held(plant, state) => plant.step(state, force_n, rest_m),
+            Self::Alone(plant, state) => plant.step(state, force_n, rest_m),
+        }
     }
 }
 
@@ -49,8 +90,7 @@ pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
 pub struct SimulatedArm {
     sheet: DataSheet,
     twin: DeviceTwin,
-    plant: Cartesian<HeldLinear>,
-    state: [State<4>; 3],
+    simulated: Simulated,
     rest: Rest,
     interval_s: f64,
     time_s: f64,
@@ -64,7 +104,7 @@ impl SimulatedArm {
     /// [`HapticFault::Unusable`] for what no device or hand can have.
     pub fn new(twin: DeviceTwin, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
         let interval_s = 1.0 / f64::from(rate_hz);
-        let plant = twin.plant(interval_s).map_err(|why| {
+        let simulated = twin.simulated(interval_s, rest(0.0)).map_err(|why| {
             HapticFault::Unusable(
                 format!("no plant: {why}"),
                 "correct inertia and damping".into(),
@@ -85,9 +125,8 @@ impl SimulatedArm {
                 delay_s: 0.0,
                 sets_the_pace: false,
             },
-            state: Cartesian::<HeldLinear>::at_rest(rest(0.0)),
             twin,
-            plant,
+            simulated,
             rest,
             interval_s,
             time_s: 0.0,
@@ -114,10 +153,7 @@ impl HapticDevice for SimulatedArm {
     }
 
     fn sense(&mut self) -> Result<Sensed, HapticFault> {
-        let counts = self
-            .twin
-            .limits
-            .counts(Cartesian::<HeldLinear>::position(&self.state));
+        let counts = self.twin.limits.counts(self.simulated.position());
         Ok(Sensed {
             position_m: counts.map(|n| f64::from(n) * self.twin.limits.count_m),
             fresh: true,
@@ -129,8 +165,7 @@ impl HapticDevice for SimulatedArm {
             true => self.twin.limits.limited(force_n),
             false => [0.0; 3],
         };
-        self.plant
-            .step(&mut self.state, acts, (self.rest)(self.time_s));
+        self.simulated.step(acts, (self.rest)(self.time_s));
         self.time_s += self.interval_s;
         Ok(match length(force_n) > self.twin.limits.force_n {
             true => Applied::Saturated(Some(acts)),

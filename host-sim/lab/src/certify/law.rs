@@ -194,6 +194,10 @@ impl Phases {
         };
         match controller {
             AnyLaw::Spring(law, _) => springs(law.desired.0, law.damping.0, None),
+            AnyLaw::Damped(law, _) => Self {
+                lasting: super::damped::phases(law),
+                ..springs(0.0, 0.0, None)
+            },
             AnyLaw::Tdpa(law, _) => springs(law.desired.0, 0.0, Some(Clamp::Tdpa)),
             AnyLaw::Fba(law, _) => springs(law.desired.0, 0.0, Some(Clamp::Fba)),
             AnyLaw::Sfa(law, _) => {

@@ -7,13 +7,16 @@ use super::contact::Contact;
 use super::law::Clamp;
 
 /// Effects of a scene that the certificate knows, or says something of by itself.
-const COVERED: [&str; 6] = [
+const COVERED: [&str; 9] = [
     "encoder",
     "delay",
     "torque-limit",
     "amplifier-steps",
     "friction",
     "hand",
+    "velocity-filtered",
+    "velocity-kalman",
+    "velocity-kalman-acceleration",
 ];
 
 /// All of it, a line each.

@@ -146,8 +146,8 @@ pub fn motor(
     let mechanics = swing::mechanics(&swings, 1.0 / known.rate_hz)?;
     let inertia = mechanics.inertia_kg_m2;
     let disagreement = 4.0 * inertia.uncertainty / inertia.value;
-    // So that what is no number is refused, too.
-    if !(disagreement <= DISAGREEMENT_MOST) {
+    // What is no number is refused, too.
+    if disagreement.is_nan() || disagreement > DISAGREEMENT_MOST {
         return Err(NotMeasured::Disagree {
             percent: 100.0 * disagreement,
         });

@@ -1,9 +1,10 @@
 //! Effects that a scene does not name, each tried at its typical magnitude: which of them would change what the scene shows?
 
 use serde::Serialize;
+use touchstone_control::LawKind;
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
-use touchstone_sim::run::effects::{EFFECTS, Effect, exclude_each_other};
+use touchstone_sim::run::effects::{EFFECTS, Effect, Place, exclude_each_other};
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::scene::Scene;
 
@@ -141,6 +142,10 @@ pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
             };
             if effect.of_hand && scene.operator.hand().is_none() {
                 found.not_tried = Some("nobody holds the device".to_owned());
+                return found;
+            }
+            if effect.place == Place::Velocity && scene.law.kind != LawKind::SpringDamper {
+                found.not_tried = Some("the law takes no velocity".to_owned());
                 return found;
             }
             match scene

@@ -8,6 +8,7 @@ use super::matrix::{Matrix, matrices};
 use super::origin::Origin;
 use super::quantity::plain;
 use super::svg::{escape, typeset};
+use super::try_cell;
 use super::view::View;
 use super::{Block, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
@@ -61,6 +62,7 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
     compare::section(&mut page, input, &matrices);
     page.push_str("</main>\n");
     foot(&mut page, input, origin);
+    try_cell::inside(&mut page, input, origin);
     let _ = write!(
         page,
         "<script>\n{}</script>\n</body>\n</html>\n",

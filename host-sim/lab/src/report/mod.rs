@@ -33,6 +33,7 @@ pub mod staging;
 mod summary;
 pub mod svg;
 pub mod table;
+mod try_cell;
 mod view;
 pub mod write;
 
@@ -82,6 +83,8 @@ pub struct ReportInput<'a> {
     pub row_notes: &'a [(f64, String)],
     /// Further sections, folded, between the tables and the plots.
     pub sections: &'a [Section],
+    /// The live page, whatever its scene: every run whose scene is written out can then be tried in the report.
+    pub live_page: Option<&'a str>,
 }
 
 /// A section of the page that the caller wrote, such as the claims that were checked.

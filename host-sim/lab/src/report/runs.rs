@@ -11,8 +11,9 @@ use super::matrix::Matrix;
 use super::measures::facts;
 use super::origin::Origin;
 use super::quantity::{plain, with_unit};
-use super::summary::{badge, command, try_it};
+use super::summary::{badge, command};
 use super::svg::{self, Size, escape, typeset};
+use super::try_cell;
 use super::view::{Ranges, View};
 use touchstone_sim::run::record::{Run, Verdict};
 
@@ -46,7 +47,7 @@ pub fn alone(input: &ReportInput, origin: &Origin) -> String {
             badge(run.summary.verdict),
             links(origin, 0)
         );
-        body(&mut page, run, view.as_ref(), origin, 0, LARGE);
+        body(&mut page, run, view.as_ref(), (input, origin), 0, LARGE);
         page.push_str("</article>\n");
     }
     page + "</section>\n"
@@ -110,7 +111,14 @@ pub fn row(
             badge(s.verdict),
             links(origin, *index)
         );
-        body(&mut page, view.run, Some(view), origin, *index, MEDIUM);
+        body(
+            &mut page,
+            view.run,
+            Some(view),
+            (input, origin),
+            *index,
+            MEDIUM,
+        );
         page.push_str("</details>\n");
     }
     page.push_str("</details>\n");
@@ -230,7 +238,7 @@ fn body(
     page: &mut String,
     run: &Run,
     view: Option<&View>,
-    origin: &Origin,
+    (input, origin): (&ReportInput, &Origin),
     index: usize,
     size: Size,
 ) {
@@ -243,7 +251,7 @@ fn body(
         );
     }
     page.push_str("</dl>\n");
-    page.push_str(&try_it(origin, index));
+    page.push_str(&try_cell::button(input, origin, index));
     let Some(view) = view else {
         let _ = writeln!(
             page,

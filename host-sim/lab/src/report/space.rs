@@ -13,7 +13,9 @@ use super::staging::{Staging, io_error};
 use super::svg::{self, Size, escape};
 use super::write::Written;
 use super::{FileOptions, ProgramVersion, previous};
+use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
+use crate::thesis::space::tuned::DirectionCard;
 use crate::thesis::space::{Phase, Record, figures};
 
 const SIZE: Size = Size {
@@ -36,6 +38,8 @@ pub struct Input<'a> {
     pub runs: &'a [Record],
     /// What was claimed, and how it fared.
     pub claims: &'a [Claim],
+    /// The tuned law's scorecards, a direction each.
+    pub cards: &'a [DirectionCard],
 }
 
 /// The numbers of a run, for people and programs: names with units, and values.
@@ -104,7 +108,37 @@ pub fn results(input: &Input) -> serde_json::Value {
         "dof": 3,
         "runs": runs,
         "claims": claims,
+        "directions": directions(input.cards),
     })
+}
+
+/// Every direction, with its worst figures, and every device in it.
+fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
+    let cells = |card: &DirectionCard| -> Vec<_> {
+        let cells = card.cells.iter();
+        cells
+            .map(|(device, found, _)| {
+                serde_json::json!({
+                    "device": device,
+                    "figures": found.figures,
+                    "settle_from_ramp_end_s": found.settle_s,
+                })
+            })
+            .collect()
+    };
+    cards
+        .iter()
+        .map(|card| {
+            let worst = card.worst();
+            serde_json::json!({
+                "direction": card.at.name,
+                "normal": card.at.normal,
+                "worst": worst.figures,
+                "settle_from_ramp_end_s": worst.settle_s,
+                "devices": cells(card),
+            })
+        })
+        .collect()
 }
 
 /// Writes the page and `results.json` into a folder, complete or not at all.
@@ -187,6 +221,41 @@ pub fn page(input: &Input) -> String {
                 format!("{speed:.1}"),
                 format!("{tangential:.4}"),
                 format!("{step:.4}"),
+            ]
+        }),
+    );
+    page.push_str(
+        "</section>\n<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n",
+    );
+    table(
+        &mut page,
+        "At 25 N/mm and 1 kHz; in each direction the worst of nine devices in three hands",
+        &[
+            "Direction",
+            "Peak (limit 1.1; 1.3 late)",
+            "Settled (s)",
+            "Held (%, 5)",
+            "Letting go (%, 15)",
+            "|F/x| (%, 10)",
+            "Phase (°, 12)",
+            "Ripple (N)",
+            "Beyond a limit",
+        ],
+        input.cards.iter().map(|card| {
+            let worst = card.worst();
+            let percent = |measure| format!("{:.1}", 100.0 * worst.figures.get(measure));
+            [
+                card.at.name.to_owned(),
+                format!("{:.3}", worst.figures.get(Measure::PeakPenetrationRatio)),
+                worst
+                    .settle_s
+                    .map_or("never".to_owned(), |s| format!("{s:.3}")),
+                percent(Measure::StiffnessErrorHeld),
+                percent(Measure::StiffnessErrorRelease),
+                percent(Measure::ModulusError),
+                format!("{:.1}", worst.figures.get(Measure::PhaseDeg)),
+                format!("{:.3}", worst.figures.get(Measure::RippleRmsNM)),
+                card.fails().len().to_string(),
             ]
         }),
     );

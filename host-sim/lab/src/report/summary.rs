@@ -295,14 +295,3 @@ pub fn command(origin: &Origin, index: usize) -> String {
         escape(&files.name)
     )
 }
-
-/// The command that puts a run's wall under the mouse; nothing where its scene was not written out.
-pub fn try_it(origin: &Origin, index: usize) -> String {
-    let scene = origin.runs.get(index).and_then(|run| run.scene.as_ref());
-    scene.map_or_else(String::new, |scene| {
-        format!(
-            "<p class=\"note\">Push this wall yourself, from this folder: <code>touchstone live {}</code></p>\n",
-            escape(&scene.path)
-        )
-    })
-}

@@ -5,8 +5,10 @@
 //! plain sentences where each law fails and where a spring with damping does better; [`page`] writes it all for people.
 
 pub mod cases;
+pub mod direction;
 pub mod measure;
 pub mod page;
+mod press;
 pub mod reference;
 pub mod rivals;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use touchstone_control::choices::{
     ChangeOfForce, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
+    VelocityKind,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Preset, Scene, nearest};
@@ -23,7 +24,7 @@ pub struct Rival {
 }
 
 /// All of them.
-pub const RIVALS: [Rival; 9] = [
+pub const RIVALS: [Rival; 12] = [
     Rival {
         name: "spring",
         about: "virtual spring",
@@ -50,6 +51,30 @@ pub const RIVALS: [Rival; 9] = [
             scene.law.kind = LawKind::SpringDamper;
             scene.law.states = StatesKind::Estimated;
         },
+    },
+    Rival {
+        name: "spring-damper-filtered",
+        about: "spring with virtual damping, velocity through a first-order filter",
+        source: "thesis §1.2.6 with what drivers of haptic devices do",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| filtered(scene, VelocityKind::Filtered),
+    },
+    Rival {
+        name: "spring-damper-foaw",
+        about: "spring with virtual damping, velocity by an adaptive window",
+        source: "thesis §1.2.6 with Janabi-Sharifi, Hayward and Chen 2000",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| filtered(scene, VelocityKind::Foaw),
+    },
+    Rival {
+        name: "spring-damper-kalman",
+        about: "spring with virtual damping, velocity of a Kalman filter of the position alone",
+        source: "thesis §1.2.6 with Kalata 1984",
+        damped_spring: true,
+        estimated: false,
+        apply: |scene| filtered(scene, VelocityKind::Kalman),
     },
     Rival {
         name: "tdpa",
@@ -127,6 +152,12 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.kind = kind;
     scene.law.states = StatesKind::Measured;
     scene.law.guard.on = false;
+}
+
+/// A spring-damper with a velocity of its own.
+fn filtered(scene: &mut Scene, from: VelocityKind) {
+    measured(scene, LawKind::SpringDamper);
+    scene.law.velocity.from = from;
 }
 
 /// Capacity of a guard over what its largest force may cost at the overspeed: with it a full account never holds a press back.

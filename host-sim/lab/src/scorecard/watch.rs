@@ -5,6 +5,7 @@
 
 use super::cases::Deed;
 use super::measure::{Beside, Figures, Measure};
+use super::press::{HELD_AFTER_S, PressFigures};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::measure::{Response, Ripple};
@@ -12,10 +13,6 @@ use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Counts below which a stiffness cannot be told.
-const SHALLOW_COUNTS: f64 = 10.0;
-/// From the end of a ramp until a press is judged as held, s.
-const HELD_AFTER_S: f64 = 0.05;
 /// At the end of a hold, in which a device should rest, s.
 const REST_S: f64 = 0.25;
 /// A run that is so far inside or outside is lost, rad.
@@ -25,10 +22,7 @@ const LOST_RAD: f64 = 3.0;
 #[derive(Debug, Clone)]
 struct Watch {
     terms: Terms,
-    press: Option<Press>,
-    /// Tick with which the press' ramp begins; before it is the touch.
-    ramp_start: u64,
-    held_from: u64,
+    press: Option<(Press, PressFigures)>,
     rest_from: u64,
     count_rad: f64,
     response: Option<Response>,
@@ -52,18 +46,28 @@ impl Watch {
             _ => 0,
         };
         let moving = matches!(deed, Deed::Move(_));
+        // Without an encoder nothing is too shallow, and half a count is nothing.
+        let count_rad = scene
+            .encoder
+            .as_ref()
+            .map_or(0.0, |encoder| encoder.step_rad());
         Self {
-            press,
-            ramp_start,
-            held_from: press.map_or(0, |press| press.ramp_end) + ticks(HELD_AFTER_S),
+            press: press.map(|press| {
+                let figures = PressFigures {
+                    k_desired: terms.k_desired,
+                    push: press.push_n_m,
+                    count: count_rad,
+                    unsure: 0.5 * count_rad,
+                    ramp_start,
+                    held_from: press.ramp_end + ticks(HELD_AFTER_S),
+                    release: press.release,
+                };
+                (press, figures)
+            }),
             rest_from: press
                 .map_or(0, |press| press.release)
                 .saturating_sub(ticks(REST_S)),
-            // Without an encoder nothing is too shallow, and half a count is nothing.
-            count_rad: scene
-                .encoder
-                .as_ref()
-                .map_or(0.0, |encoder| encoder.step_rad()),
+            count_rad,
             response: terms.wiggle.map(|it| Response::new(it, terms.period_s)),
             ripple: moving.then(|| Ripple::new(terms.ripple, 1.0 / terms.period_s)),
             judge: fully.then(|| Judge::new(terms.clone())),
@@ -77,34 +81,13 @@ impl Watch {
         }
     }
 
-    fn pressed(&mut self, press: Press, tick: &Tick, x: f64) {
-        let k = self.terms.k_desired;
-        let force = tick.motor_force_n_m;
-        let depth = x * k / press.push_n_m;
-        if tick.index < self.ramp_start {
+    fn pressed(&mut self, press: Press, figures: PressFigures, tick: &Tick, x: f64) {
+        let index = tick.index;
+        if let Some(depth) = figures.take(&mut self.figures, index, x, tick.motor_force_n_m) {
             self.beside.touch_penetration_ratio = self.beside.touch_penetration_ratio.max(depth);
             return;
         }
-        self.figures.raise(Measure::PeakPenetrationRatio, depth);
-        let holding = tick.index < press.release;
-        let held = holding && tick.index >= self.held_from;
-        if x > SHALLOW_COUNTS * self.count_rad && x > 0.0 {
-            let off = ((force - k * x).abs() - 0.5 * k * self.count_rad).max(0.0) / (k * x);
-            let measure = if holding {
-                Measure::StiffnessError
-            } else {
-                Measure::StiffnessErrorRelease
-            };
-            self.figures.raise(measure, off);
-            if held {
-                self.figures.raise(Measure::StiffnessErrorHeld, off);
-            }
-        } else if held {
-            // The hand is not where it presses: thrown out, or out of the wall.
-            self.figures
-                .raise(Measure::StiffnessErrorHeld, f64::INFINITY);
-        }
-        if holding && tick.index >= self.rest_from {
+        if index < press.release && index >= self.rest_from {
             self.rest.0 = self.rest.0.min(tick.angle_rad);
             self.rest.1 = self.rest.1.max(tick.angle_rad);
         }
@@ -163,8 +146,8 @@ impl Recorder for Watch {
         let hand_j = self.wall_j + self.loss_j + 0.5 * self.terms.inertia_kg_m2 * v * v;
         self.figures.raise(Measure::EnergyOutJ, -hand_j);
         self.beside.energy_out_wall_j = self.beside.energy_out_wall_j.max(-self.wall_j);
-        if let Some(press) = self.press {
-            self.pressed(press, tick, x);
+        if let Some((press, figures)) = self.press {
+            self.pressed(press, figures, tick, x);
         }
         if let Some(response) = &mut self.response {
             response.record(tick.index, x, tick.motor_force_n_m);

@@ -6,7 +6,7 @@
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::stiffness_per_tick;
 use std::f64::consts::TAU;
-use touchstone_control::choices::{LawKind, StatesKind};
+use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
 use touchstone_sim::scene::{Law, Scene};
 
 /// A parameter of the law.
@@ -79,12 +79,34 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     let critical = 2.5 * b * rate;
     match scene.law.kind {
         LawKind::Spring => Vec::new(),
-        LawKind::SpringDamper => vec![axis(
-            parameter!(virtual_damping_n_m_s_per_rad),
-            0.5 * unit,
-            0.01 * unit,
-            10.0 * unit,
-        )],
+        LawKind::SpringDamper => {
+            let damping = axis(
+                parameter!(virtual_damping_n_m_s_per_rad),
+                0.5 * unit,
+                0.01 * unit,
+                10.0 * unit,
+            );
+            // Three times the wall's own rate: late enough to be quiet, and not so late that it drives what it is to damp.
+            let own_hz = (k / j).sqrt() / TAU;
+            let velocity = match scene.law.velocity.from {
+                VelocityKind::Told => None,
+                VelocityKind::Foaw => Some(axis(
+                    parameter!(velocity.window_s),
+                    0.05 / own_hz,
+                    1.0 / rate,
+                    16.0 / rate,
+                )),
+                VelocityKind::Filtered
+                | VelocityKind::Kalman
+                | VelocityKind::KalmanAcceleration => Some(axis(
+                    parameter!(velocity.bandwidth_hz),
+                    3.0 * own_hz,
+                    rate / 490.0,
+                    FASTEST_BANDWIDTH * rate,
+                )),
+            };
+            [damping].into_iter().chain(velocity).collect()
+        }
         LawKind::Tdpa | LawKind::Fba => vec![trusted()],
         LawKind::Sfa | LawKind::SfaContinuous => vec![
             trusted(),

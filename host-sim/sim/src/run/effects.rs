@@ -2,8 +2,11 @@
 //!
 //! The cost ladder, the tests that absence is free, `touchstone plan` and the table of `docs/effects.md` all read this one table.
 
+mod all;
 mod place;
+mod touch;
 
+pub use all::{EFFECTS, by_name, exclude_each_other};
 pub use place::Place;
 
 use crate::scene::{
@@ -69,8 +72,8 @@ fn transmission(scene: &Scene) -> Transmission {
     }
 }
 
-/// All effects, from the sensor to the hand.
-pub const EFFECTS: &[Effect] = &[
+/// Those of the world around law and wall, from the sensor to the hand.
+const WORLD: &[Effect] = &[
     Effect {
         name: "encoder",
         place: Place::Sensor,
@@ -433,16 +436,3 @@ pub const EFFECTS: &[Effect] = &[
         }),
     },
 ];
-
-/// The effect of this name.
-#[must_use]
-pub fn by_name(name: &str) -> Option<&'static Effect> {
-    EFFECTS.iter().find(|effect| effect.name == name)
-}
-
-/// Whether two effects are two values of one thing, so that a scene has one of them at most.
-#[must_use]
-pub fn exclude_each_other(a: &Effect, b: &Effect) -> bool {
-    let current = ["current-loop", "windings"];
-    a.name != b.name && current.contains(&a.name) && current.contains(&b.name)
-}

@@ -14,6 +14,7 @@ pub mod passivity;
 pub mod plan;
 pub mod record;
 pub mod settings;
+mod surroundings;
 pub mod terms;
 pub mod tick;
 mod traced;

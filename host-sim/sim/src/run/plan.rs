@@ -10,6 +10,7 @@ use super::crossed::{crossed, crossed_apart, refused, stream};
 pub use super::crossed::{device, hand};
 use super::mechanics::{Mechanics, Standing};
 use super::settings;
+use super::surroundings::surrounded;
 use super::train::Train;
 use super::wall::Controlled;
 use crate::error::Result;
@@ -98,6 +99,11 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
 
 /// The law with what tells it the angle.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
+    if let Some(named) = scene.environment.as_ref()
+        && named.is_more_than_the_wall()
+    {
+        return surrounded::<N>(scene, named, count_scale(scene)?);
+    }
     let settings = scene.settings()?;
     let wall = Controlled::<N>::new(&settings, count_scale(scene)?)
         .map_err(|error| settings::refused(scene, &error))?;
@@ -108,12 +114,7 @@ fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
             wall,
         }),
         Some(encoder) => {
-            let step_rad = encoder.step_rad();
-            let sensor = Counts {
-                per_rad: 1.0 / step_rad,
-                step_rad,
-                surface_rad,
-            };
+            let sensor = Counts::of(encoder.step_rad(), surface_rad);
             Box::new(Sampled { sensor, wall })
         }
     })

@@ -1,7 +1,8 @@
 //! The wall that the loop meets once a tick: encoder reading in, force out, whatever law and number format is behind it.
 
+use touchstone_control::law::View;
 use touchstone_control::{
-    Controller, CountScale, Energy, Force, Position, Reported, Settings, SettingsError,
+    Controller, CountScale, Energy, Force, Guarded, Position, Reported, Settings, SettingsError,
 };
 
 /// What the law shows of its inside after a tick, in SI.
@@ -92,16 +93,24 @@ impl<N: Reported> Wall for Controlled<N> {
     }
 
     fn inside(&self) -> Inside {
-        let view = self.controller.view();
-        Inside {
-            energy_j: view.energy.map_or(f64::NAN, Energy::to_f64),
-            offset_rad: view.offset.to_f64(),
-            mass_rad: view.mass.map(Position::to_f64),
-            guard: self.controller.guard.as_ref().map(|guard| InsideGuard {
-                account_j: guard.account().to_f64(),
-                limited: guard.limited,
-                tripped: guard.tripped,
-            }),
-        }
+        inside(
+            Some(&self.controller.view()),
+            self.controller.guard.as_ref(),
+        )
+    }
+}
+
+/// A law's and a guard's inside in SI; without a law there is nothing to see of one.
+pub(super) fn inside<N: Reported>(view: Option<&View<N>>, guard: Option<&Guarded<N>>) -> Inside {
+    let energy = view.and_then(|view| view.energy);
+    Inside {
+        energy_j: energy.map_or(f64::NAN, Energy::to_f64),
+        offset_rad: view.map_or(0.0, |view| view.offset.to_f64()),
+        mass_rad: view.and_then(|view| view.mass).map(Position::to_f64),
+        guard: guard.map(|guard| InsideGuard {
+            account_j: guard.account().to_f64(),
+            limited: guard.limited,
+            tripped: guard.tripped,
+        }),
     }
 }

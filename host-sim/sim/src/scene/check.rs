@@ -12,6 +12,8 @@ pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
     friction(scene)
         .or_else(|| shaft(scene))
         .or_else(|| lateness(scene))
+        .or_else(|| endstops(scene))
+        .or_else(|| detents(scene))
         .or_else(|| grip(scene))
         .or_else(|| motion(scene))
         .or_else(|| duration(scene))
@@ -25,6 +27,35 @@ fn friction(scene: &Scene) -> Option<Problem> {
             "device.friction.static_n_m",
             format!("must be at least kinetic_n_m, is {break_away} below {kinetic}"),
             format!("write static_n_m = {} or leave it out", tidy(kinetic)),
+        )
+    })
+}
+
+fn endstops(scene: &Scene) -> Option<Problem> {
+    let stops = scene.environment.as_ref()?.endstops.as_ref()?;
+    (stops.upper_rad <= stops.lower_rad).then(|| {
+        Problem::new(
+            "environment.endstops.upper_rad",
+            format!(
+                "must be above lower_rad, is {} and that {}",
+                stops.upper_rad, stops.lower_rad
+            ),
+            "exchange them, or move one",
+        )
+    })
+}
+
+fn detents(scene: &Scene) -> Option<Problem> {
+    let ring = scene.environment.as_ref()?.detents.as_ref()?;
+    let limit = scene.law.force_limit_n_m;
+    (ring.strength_n_m > limit).then(|| {
+        Problem::new(
+            "environment.detents.strength_n_m",
+            format!(
+                "{} is more than law.force_limit_n_m = {limit}",
+                ring.strength_n_m
+            ),
+            format!("give at most {}, or raise law.force_limit_n_m", tidy(limit)),
         )
     })
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::device::{DeviceSpec, Encoder, Plant, Timing, Wall};
 use super::effects::SensorErrors;
+use super::environment::Environment;
 use super::law::Law;
 use super::operator::Operator;
 use super::origin::Origin;
@@ -34,6 +35,9 @@ pub struct Scene {
     pub timing: Timing,
     /// The virtual wall.
     pub wall: Wall,
+    /// What there is to touch beside it. Absent: nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment: Option<Environment>,
     /// The law and its parameters.
     pub law: Law,
     /// The person.

@@ -8,6 +8,7 @@ mod check;
 mod device;
 mod draft;
 mod effects;
+mod environment;
 mod experiment;
 mod law;
 mod load;
@@ -33,9 +34,10 @@ pub use effects::{
     Cogging, CurrentLoop, CurrentSensor, HandReflex, HandTremor, Imbalance, PeriodicError,
     SensorErrors, SensorNoise, Transmission,
 };
+pub use environment::{DetentRing, Endstops, Environment, FurtherWall};
 pub use experiment::Scene;
 pub(crate) use law::word;
-pub use law::{FilterSettings, Law, Number};
+pub use law::{FilterSettings, Law, Number, VelocitySettings};
 pub use motion::{Curve, Recording, RestPath, SMOOTHING_HZ};
 pub use operator::{
     APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, FASTEST_WIGGLE_HZ, Grip, Hand, MotionSpec,

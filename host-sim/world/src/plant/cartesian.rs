@@ -75,6 +75,24 @@ pub const FIRM_TRANSLATION: Hand = Hand {
     pad_stiffness: 2000.0,
 };
 
+/// A light touch at the effector, along each axis: the linear values of [`super::LIGHT`], its pad's damping in that grip's ratio to the firm one.
+pub const LIGHT_TRANSLATION: Hand = Hand {
+    inertia: 0.1,
+    damping: 1.0,
+    stiffness: 30.0,
+    pad_damping: 0.05,
+    pad_stiffness: 300.0,
+};
+
+/// An ordinary grip at the effector, along each axis: as [`LIGHT_TRANSLATION`], of [`super::MEDIUM`].
+pub const MEDIUM_TRANSLATION: Hand = Hand {
+    inertia: 0.3,
+    damping: 3.0,
+    stiffness: 100.0,
+    pad_damping: 0.15,
+    pad_stiffness: 700.0,
+};
+
 /// Three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cartesian<S> {

@@ -29,7 +29,7 @@
 //! All four are [`Stepper`]s: configuration for one fixed interval, applied to a small separate [`State`]. A
 //! computational delay of a fraction of a tick is two steppers, `delay` and `T - delay`, taking turns on one state.
 //!
-//! Three translations are three axes, each with a stepper of its own: [`Cartesian`].
+//! Three translations are three axes, each with a stepper of its own, [`Cartesian`], or a mechanism of arms, [`DeltaPlant`].
 //!
 //! Units are those of a knob (rad, N·m, kg·m²). One axis of a translational device obeys the same equations with
 //! m, N and kg; only the names of the fields then say the wrong unit.
@@ -40,6 +40,7 @@ mod bare;
 mod bare_coulomb;
 mod biased;
 mod cartesian;
+mod delta;
 pub(crate) mod device;
 pub(crate) mod flow;
 mod hand;
@@ -54,7 +55,13 @@ pub mod train;
 pub use bare::BareLinear;
 pub use bare_coulomb::BareCoulomb;
 pub use biased::Biased;
-pub use cartesian::{Cartesian, FIRM_TRANSLATION, Limits, OMEGA3, OMEGA3_AXIS};
+pub use cartesian::{
+    Cartesian, FIRM_TRANSLATION, LIGHT_TRANSLATION, Limits, MEDIUM_TRANSLATION, OMEGA3, OMEGA3_AXIS,
+};
+pub use delta::{
+    DeltaDevice, DeltaGeometry, DeltaMasses, DeltaPlant, DeltaPose, DeltaState, DeltaWork, FALCON,
+    FALCON_GEOMETRY, Unreachable,
+};
 pub use device::{Coulomb, Device, Invalid};
 pub use hand::{FIRM, Hand, LIGHT, MEDIUM};
 pub use held::HeldLinear;

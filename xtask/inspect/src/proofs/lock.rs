@@ -12,12 +12,19 @@ pub const LOCK: &str = "proofs/harnesses.lock";
 const SOURCES: &str = "proofs/src";
 /// What every statement rests on: configurations and memories, sources of inputs, number formats.
 const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
+/// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
+const COMPARES: &str = "refines";
+const SPECIFICATION: &str = "proofs/src/spec";
+const BRIDGE: &str = "specified";
+
+/// What a property or its file names after `by`.
+const SOLVERS: [&str; 5] = ["cadical", "kissat", "cvc5", "z3", "sampled"];
 
 /// The number of each property, by file and name: `tdpa::p7_leaves`.
 pub struct Statements(BTreeMap<String, u64>);
 
 /// FNV-1a.
-fn add(hash: u64, text: &str) -> u64 {
+pub fn add(hash: u64, text: &str) -> u64 {
     text.bytes().chain([0]).fold(hash, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
@@ -27,13 +34,15 @@ const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 impl Statements {
     /// Of the sources in the workspace.
     pub fn read() -> Result<Self, String> {
-        let said = |why: std::io::Error| format!("{SOURCES}: {why}");
         let mut files = BTreeMap::new();
-        for entry in std::fs::read_dir(SOURCES).map_err(said)? {
-            let path = entry.map_err(said)?.path();
-            if path.extension().is_some_and(|end| end == "rs") {
-                let text = std::fs::read_to_string(&path).map_err(said)?;
-                files.insert(name(&path), text);
+        for (folder, prefix) in [(SOURCES, ""), (SPECIFICATION, "spec/")] {
+            let said = |why: std::io::Error| format!("{folder}: {why}");
+            for entry in std::fs::read_dir(folder).map_err(said)? {
+                let path = entry.map_err(said)?.path();
+                if path.extension().is_some_and(|end| end == "rs") {
+                    let text = std::fs::read_to_string(&path).map_err(said)?;
+                    files.insert(format!("{prefix}{}", name(&path)), text);
+                }
             }
         }
         Self::of(&files)
@@ -53,9 +62,21 @@ impl Statements {
                 .beside
                 .wrapping_add(add(shared, file));
         }
+        let mut specification = EMPTY;
+        for (file, text) in files {
+            if file == BRIDGE || file.starts_with("spec/") {
+                let beside = looked_at(file, text)?.beside;
+                specification = beside.wrapping_add(add(specification, file));
+            }
+        }
         let mut numbers = BTreeMap::new();
         for (file, text) in files {
             let found = looked_at(file, text)?;
+            let shared = if file == COMPARES {
+                shared ^ specification
+            } else {
+                shared
+            };
             for (property, number) in found.properties {
                 let all = [shared, found.beside, number].map(|number| number.to_string());
                 let number = all.iter().fold(EMPTY, |hash, text| add(hash, text));
@@ -133,6 +154,8 @@ fn look(tokens: TokenStream, into: &mut Looked) {
                 }
                 before = Default::default();
             }
+            // Who proves it, or that nobody does, is no part of what is stated.
+            TokenTree::Ident(word) if SOLVERS.contains(&word.to_string().as_str()) => {}
             other => {
                 into.beside = add(into.beside, &other.to_string());
                 let [_, last] = before;
@@ -181,6 +204,30 @@ mod tests {
             }
             property! { equation \"c\" over \"all\" fn p2_b(s) { assert!(true); } }
         } } }";
+
+    #[test]
+    fn who_proves_it_is_no_part_of_a_statement() {
+        let by_another = LAW.replace("cadical", "sampled");
+        assert!(by_another != LAW);
+        assert_eq!(numbers(LAW, "").0, numbers(&by_another, "").0);
+    }
+
+    #[test]
+    fn a_comparison_is_also_of_its_specification() {
+        let property = "property! { equation \"a\" over \"b\" fn p11_x(s) { assert!(true); } }";
+        let number = |specification: &str| {
+            let files = [
+                ("refines", property),
+                ("tdpa", property),
+                ("spec/tdpa", specification),
+            ];
+            let files = files.map(|(name, text)| (name.to_owned(), text.to_owned()));
+            let all = Statements::of(&BTreeMap::from(files)).expect("tokens");
+            ["refines", "tdpa"].map(|file| all.line(&format!("{file}::w8::p11_x::proof")))
+        };
+        let (before, after) = (number("fn f() -> i32 { 1 }"), number("fn f() -> i32 { 2 }"));
+        assert!(before[0] != after[0] && before[1] == after[1]);
+    }
 
     #[test]
     fn what_is_stated_has_a_number_and_what_is_said_of_it_has_none() {

@@ -5,12 +5,14 @@
 //! assertion of a property can be.
 
 mod lock;
+mod memo;
 mod properties;
 mod report;
 mod table;
 mod usage;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use crate::answer::Answer;
 use lock::{LOCK, Statements};
@@ -28,6 +30,8 @@ pub struct Run<'r> {
     pub usage: &'r str,
     /// Most memory of a harness.
     pub memory_kib: u64,
+    /// What was proved before, and is added to.
+    pub memo: &'r Path,
 }
 
 impl Run<'_> {
@@ -39,6 +43,18 @@ impl Run<'_> {
         }
         Ok(found)
     }
+
+    /// Writes down what is proved, for whoever takes up the run again.
+    fn keep(
+        &self,
+        found: &BTreeMap<String, Verdict>,
+        statements: &Statements,
+    ) -> Result<(), String> {
+        let wrong = wrong(found, self.memory_kib);
+        let fine =
+            |name: &str, _: &Verdict| !wrong.iter().any(|why| why.starts_with(&format!("{name}:")));
+        memo::keep(self.memo, found, statements, fine)
+    }
 }
 
 /// Those whose names contain a text; says nothing about the others, nor about the lock.
@@ -47,6 +63,7 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     if found.is_empty() {
         return Err(format!("no harness has `{part}` in its name"));
     }
+    run.keep(&found, &Statements::read()?)?;
     for (name, verdict) in &found {
         println!(
             "{:>7.1} s {:>6}  {name}: {}",
@@ -58,17 +75,60 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     Ok(say(&found, wrong(&found, run.memory_kib)))
 }
 
-/// All of them, against the lock, with the table. `words`: on the checker and how long it took; `machine`: on what else ran.
-pub fn whole(run: &Run, words: &str, machine: &str, bless: bool) -> Result<Answer, String> {
-    let found = run.verdicts()?;
+/// Prints the harnesses of the checker's list that were not proved before, of this code and as they are stated.
+pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
+    let known = memo::kept(memo, &Statements::read()?)?;
+    let all = memo::listed(list)?;
+    let mut left: Vec<&String> = all
+        .iter()
+        .filter(|name| !known.contains_key(*name))
+        .collect();
+    // What was proved once, first: it is known to come to an end.
+    let locked = std::fs::read_to_string(LOCK).unwrap_or_default();
+    left.sort_by_key(|name| !locked.contains(&format!("{name} ")));
+    for name in left {
+        println!("{name}");
+    }
+    Ok(Answer::Right(format!(
+        "{} of {} proved before",
+        known.len(),
+        all.len()
+    )))
+}
+
+/// All of them, against the lock, with the table. `words`: on the checker and how long it took; `machine`: on what else ran. With the
+/// checker's list, what was proved before counts, and all that the list names must have been.
+pub fn whole(
+    run: &Run,
+    words: &str,
+    machine: &str,
+    bless: bool,
+    list: Option<&str>,
+) -> Result<Answer, String> {
     let statements = Statements::read()?;
+    let mut found = run.verdicts()?;
+    run.keep(&found, &statements)?;
+    let mut missing = Vec::new();
+    if let Some(list) = list {
+        let all = memo::listed(list)?;
+        let before = memo::kept(run.memo, &statements)?;
+        let before = before.into_iter().filter(|(name, _)| all.contains(name));
+        for (name, verdict) in before {
+            found.entry(name).or_insert(verdict);
+        }
+        let not_there = all.iter().filter(|name| !found.contains_key(*name));
+        missing.extend(not_there.map(|name| format!("{name}: did not run")));
+    }
     if bless {
-        let lines: String = found.keys().fold(String::new(), |text, name| {
+        // What was proved, and nothing else.
+        let proved = found.iter().filter(|(_, verdict)| verdict.proved());
+        let lines: String = proved.fold(String::new(), |text, (name, _)| {
             text + &statements.line(name) + "\n"
         });
         std::fs::write(LOCK, lines).map_err(|why| format!("{LOCK}: {why}"))?;
     }
     let mut wrong = wrong(&found, run.memory_kib);
+    wrong.extend(missing);
     match std::fs::read_to_string(LOCK) {
         Ok(locked) => wrong.extend(against_lock(&found, &locked, &statements)),
         Err(why) => wrong.push(format!("{LOCK}: {why}")),
@@ -204,6 +264,22 @@ pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
         Ok(false) => Answer::Wrong("proved".into()),
         Err(why) => Answer::NotRun(why),
     })
+}
+
+/// The harnesses of which an assertion of their own failed.
+pub fn refuting(report: &str) -> Result<Answer, String> {
+    let found = report::read(report)?;
+    let refuted: Vec<&String> = found
+        .iter()
+        .filter(|(_, verdict)| {
+            matches!(verdict.answer, report::Answer::Refuted(_)) && verdict.own_failed
+        })
+        .map(|(name, _)| name)
+        .collect();
+    for name in &refuted {
+        println!("{name}");
+    }
+    Ok(Answer::Right(format!("{} refuted", refuted.len())))
 }
 
 fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, String> {

@@ -3,6 +3,7 @@
 //! A claim that does not reproduce is reported as such, with what was measured.
 
 use super::record::Record;
+use super::tuned::{self, DirectionCard};
 use super::{Approach, Cell, Object, Phase, RATE_HZ, place, wall};
 use crate::thesis::claims::{Claim, Outcome};
 use touchstone_control::{Fixed32, Reported, SettingsError};
@@ -29,11 +30,11 @@ const EXTENSIONS: [Approach; 2] = [Approach::PerAxis, Approach::Magnitude];
 /// Ripple from which an interaction is no longer at rest: five counts of the device. A hand's tremor is no part of the simulation.
 pub const AT_REST_MM: f64 = 0.05;
 
-/// Every claim, against the runs of [`super::cells`].
+/// Every claim, against the runs of [`super::cells`] and the scorecards of [`super::tuned`].
 ///
 /// # Errors
 /// Settings that no law can have.
-pub fn check(runs: &[Record]) -> Result<Vec<Claim>, SettingsError> {
+pub fn check(runs: &[Record], cards: &[DirectionCard]) -> Result<Vec<Claim>, SettingsError> {
     Ok(vec![
         critical()?,
         springs(runs),
@@ -44,6 +45,7 @@ pub fn check(runs: &[Record]) -> Result<Vec<Claim>, SettingsError> {
         sliding(runs),
         jumps(runs),
         audited(runs),
+        tuned::claim(cards),
     ])
 }
 

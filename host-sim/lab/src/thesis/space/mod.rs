@@ -7,8 +7,9 @@ pub mod claims;
 pub mod figures;
 mod motion;
 mod record;
+pub mod tuned;
 
-pub use motion::{Phase, ProbingMotion};
+pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
 pub use record::Record;
 
 use rayon::prelude::*;

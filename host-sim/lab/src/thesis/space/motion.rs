@@ -31,6 +31,7 @@ pub struct ProbingMotion {
     object: Object,
     normal: [f64; 3],
     side: [f64; 3],
+    slide_mm_per_s: f64,
 }
 
 /// From 0 to 1 without a jump of the speed.
@@ -56,7 +57,15 @@ impl ProbingMotion {
             object,
             normal: n,
             side: across.map(|x| x / length),
+            slide_mm_per_s: SLIDE_MM_PER_S,
         }
+    }
+
+    /// Sliding at another speed, for a smaller workspace.
+    #[must_use]
+    pub fn at_speed(mut self, slide_mm_per_s: f64) -> Self {
+        self.slide_mm_per_s = slide_mm_per_s;
+        self
     }
 
     /// How many ticks it takes.
@@ -98,7 +107,7 @@ impl ProbingMotion {
         };
         let along_s = (t - PROBE_S - HOLD_S).clamp(0.0, SLIDE_S);
         // A tenth of a second to gather speed.
-        let way = SLIDE_MM_PER_S * (along_s - 0.05 + 0.05 * (-along_s / 0.05).exp());
+        let way = self.slide_mm_per_s * (along_s - 0.05 + 0.05 * (-along_s / 0.05).exp());
         match self.object {
             Object::Horizontal | Object::Inclined => {
                 std::array::from_fn(|i| above * self.normal[i] + way * self.side[i])

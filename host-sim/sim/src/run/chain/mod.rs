@@ -26,6 +26,6 @@ pub use crossing::{Crossing, Delayed, Flow, Prompt};
 pub use irregular::{Irregular, Lateness, PARTS};
 pub use lost::Lossy;
 pub use noise::{Channel, CurrentError, Eccentric, Noisy, Stream};
-pub use sensor::{Counts, ExactAngle, Sensor};
+pub use sensor::{Counts, ExactAngle, ExactPlace, Sensor};
 pub use stage::{Limited, Stage, Staged, Stepped};
 pub use unsteady::{Handled, Reflex, Tremor, Unsteady};

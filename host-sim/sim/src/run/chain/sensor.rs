@@ -35,6 +35,29 @@ impl Sensor for ExactAngle {
     }
 }
 
+/// The exact angle, told as it is and not from a surface: for several walls.
+#[derive(Debug, Clone, Copy)]
+pub struct ExactPlace {
+    /// `x_s` of the first wall, rad, from which a record counts.
+    pub surface_rad: f64,
+}
+
+impl Sensor for ExactPlace {
+    #[inline(always)]
+    fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64 {
+        wall.at_penetration(angle_rad)
+    }
+
+    fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64) {
+        wall.changed_at_penetration(angle_rad);
+    }
+
+    #[inline(always)]
+    fn told_rad(&self, angle_rad: f64) -> f64 {
+        angle_rad - self.surface_rad
+    }
+}
+
 /// An encoder: the nearest count.
 #[derive(Debug, Clone, Copy)]
 pub struct Counts {
@@ -47,6 +70,16 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// With a count so wide, rad, before a surface.
+    #[must_use]
+    pub fn of(step_rad: f64, surface_rad: f64) -> Self {
+        Self {
+            per_rad: 1.0 / step_rad,
+            step_rad,
+            surface_rad,
+        }
+    }
+
     /// The nearest count.
     #[inline(always)]
     fn count(&self, angle_rad: f64) -> i64 {

@@ -21,6 +21,10 @@ pub enum Place {
     Shaft,
     /// Between a motion and the hand.
     Hand,
+    /// Beside the wall, before its guard.
+    Environment,
+    /// In the law: what its damper takes for the velocity.
+    Velocity,
 }
 
 impl Place {
@@ -37,6 +41,8 @@ impl Place {
             Place::State => "a state of the exact step",
             Place::Shaft => "at the shaft, in substeps",
             Place::Hand => "between motion and hand",
+            Place::Environment => "beside the wall, before its guard",
+            Place::Velocity => "in the law spring-damper",
         }
     }
 }

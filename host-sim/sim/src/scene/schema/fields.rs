@@ -2,6 +2,7 @@
 
 use super::Kind::{Choice, Flag, Text, Whole};
 use super::Range::{Any, Exactly, NotNegative, Positive, UpTo, Within};
+use super::environment_fields::ENVIRONMENT;
 use super::hand_fields::OPERATOR;
 use super::{Field, field, number};
 use crate::scene::device::Integrator;
@@ -21,6 +22,12 @@ pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("encoder", "exact position"),
     ("sensor.noise", "no noise"),
     ("sensor.periodic", "no such error"),
+    ("environment", "the wall alone"),
+    ("environment.wall2", "no second wall"),
+    ("environment.wall3", "no third wall"),
+    ("environment.wall4", "no fourth wall"),
+    ("environment.endstops", "no endstops"),
+    ("environment.detents", "no detents"),
     ("operator.hand", "the grip's values"),
     ("operator.tremor", "a steady hand"),
     ("operator.reflex", "no reflex"),
@@ -295,6 +302,7 @@ macro_rules! table {
             table!(@rows (timing) $($timing)*),
             TIMING_AND_SURFACE,
             table!(@rows (wall) $($wall)*),
+            ENVIRONMENT,
             table!(@rows (law) $($law)*),
             NUMBER,
             $(table!(@rows (law $group) $($rows)*),)+

@@ -4,6 +4,7 @@
 //! module needs one entry in `schema/fields.rs`; a test compares the two. The law's fields are those of
 //! [`touchstone_control::law_settings`].
 
+mod environment_fields;
 mod fields;
 mod hand_fields;
 

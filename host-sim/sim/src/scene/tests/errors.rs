@@ -35,7 +35,7 @@ fn misspelt_fields_and_tables() {
     );
     refused(
         "[gravity]",
-        "s.toml:1: gravity: unknown table; the top of the scene has name, description, seed, device, encoder, sensor, plant, timing, wall, law or operator",
+        "s.toml:1: gravity: unknown table; the top of the scene has name, description, seed, device, encoder, sensor, plant, timing, wall, environment, law or operator",
     );
 }
 

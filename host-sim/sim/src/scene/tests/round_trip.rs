@@ -87,6 +87,29 @@ fn full_scenes() -> Vec<Scene> {
             // The longest of the motions needs 3.7 s.
             duration_s: 4.25,
         },
+        environment: Some(Environment {
+            wall2: Some(FurtherWall {
+                stiffness_n_m_per_rad: Some(1.0 / 3.0),
+                ..FurtherWall::default()
+            }),
+            wall3: Some(FurtherWall {
+                stiffness_n_m_per_rad: Some(2.5),
+                ..FurtherWall::default()
+            }),
+            wall4: Some(FurtherWall {
+                stiffness_n_m_per_rad: Some(0.0),
+                ..FurtherWall::default()
+            }),
+            endstops: Some(Endstops {
+                stiffness_n_m_per_rad: Some(7.0),
+                ..Endstops::default()
+            }),
+            detents: Some(DetentRing {
+                per_rev: 17,
+                ..DetentRing::default()
+            }),
+            ..Environment::default()
+        }),
         law: Law {
             kind: LawKind::SfaContinuous,
             first_contact: Some(FirstContact::KeepForce),
@@ -189,6 +212,7 @@ fn every_number_ends_in_its_unit() {
             "periods_per_rev",
             "substeps",
             "lost_share",
+            "per_rev",
             "step_of_ideal",
             "limit_of_force",
             "limit_of_penetration",

@@ -1,30 +1,37 @@
 //! What the page is told in words.
 
-use super::device_side::DeviceSide;
-use crate::device::name_of;
 use crate::fault_words::section;
+use crate::value;
+use crate::words::name_of;
 use serde_json::{Value, json};
-use touchstone_protocol::{Limit, Phase, Status};
+use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_protocol::{DeviceCommand, DeviceSettings, Limit, Phase, Status};
 
 /// Who is there, and everything that can be set.
-pub fn hello(link: &DeviceSide) -> Value {
-    let wall = &link.settings.wall;
-    let rate_hz = f64::from(link.settings.timing.rate_hz);
+#[must_use]
+pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value {
+    let wall = &settings.wall;
+    let entry = |field| {
+        let mut entry = value::json(field);
+        entry["shown"] = value::shown(settings, field).into();
+        entry
+    };
     json!({
         "type": "hello",
-        "device": link.described(),
-        "rate_hz": rate_hz,
-        "decimation": link.decimation,
+        "device": device,
+        "rate_hz": f64::from(settings.timing.rate_hz),
+        "decimation": decimation,
         "surface_rad": wall.surface_rad.to_num::<f64>(),
         "k_desired_n_m_per_rad": wall.k_desired_n_m_per_rad.to_num::<f64>(),
-        "encoder_step_rad": std::f64::consts::TAU / f64::from(link.settings.encoder.counts_per_rev),
+        "encoder_step_rad": std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev),
         "phases": Phase::ALL.map(Phase::name),
         "limits": Limit::ALL.map(limit_words),
-        "fields": link.fields(),
+        "fields": FIELDS.iter().map(entry).collect::<Vec<_>>(),
     })
 }
 
 /// Where the device stands, and what to do next.
+#[must_use]
 pub fn state(status: &Status) -> Value {
     let fault = status.fault.map(|fault| {
         let text = |heading| plain(section(fault.code, heading).unwrap_or_default());
@@ -78,6 +85,29 @@ const fn limit_words(limit: Limit) -> &'static str {
 }
 
 /// The connection to the device.
+#[must_use]
 pub fn connection(lost: Option<&str>, done: Option<&str>) -> Value {
     json!({ "type": "connection", "lost": lost, "done": done })
+}
+
+/// Records that the device's port could not carry, and frames that came in damaged.
+#[must_use]
+pub fn troubles(dropped: u32, damaged: u32) -> Value {
+    json!({ "type": "troubles", "dropped": dropped, "damaged": damaged })
+}
+
+/// What switches a device off that moves or may move something, and that done, in words.
+#[must_use]
+pub const fn switched_off(phase: Phase) -> Option<(DeviceCommand, &'static str)> {
+    match phase {
+        Phase::Armed => Some((
+            DeviceCommand::Disarm,
+            "the device was armed, and is disarmed",
+        )),
+        Phase::Calibrating => Some((
+            DeviceCommand::Stop,
+            "the device was calibrating, and is stopped",
+        )),
+        _ => None,
+    }
 }

@@ -1,8 +1,8 @@
 //! Records as rows of numbers, as the page draws them.
 
-use crate::monitor::Counted;
+use crate::counted::Counted;
 use touchstone_drive::twin::Twin;
-use touchstone_protocol::Telemetry;
+use touchstone_protocol::{DeviceSettings, Telemetry};
 
 /// Numbers of a record, in their order. What the simulated page has too bears its name, so that the same code draws it.
 pub const COLUMNS: [&str; 16] = [
@@ -30,7 +30,19 @@ pub const COLUMNS: [&str; 16] = [
 /// More than this are kept for nobody: who does not fetch them for so long is gone.
 const KEPT: usize = 20_000;
 
-/// RecordRows since the last batch.
+/// Bytes of a busy record with its frame, and of the serial line in a second (921,600 baud, ten bits a byte), of which answers need
+/// some.
+const RECORD_BYTES: u32 = 36;
+const LINE_BYTES: u32 = 80_000;
+
+/// Control ticks between two records that the line carries.
+#[must_use]
+pub fn decimation(settings: &DeviceSettings) -> u16 {
+    let line = settings.timing.rate_hz * RECORD_BYTES;
+    u16::try_from(line.div_ceil(LINE_BYTES)).unwrap_or(u16::MAX)
+}
+
+/// Rows since the last batch.
 #[derive(Default)]
 pub struct RecordRows {
     twin: Option<Twin>,
@@ -44,13 +56,13 @@ pub struct RecordRows {
 }
 
 impl RecordRows {
-    /// From here on with another model.
-    pub fn begin(&mut self, twin: Option<Twin>, decimation: u16, rate_hz: u32, surface_rad: f64) {
-        self.twin = twin;
+    /// From here on with another model, which follows where every tick is told.
+    pub fn begin(&mut self, twin: Option<Twin>, decimation: u16, settings: &DeviceSettings) {
+        self.twin = twin.filter(|_| decimation == 1);
         self.counted = Counted::default();
         self.decimation = decimation;
-        self.period_s = 1.0 / f64::from(rate_hz);
-        self.surface_rad = surface_rad;
+        self.period_s = 1.0 / f64::from(settings.timing.rate_hz);
+        self.surface_rad = settings.wall.surface_rad.to_num();
     }
 
     /// Takes a record.
@@ -84,9 +96,14 @@ impl RecordRows {
         ]);
     }
 
-    /// The rows so far, which are gone then: numbers of 64 bits, least significant byte first, after the batch's own.
+    /// The rows so far, which are gone then.
+    pub fn numbers(&mut self) -> Vec<f64> {
+        std::mem::take(&mut self.numbers)
+    }
+
+    /// The same as a message: numbers of 64 bits, least significant byte first, after the batch's own.
     pub fn take(&mut self, batch: u32) -> Vec<u8> {
-        let numbers = std::mem::take(&mut self.numbers);
+        let numbers = self.numbers();
         std::iter::once(f64::from(batch))
             .chain(numbers)
             .flat_map(f64::to_le_bytes)

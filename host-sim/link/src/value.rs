@@ -9,6 +9,9 @@ use touchstone_sim::scene::{list, nearest};
 pub type Wrong = (String, String);
 
 /// The value that a text stands for, as postcard has it. Numbers are exact: no float comes near them.
+///
+/// # Errors
+/// It is no value of this setting.
 pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     let mut buffer = [0; VALUE_MAX];
     let no = |problem: String| Err((problem, wanted(field).1));
@@ -43,6 +46,7 @@ pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
 }
 
 /// Problem and fix for a value that is refused without a better reason.
+#[must_use]
 pub fn wanted(field: &Field) -> Wrong {
     (
         "is no value of this setting".into(),
@@ -51,6 +55,7 @@ pub fn wanted(field: &Field) -> Wrong {
 }
 
 /// What a setting may be, in words.
+#[must_use]
 pub fn range(field: &Field) -> String {
     match field.kind {
         Kind::Number { least, most } => format!("{least} to {most}"),
@@ -61,6 +66,7 @@ pub fn range(field: &Field) -> String {
 }
 
 /// The unit with a space before it, or nothing.
+#[must_use]
 pub fn unit(field: &Field) -> String {
     match field.unit {
         "" => String::new(),
@@ -69,6 +75,7 @@ pub fn unit(field: &Field) -> String {
 }
 
 /// The value of a setting, as [`parse`] takes it.
+#[must_use]
 pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     let mut buffer = [0; VALUE_MAX];
     // The test below goes through the whole table.
@@ -88,6 +95,7 @@ pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
 }
 
 /// The value of a setting for programs: a number where it is one.
+#[must_use]
 pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
     let text = shown(settings, field);
     match field.kind {
@@ -104,6 +112,7 @@ pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
 }
 
 /// A setting for programs.
+#[must_use]
 pub fn json(field: &Field) -> serde_json::Value {
     use serde_json::json;
     let value = match field.kind {

@@ -1,0 +1,208 @@
+//! What there is to touch on one axis: several walls, solid above or below their surfaces, and detents; one guard for all of it.
+//!
+//! ```text
+//! angle -> each wall: penetration -> states -> law \
+//!       -> detents ---------------------------------> sum -> saturation -> guard -> force
+//! ```
+//!
+//! **Nothing is switched.** Every wall has a law with a memory of its own and is told where the device is at every tick, so that a law never
+//! learns that another wall was touched: outside its own it gives no force and has no memory. What all of them ask for together is limited as
+//! one force, and one guard answers for it, whose account therefore bounds what a hand gets out by going from one wall to the next as well.
+//! Estimators are told the force of all, for it is what moves the device.
+//!
+//! **Signs.** Forces here act against `+x`, as those of a wall that is solid above its surface. A wall that is solid below is the mirror image of
+//! one above, and is calculated as that, so that an environment and its mirror image answer mirrored motions with mirrored forces, to the bit.
+//!
+//! Objects of three axes are in [`crate::space::environment`]: there a point is inside of one shape, here of any number.
+
+mod detents;
+mod face;
+mod refused;
+
+pub use detents::{DetentSettings, Detents};
+pub use face::{Counted, Face, Reading, Side};
+pub use refused::Refused;
+
+use crate::controller::Controller;
+use crate::guard::quantum;
+use crate::law::{Contact, View};
+use crate::{
+    AnyLaw, Field, Force, Guard, Guarded, Number, Position, Settings, SettingsError, Si, States,
+};
+
+/// Walls that an environment has at most: two endstops and four between them.
+pub const MOST_WALLS: usize = 6;
+
+/// A wall: where it is, and the stiffness that it shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WallSettings {
+    /// Its surface, and on which side of it it is solid.
+    pub face: Face,
+    /// `k_de`, N·m/rad.
+    pub k_desired: Si,
+}
+
+/// A wall at work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Walled<N: Number> {
+    face: Face,
+    states: States<N>,
+    law: AnyLaw<N>,
+}
+
+/// Walls and detents behind one guard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Environment<N: Number> {
+    walls: [Option<Walled<N>>; MOST_WALLS],
+    detents: Option<Detents<N>>,
+    limit: Force<N>,
+    /// The stage after all of them.
+    pub guard: Option<Guarded<N>>,
+    /// A step of a position, for the guard's books.
+    step: Si,
+    last: Option<Si>,
+    commanded: Force<N>,
+}
+
+impl<N: Number> Environment<N> {
+    /// At power-up. The settings are those of every wall's law but for `k_desired`, and those of the guard.
+    ///
+    /// # Errors
+    /// What is refused, and of which wall.
+    #[cold]
+    #[inline(never)]
+    pub fn new(
+        settings: &Settings,
+        walls: &[WallSettings],
+        detents: Option<&DetentSettings>,
+    ) -> Result<Self, Refused> {
+        if walls.len() > MOST_WALLS {
+            return Err(Refused::TooManyWalls);
+        }
+        let mut environment = Self {
+            walls: [None; MOST_WALLS],
+            detents: None,
+            limit: Force(N::signal(settings.force_limit).ok_or(Refused::Law(
+                SettingsError::OutOfFormat {
+                    field: Field::ForceLimit,
+                    value: settings.force_limit,
+                    format: N::NAME,
+                },
+            ))?),
+            guard: None,
+            step: quantum::<N>(),
+            last: None,
+            commanded: Force::zero(),
+        };
+        settings.validate().map_err(Refused::Law)?;
+        if settings.guard.on {
+            let guard = Guard::new(&settings.guard, &settings.guarded_device());
+            environment.guard = Some(Guarded::new(guard.map_err(Refused::Law)?));
+        }
+        let slots = environment.walls.iter_mut();
+        for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
+            let own = Settings {
+                k_desired: wall.k_desired,
+                ..*settings
+            };
+            let refused = |error| Refused::Wall(place, error);
+            *slot = Some(Walled {
+                face: wall.face,
+                states: Controller::<N>::states_of(&own).map_err(refused)?,
+                law: AnyLaw::new(&own).map_err(refused)?,
+            });
+        }
+        if let Some(detents) = detents {
+            environment.detents = Some(detents.detents(settings.force_limit)?);
+        }
+        Ok(environment)
+    }
+
+    /// This one in the place of another that ran before, for the next arming: all memory is new but the guard's account.
+    #[must_use]
+    pub fn resumed(self, before: &Self) -> Self {
+        let guard = match (self.guard, &before.guard) {
+            (Some(guard), Some(before)) => Some(guard.resumed(before)),
+            (guard, _) => guard,
+        };
+        Self { guard, ..self }
+    }
+
+    /// One control period: where the device is, and where it was when the force changed since the last tick (where that is measured), to
+    /// the force against `+x`.
+    ///
+    /// If a later stage changes that force, [`Environment::commanded`] must follow.
+    #[inline]
+    pub fn tick(&mut self, at: &impl Reading<N>, at_change: Option<Si>) -> Force<N> {
+        let angle = at.angle();
+        let mut wanted = match &self.detents {
+            None => Force::zero(),
+            Some(detents) => detents.force(angle),
+        };
+        for wall in self.walls.iter_mut().flatten() {
+            let Walled { face, states, law } = wall;
+            states.commanded(face.side.seen(self.commanded));
+            let force = law.tick(states.sample(at.penetration(face)));
+            wanted = wanted + face.side.seen(force);
+        }
+        let wanted = wanted.within(self.limit);
+        let force = self.guarded(angle, at_change, wanted);
+        self.commanded = force;
+        force
+    }
+
+    #[inline(always)]
+    fn guarded(&mut self, angle: Si, at_change: Option<Si>, wanted: Force<N>) -> Force<N> {
+        let Some(guard) = &mut self.guard else {
+            return wanted;
+        };
+        // In whole steps of the format, so that the displacements of a way add up to the way, and without end: a knob turns on.
+        let on_step = |angle: Si| {
+            let bits = angle.to_bits();
+            let down = |size: i64| size & self.step.to_bits().wrapping_neg();
+            Si::from_bits(if bits < 0 {
+                down(bits.wrapping_neg()).wrapping_neg()
+            } else {
+                down(bits)
+            })
+        };
+        let now = on_step(angle);
+        let last = self.last.replace(now).unwrap_or(now);
+        let since = |angle: Si| Position(N::saturating_signal(angle.saturating_sub(last)));
+        let moved = since(now);
+        let before_change = at_change.map_or(Position::zero(), |angle| since(on_step(angle)));
+        // By the force that acted, so that the mirror image of a motion has the mirror image of its roundings.
+        let (force, older) = (guard.state.force, guard.state.older);
+        if force < Force::zero() || (force == Force::zero() && older < Force::zero()) {
+            guard.moved_mirrored(moved, before_change, wanted)
+        } else {
+            guard.moved(moved, before_change, wanted)
+        }
+    }
+
+    /// What became of the last tick's force, where a later stage changed it: estimators and guard then count with that.
+    #[inline]
+    pub fn commanded(&mut self, force: Force<N>) {
+        self.commanded = force;
+        if let Some(Guarded { guard, state, .. }) = &mut self.guard {
+            guard.commanded(state, force);
+        }
+    }
+
+    /// Whether the guard has switched the force off for overspeed.
+    #[must_use]
+    pub fn tripped(&self) -> bool {
+        self.guard.as_ref().is_some_and(|guard| guard.tripped)
+    }
+
+    /// The inside of the wall that is touched, else of the first one; `None` without a wall.
+    pub fn view(&self) -> Option<View<N>> {
+        let mut views = self.walls.iter().flatten().map(|wall| wall.law.view());
+        let first = views.next()?;
+        if first.contact != Contact::Free {
+            return Some(first);
+        }
+        let touched = views.find(|view| view.contact != Contact::Free);
+        Some(touched.unwrap_or(first))
+    }
+}

@@ -1,0 +1,44 @@
+//! Why an environment is refused.
+
+use crate::{SettingsError, Si};
+use core::fmt;
+
+/// Why an environment is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// More than [`super::MOST_WALLS`].
+    TooManyWalls,
+    /// A setting of the law or of the guard.
+    Law(SettingsError),
+    /// A setting as it is for one wall, by its place.
+    Wall(u8, SettingsError),
+    /// The detents' pitch is out of its range, rad (m).
+    Pitch(Si),
+    /// The detents' largest force is below 0 or above the force limit, N·m (N).
+    Strength {
+        /// As given.
+        strength: Si,
+        /// The force limit.
+        limit: Si,
+    },
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooManyWalls => write!(f, "more than {} walls", super::MOST_WALLS),
+            Self::Law(error) => error.fmt(f),
+            Self::Wall(_, error) => error.fmt(f),
+            Self::Pitch(pitch) => write!(
+                f,
+                "a pitch of {pitch:.6} rad is outside {} to {} rad",
+                super::detents::FINEST,
+                super::detents::COARSEST
+            ),
+            Self::Strength { strength, limit } => write!(
+                f,
+                "{strength:.6} N·m is outside 0 to the force limit of {limit:.6} N·m"
+            ),
+        }
+    }
+}

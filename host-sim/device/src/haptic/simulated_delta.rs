@@ -1,0 +1,208 @@
+//! A simulated delta: torques of three motors, joints in counts, in a hand whose rest point moves.
+
+use super::simulated::Rest;
+use super::{
+    Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
+};
+use touchstone_world::plant::{
+    DeltaDevice, DeltaPlant, DeltaPose, DeltaState, FALCON, Hand, Unreachable,
+};
+
+/// A delta that is simulated one control interval further at every command, under the torques of the force commanded.
+pub struct SimulatedDelta {
+    sheet: DataSheet,
+    device: DeltaDevice,
+    plant: DeltaPlant,
+    state: DeltaState,
+    /// Where its encoders say that it is.
+    measured: DeltaPose,
+    rest: Rest,
+    interval_s: f64,
+    time_s: f64,
+    engaged: bool,
+}
+
+/// Of the Falcon, as CHAI3D has it: 8 N within 40 mm around the centre; its loop is one of 1 kHz.
+const FALCON_FORCE_N: f64 = 8.0;
+const FALCON_REACH_M: f64 = 0.04;
+/// The fastest rate of its loop, Hz.
+pub const FALCON_RATE_HZ: u32 = 1000;
+
+/// What came of a place that the mechanism does not have.
+fn left(why: Unreachable) -> HapticFault {
+    HapticFault::Unusable(
+        format!("its arms came to where they cannot be: {why}"),
+        "hold it nearer to the centre of its workspace".into(),
+    )
+}
+
+impl SimulatedDelta {
+    /// The Falcon's geometry, at rest where the hand means to be, or would be if there were one.
+    ///
+    /// # Errors
+    /// [`HapticFault::Unusable`] for what no hand can have, or a place out of reach.
+    pub fn falcon(hand: Option<&Hand>, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
+        let device = FALCON;
+        let interval_s = 1.0 / f64::from(rate_hz);
+        let plant = DeltaPlant::new(&device, hand, interval_s).map_err(|why| {
+            HapticFault::Unusable(format!("no plant: {why}"), "correct the hand".into())
+        })?;
+        let state = DeltaState::at_rest(rest(0.0));
+        let pose = device.geometry.pose(state.place_m).map_err(left)?;
+        let measured = device.measured(&pose).map_err(left)?;
+        // A joint's count where it moves the effector furthest, at the centre.
+        let centre = device.geometry.pose([0.0; 3].into()).map_err(left)?;
+        let furthest = centre
+            .metres_per_radian()
+            .iter()
+            .fold(0.0_f64, |a, x| a.max(x.abs()));
+        Ok(Self {
+            sheet: DataSheet {
+                name: "simulated delta of a Falcon's geometry".into(),
+                degrees: 3,
+                force_n: FALCON_FORCE_N,
+                workspace: Workspace {
+                    radius_m: FALCON_REACH_M,
+                    half_height_m: FALCON_REACH_M,
+                },
+                count_m: furthest * device.count_rad,
+                rates_hz: (500, FALCON_RATE_HZ),
+                delay_s: 0.0,
+                sets_the_pace: false,
+            },
+            device,
+            plant,
+            state,
+            measured,
+            rest,
+            interval_s,
+            time_s: 0.0,
+            engaged: false,
+        })
+    }
+}
+
+impl HapticDevice for SimulatedDelta {
+    fn sheet(&self) -> &DataSheet {
+        &self.sheet
+    }
+
+    fn engage(&mut self) -> Result<(), HapticFault> {
+        self.engaged = true;
+        Ok(())
+    }
+
+    fn sense(&mut self) -> Result<Sensed, HapticFault> {
+        let pose = self.device.geometry.pose(self.state.place_m);
+        self.measured = pose
+            .and_then(|pose| self.device.measured(&pose))
+            .map_err(left)?;
+        Ok(Sensed {
+            position_m: self.measured.place_m.into(),
+            fresh: true,
+        })
+    }
+
+    fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
+        let wanted = match self.engaged {
+            true => force_n,
+            false => [0.0; 3],
+        };
+        // As a driver does: by the slopes of where the encoders say that it is.
+        let torques = self
+            .device
+            .limited_torques_n_m(&self.measured, wanted.into());
+        let acts: [f64; 3] = self.measured.force_n(torques).into();
+        let rest = (self.rest)(self.time_s);
+        self.plant
+            .step(&mut self.state, torques, rest)
+            .map_err(left)?;
+        self.time_s += self.interval_s;
+        // What is shortened by rounding alone is whole.
+        Ok(match length(acts) < length(wanted) * (1.0 - 1e-9) {
+            true => Applied::Saturated(Some(acts)),
+            false => Applied::Whole,
+        })
+    }
+
+    fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
+        Ok(DeviceStanding {
+            powered: true,
+            calibrated: true,
+            motors_on: self.engaged,
+            switched_off: None,
+        })
+    }
+
+    fn release(&mut self) -> Result<(), HapticFault> {
+        self.engaged = false;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_world::plant::FIRM_TRANSLATION;
+
+    fn still() -> Rest {
+        Box::new(|_| [0.01, 0.0, -0.005])
+    }
+
+    #[test]
+    fn it_is_pushed_the_way_that_was_commanded_and_only_while_engaged() {
+        let mut delta =
+            SimulatedDelta::falcon(Some(&FIRM_TRANSLATION), 1000, still()).expect("delta");
+        let start = delta.sense().expect("place").position_m;
+        assert_eq!(delta.command([5.0, 0.0, 0.0]), Ok(Applied::Whole));
+        for _ in 0..200 {
+            delta.command([5.0, 0.0, 0.0]).expect("released");
+        }
+        assert_eq!(delta.sense().expect("place").position_m, start);
+        delta.engage().expect("engaged");
+        for _ in 0..3000 {
+            delta.sense().expect("place");
+            delta.command([3.0, -3.0, 0.0]).expect("engaged");
+        }
+        let moved = delta.sense().expect("place").position_m;
+        let by: Vec<f64> = (0..3).map(|i| moved[i] - start[i]).collect();
+        // 3 N on a hand of 300 N/m and its pad.
+        assert!(
+            (by[0] - 0.0115).abs() < 1e-3 && (by[1] + 0.0115).abs() < 1e-3,
+            "{by:?}"
+        );
+        assert!(by[2].abs() < 1e-3, "{by:?}");
+    }
+
+    #[test]
+    fn more_than_its_motors_have_is_said_with_what_acts() {
+        let mut delta =
+            SimulatedDelta::falcon(Some(&FIRM_TRANSLATION), 1000, still()).expect("delta");
+        delta.engage().expect("engaged");
+        delta.sense().expect("place");
+        let Ok(Applied::Saturated(Some(acts))) = delta.command([0.0, 30.0, 40.0]) else {
+            panic!("whole");
+        };
+        assert!(
+            acts[1] > 5.0 && (acts[1] * 40.0 - acts[2] * 30.0).abs() < 1e-9,
+            "{acts:?}"
+        );
+        assert!(acts[0].abs() < 1e-12);
+    }
+
+    #[test]
+    fn out_of_reach_it_is_a_fault() {
+        let run = |_| [0.0, 0.0, 0.2];
+        let at: Rest = Box::new(run);
+        assert!(SimulatedDelta::falcon(Some(&FIRM_TRANSLATION), 1000, at).is_err());
+        let pulled: Rest = Box::new(|time_s| [0.0, 0.0, time_s]);
+        let mut delta =
+            SimulatedDelta::falcon(Some(&FIRM_TRANSLATION), 1000, pulled).expect("delta");
+        let ended =
+            (0..2000).find_map(|_| delta.sense().and_then(|_| delta.command([0.0; 3])).err());
+        assert!(
+            matches!(ended, Some(HapticFault::Unusable(..))),
+            "{ended:?}"
+        );
+    }
+}

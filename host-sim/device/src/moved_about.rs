@@ -1,0 +1,125 @@
+//! Small motions of a device that nobody holds, an axis after the other: what its mechanics are found from.
+//!
+//! A soft spring and a little damping hold it where it was when it was switched on; along one axis at a time three sines push it about by
+//! some millimetres. What acted and where it was is kept.
+
+use crate::haptic::{HapticFault, length};
+use crate::servo::ForceLaw;
+
+/// What is done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmallMotions {
+    /// Control rate, Hz.
+    pub rate_hz: u32,
+    /// How long each axis is pushed, s.
+    pub axis_s: f64,
+    /// Longest push, N; the spring is beside it.
+    pub push_n: f64,
+    /// So far from where it was, something is wrong, m.
+    pub furthest_m: f64,
+}
+
+/// For the force to fade in before anything is kept, s.
+const QUIET_S: f64 = 1.2;
+/// Of what holds it, N/m and N·s/m.
+const SPRING_N_PER_M: f64 = 120.0;
+const DAMPING_N_S_PER_M: f64 = 1.0;
+/// The sines, Hz, and their shares of the push; they never peak together for long.
+const SINES: [(f64, f64); 3] = [(1.3, 0.4), (3.1, 0.3), (6.7, 0.3)];
+/// The window of the velocity, ticks.
+const WINDOW: usize = 16;
+
+/// Where it was and what acted, a tick each, of an axis.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AxisRecord {
+    /// Along the axis, m.
+    pub position_m: Vec<f64>,
+    /// Along the axis, from that tick to the next, N.
+    pub force_n: Vec<f64>,
+}
+
+/// The law that moves it.
+#[derive(Debug, Clone)]
+pub struct MovedAbout {
+    motions: SmallMotions,
+    home: Option<[f64; 3]>,
+    past: [[f64; 3]; WINDOW],
+    tick: u64,
+    at: [f64; 3],
+    /// What was kept of each axis.
+    pub axes: [AxisRecord; 3],
+}
+
+impl MovedAbout {
+    /// Nothing moved yet.
+    #[must_use]
+    pub fn new(motions: SmallMotions) -> Self {
+        Self {
+            motions,
+            home: None,
+            past: [[0.0; 3]; WINDOW],
+            tick: 0,
+            at: [0.0; 3],
+            axes: Default::default(),
+        }
+    }
+
+    fn quiet_ticks(&self) -> u64 {
+        (QUIET_S * f64::from(self.motions.rate_hz)).ceil() as u64
+    }
+
+    fn axis_ticks(&self) -> u64 {
+        (self.motions.axis_s * f64::from(self.motions.rate_hz)).ceil() as u64
+    }
+
+    /// How many ticks all of it takes.
+    #[must_use]
+    pub fn ticks(&self) -> u64 {
+        self.quiet_ticks() + 3 * self.axis_ticks()
+    }
+
+    /// The axis that is pushed in a tick, and for how long it has been, s.
+    fn pushed(&self, tick: u64) -> Option<(usize, f64)> {
+        let since = tick.checked_sub(self.quiet_ticks())?;
+        let axis = (since / self.axis_ticks()) as usize;
+        let ticks = since % self.axis_ticks();
+        (axis < 3).then_some((axis, ticks as f64 / f64::from(self.motions.rate_hz)))
+    }
+}
+
+impl ForceLaw for MovedAbout {
+    fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault> {
+        let home = *self.home.get_or_insert_with(|| {
+            self.past = [position_m; WINDOW];
+            position_m
+        });
+        self.at = position_m;
+        let from: [f64; 3] = std::array::from_fn(|i| position_m[i] - home[i]);
+        let away = length(from);
+        if away > self.motions.furthest_m {
+            return Err(HapticFault::Outside(away - self.motions.furthest_m));
+        }
+        let slot = (self.tick % WINDOW as u64) as usize;
+        let window_s = WINDOW as f64 / f64::from(self.motions.rate_hz);
+        let was = std::mem::replace(&mut self.past[slot], position_m);
+        let mut force: [f64; 3] = std::array::from_fn(|i| {
+            -SPRING_N_PER_M * from[i] - DAMPING_N_S_PER_M * (position_m[i] - was[i]) / window_s
+        });
+        if let Some((axis, seconds)) = self.pushed(self.tick) {
+            let sines: f64 = SINES
+                .iter()
+                .map(|(hz, share)| share * (std::f64::consts::TAU * hz * seconds).sin())
+                .sum();
+            force[axis] += self.motions.push_n * sines;
+        }
+        Ok(force)
+    }
+
+    fn commanded(&mut self, force_n: [f64; 3]) {
+        if let Some((axis, _)) = self.pushed(self.tick) {
+            self.axes[axis].position_m.push(self.at[axis]);
+            self.axes[axis].force_n.push(force_n[axis]);
+        }
+        self.tick += 1;
+    }
+}

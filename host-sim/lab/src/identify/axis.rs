@@ -1,0 +1,242 @@
+//! What an axis of a haptic device has, from the forces that were commanded and the positions that were read while it was moved about.
+//!
+//! `M dv/dt + b v + F_c sign(v) + c = F`, each side times a bump `φ` that begins and ends with nothing, and integrated over it by parts:
+//!
+//! ```text
+//! M ∫φ'' x  -  b ∫φ' x  +  F_c ∫φ sign(v)  +  c ∫φ  =  ∫φ F
+//! ```
+//!
+//! (Shinbrot's modulating functions.) So nothing measured is differentiated, and where the bumps begin does not matter. Every bump is an equation, and least squares
+//! solve them all; `c` is what is always there, a weight that is not compensated or a motor's offset.
+
+use super::Estimate;
+use nalgebra::{Matrix4, Vector4};
+
+/// What an axis has, SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisMechanics {
+    /// Mass that it moves, kg.
+    pub mass_kg: Estimate,
+    /// Viscous damping, N·s/m.
+    pub damping_n_s_per_m: Estimate,
+    /// Dry friction while it moves, N.
+    pub friction_n: Estimate,
+    /// Force that is always there, N.
+    pub offset_n: Estimate,
+    /// What is left of an equation, rms, over the rms of its force: how much of the force mass, damping and friction do not explain.
+    pub unexplained: f64,
+}
+
+/// Why nothing was found.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Unidentified {
+    /// Less than a bump of motion.
+    #[error("{0:.2} s of motion are too short")]
+    TooShort(f64),
+    /// Nothing moved, or in a way that tells mass and damping not apart.
+    #[error("it moved by {0:.3} mm alone, too little to tell mass and damping")]
+    Still(f64),
+}
+
+/// Length of a bump, s: a few of the slowest motions that are told from an offset.
+const BUMP_S: f64 = 0.4;
+/// Bumps a second.
+const BUMPS_PER_S: f64 = 40.0;
+/// A position is compared with that so long before and after it for the direction of its motion, s.
+const AROUND_S: f64 = 3e-3;
+/// Least travel, counts.
+const LEAST_COUNTS: f64 = 50.0;
+
+/// `φ = (s (1 - s))³` and its derivatives by `s`.
+fn bump(s: f64) -> [f64; 3] {
+    let (p, d) = (s * (1.0 - s), 1.0 - 2.0 * s);
+    [p * p * p, 3.0 * p * p * d, 6.0 * p * (d * d - p)]
+}
+
+/// Of positions at ticks, m, and the force from each to the next, N. `count_m` is the step of a position.
+///
+/// # Errors
+/// There is too little of it.
+pub fn mechanics(
+    position_m: &[f64],
+    force_n: &[f64],
+    rate_hz: u32,
+    count_m: f64,
+) -> Result<AxisMechanics, Unidentified> {
+    let tick_s = 1.0 / f64::from(rate_hz);
+    let ticks = position_m.len().min(force_n.len());
+    let (around, length) = (
+        (AROUND_S / tick_s).ceil() as usize,
+        (BUMP_S / tick_s).round() as usize,
+    );
+    let hop = ((1.0 / BUMPS_PER_S) / tick_s).round().max(1.0) as usize;
+    if ticks < 2 * around + 2 * length {
+        return Err(Unidentified::TooShort(ticks as f64 * tick_s));
+    }
+    let (least, most) = position_m[..ticks]
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(*x), b.max(*x))
+        });
+    let still = Unidentified::Still(1e3 * (most - least));
+    if most - least < LEAST_COUNTS * count_m {
+        return Err(still);
+    }
+    let direction = |tick: usize| {
+        let moved = position_m[tick + around] - position_m[tick - around];
+        // Less than a count is no motion.
+        if moved.abs() < 0.5 * count_m {
+            0.0
+        } else {
+            moved.signum()
+        }
+    };
+    let mut equations: Vec<(Vector4<f64>, f64)> = Vec::new();
+    let mut start = around;
+    while start + length + around < ticks {
+        let (mut row, mut right) = (Vector4::zeros(), 0.0);
+        // Places count from the bump's first, so that no digits are lost to where the device is.
+        let home = position_m[start];
+        for i in 0..length {
+            let s = i as f64 / length as f64;
+            let [value, slope, bend] = bump(s);
+            let x = position_m[start + i] - home;
+            row += Vector4::new(
+                bend * x / (BUMP_S * BUMP_S),
+                -slope * x / BUMP_S,
+                value * direction(start + i),
+                value,
+            );
+            // A force is held for a tick, whose middle is here.
+            let middle = bump((i as f64 + 0.5) / length as f64)[0];
+            right += middle * force_n[start + i];
+        }
+        equations.push((row, right));
+        start += hop;
+    }
+    let mut normal = Matrix4::zeros();
+    let mut sides = Vector4::zeros();
+    for (row, right) in &equations {
+        normal += row * row.transpose();
+        sides += row * *right;
+    }
+    // By the size of each column, so that their units do not matter for what can be told.
+    let scale = normal
+        .diagonal()
+        .map(|x| 1.0 / x.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = Matrix4::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
+    let inverse = scaled.try_inverse().ok_or(still)?;
+    if inverse.amax() > 1e6 {
+        return Err(still);
+    }
+    let found = (inverse * sides.component_mul(&scale)).component_mul(&scale);
+    let (mut left, mut all) = (0.0, 0.0);
+    for (row, right) in &equations {
+        left += (right - row.dot(&found)).powi(2);
+        all += right * right;
+    }
+    // Bumps overlap: as many equations as there are bumps side by side are independent.
+    let independent = (ticks as f64 / length as f64).max(5.0);
+    let variance = left / equations.len() as f64 * (equations.len() as f64 / (independent - 4.0));
+    let of = |i: usize| Estimate {
+        value: found[i],
+        uncertainty: (variance * inverse[(i, i)]).sqrt() * scale[i],
+    };
+    Ok(AxisMechanics {
+        mass_kg: of(0),
+        damping_n_s_per_m: of(1),
+        friction_n: of(2),
+        offset_n: of(3),
+        unexplained: (left / all.max(f64::MIN_POSITIVE)).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_world::plant::{
+        BareCoulomb, BareLinear, Coulomb, Device, Kinematics, State, Stepper,
+    };
+
+    const RATE_HZ: u32 = 4000;
+    const COUNT_M: f64 = 1e-5;
+
+    /// Moved about by three sines on a soft spring, in counts.
+    fn moved(stepper: &impl Stepper<State = State<2>>, offset_n: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut state = State::<2>::at_rest(0.0);
+        let (mut positions, mut forces) = (Vec::new(), Vec::new());
+        for tick in 0..6 * RATE_HZ {
+            let t = f64::from(tick) / f64::from(RATE_HZ) * std::f64::consts::TAU;
+            let place = (state.position() / COUNT_M).round() * COUNT_M;
+            let pushed = (1.3 * t).sin() + 0.8 * (3.1 * t).sin() + 0.8 * (6.7 * t).sin();
+            let force = pushed - 150.0 * place;
+            positions.push(place);
+            forces.push(force);
+            stepper.step(&mut state, force - offset_n, 0.0);
+        }
+        (positions, forces)
+    }
+
+    fn near(what: &str, found: Estimate, truth: f64, share: f64) {
+        let off = (found.value - truth).abs();
+        assert!(off <= share * truth.abs(), "{what}: {found:?} for {truth}");
+        assert!(
+            off <= 6.0 * found.uncertainty,
+            "{what}: {found:?} claims too much for {truth}"
+        );
+    }
+
+    #[test]
+    fn mass_and_damping_are_found_in_counts() {
+        let device = Device {
+            inertia: 0.148,
+            damping: 2.5,
+            friction: None,
+        };
+        let plant = BareLinear::new(&device, 1.0 / f64::from(RATE_HZ)).expect("plant");
+        let (positions, forces) = moved(&plant, 0.4);
+        let found = mechanics(&positions, &forces, RATE_HZ, COUNT_M).expect("found");
+        println!("{found:?}");
+        near("mass", found.mass_kg, 0.148, 0.01);
+        near("damping", found.damping_n_s_per_m, 2.5, 0.01);
+        near("offset", found.offset_n, 0.4, 0.02);
+        assert!(found.friction_n.value.abs() < 0.01);
+        assert!(found.unexplained < 0.01);
+    }
+
+    #[test]
+    fn friction_is_told_from_damping_and_a_lie_about_the_force_shows() {
+        let device = Device {
+            inertia: 0.2,
+            damping: 1.0,
+            friction: Some(Coulomb {
+                kinetic: 0.2,
+                breakaway: 0.2,
+            }),
+        };
+        let plant = BareCoulomb::new(&device, 1.0 / f64::from(RATE_HZ)).expect("plant");
+        let (positions, mut forces) = moved(&plant, 0.0);
+        let found = mechanics(&positions, &forces, RATE_HZ, COUNT_M).expect("found");
+        println!("{found:?}");
+        near("mass", found.mass_kg, 0.2, 0.03);
+        near("friction", found.friction_n, 0.2, 0.1);
+        assert!(
+            (found.damping_n_s_per_m.value - 1.0).abs() < 0.15,
+            "{found:?}"
+        );
+        for force in &mut forces {
+            *force *= 1.2;
+        }
+        let wrong = mechanics(&positions, &forces, RATE_HZ, COUNT_M).expect("found");
+        assert!((wrong.mass_kg.value / found.mass_kg.value - 1.2).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_device_that_does_not_move_is_said_to() {
+        let still = vec![0.01; 20_000];
+        let found = mechanics(&still, &still, RATE_HZ, COUNT_M);
+        assert!(matches!(found, Err(Unidentified::Still(_))), "{found:?}");
+        let short = mechanics(&still[..400], &still, RATE_HZ, COUNT_M);
+        assert!(matches!(short, Err(Unidentified::TooShort(_))), "{short:?}");
+    }
+}

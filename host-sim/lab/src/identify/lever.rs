@@ -1,0 +1,167 @@
+//! An axis of a translational device as a knob on a lever, and a knob's law back along the axis: so that what knows knobs, `touchstone tune`
+//! above all, serves such axes.
+//!
+//! On a lever of a length `r` a mass is an inertia `M r²`, and so are damping and stiffness; a force is a moment `F r`, a length an angle `x/r`. Times and
+//! energies stay, and with them everything that a law does.
+
+use std::fmt::Write;
+use touchstone_control::settings::FilterSettings;
+use touchstone_control::{EstimatorSettings, Settings, Si};
+
+/// A lever.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lever {
+    /// Its length, m.
+    pub length_m: f64,
+}
+
+/// What is known of an axis, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisOfDevice {
+    /// For people.
+    pub name: String,
+    /// Mass that it moves, kg.
+    pub mass_kg: f64,
+    /// Damping, N·s/m.
+    pub damping_n_s_per_m: f64,
+    /// Dry friction, N.
+    pub friction_n: f64,
+    /// Longest force, N.
+    pub force_n: f64,
+    /// Step of a position, m.
+    pub count_m: f64,
+    /// From a position until its force acts, s.
+    pub delay_s: f64,
+    /// Control rate, Hz.
+    pub rate_hz: u32,
+    /// Wanted stiffness, N/m.
+    pub k_desired_n_per_m: f64,
+}
+
+/// The inertia of the thesis' knob, for which the hands of one axis are made, kg·m².
+const KNOB_KG_M2: f64 = 1e-4;
+/// The press of the scene, of the longest force.
+const PRESS_SHARE: f64 = 2.0 / 3.0;
+
+impl Lever {
+    /// On which a mass has the thesis knob's inertia.
+    #[must_use]
+    pub fn of(mass_kg: f64) -> Self {
+        Self {
+            length_m: (KNOB_KG_M2 / mass_kg).sqrt(),
+        }
+    }
+
+    /// The scene of an axis on this lever.
+    #[must_use]
+    pub fn scene(&self, axis: &AxisOfDevice) -> String {
+        let r = self.length_m;
+        let square = r * r;
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "# An axis of {:.4} kg, {:.3} N·s/m and {:.3} N of friction, as a knob on a lever of {:.4} mm.",
+            axis.mass_kg,
+            axis.damping_n_s_per_m,
+            axis.friction_n,
+            1e3 * r
+        );
+        let _ = writeln!(text, "name = {:?}\n", axis.name);
+        let _ = writeln!(text, "[device]");
+        let _ = writeln!(text, "inertia_kg_m2 = {:e}", axis.mass_kg * square);
+        let damping = axis.damping_n_s_per_m * square;
+        let _ = writeln!(text, "damping_n_m_s_per_rad = {damping:e}");
+        let _ = writeln!(text, "torque_limit_n_m = {:e}\n", axis.force_n * r);
+        if axis.friction_n > 0.0 {
+            let _ = writeln!(text, "[device.friction]");
+            let _ = writeln!(text, "kinetic_n_m = {:e}\n", axis.friction_n * r);
+        }
+        let counts = (std::f64::consts::TAU * r / axis.count_m).round();
+        let _ = writeln!(text, "[encoder]\ncounts_per_rev = {counts}\n");
+        let _ = writeln!(text, "[timing]\nrate_hz = {}", axis.rate_hz);
+        let _ = writeln!(text, "computational_delay_s = {:e}", axis.delay_s);
+        let _ = writeln!(text, "duration_s = 4.5\n");
+        let wall = axis.k_desired_n_per_m * square;
+        let _ = writeln!(text, "[wall]\nk_desired_n_m_per_rad = {wall:e}\n");
+        let _ = writeln!(text, "[law]\nforce_limit_n_m = {:e}", axis.force_n * r);
+        let _ = writeln!(text, "device_damping_n_m_s_per_rad = {damping:e}\n");
+        let press = PRESS_SHARE * axis.force_n * r;
+        let _ = writeln!(
+            text,
+            "[operator]\ngrip = \"medium\"\n\n[operator.motion]\nkind = \"touch-and-press\"\npush_torque_n_m = {press:e}\ntouch_torque_n_m = {:e}",
+            0.2 * press
+        );
+        text
+    }
+
+    /// A knob's settings along the axis. Guard and estimator of a knob are its own: [`Lever::estimator`].
+    #[must_use]
+    pub fn settings(&self, knob: &Settings) -> Settings {
+        let filter = &knob.filter;
+        Settings {
+            k_desired: self.linear(knob.k_desired),
+            k_soft: self.linear(knob.k_soft),
+            device_damping: self.linear(knob.device_damping),
+            virtual_damping: self.linear(knob.virtual_damping),
+            force_limit: Si::saturating_from_num(knob.force_limit.to_num::<f64>() / self.length_m),
+            filter: FilterSettings {
+                mass: self.linear(filter.mass),
+                stiffness: self.linear(filter.stiffness),
+                damping: self.linear(filter.damping),
+                ground_damping: self.linear(filter.ground_damping),
+            },
+            ..*knob
+        }
+    }
+
+    /// What a knob's estimator is told, along the axis.
+    #[must_use]
+    pub fn estimator(&self, knob: &EstimatorSettings) -> EstimatorSettings {
+        EstimatorSettings {
+            inertia: self.linear(knob.inertia),
+            damping: self.linear(knob.damping),
+            ..*knob
+        }
+    }
+
+    /// Of an inertia, a damping or a stiffness.
+    fn linear(&self, knob: Si) -> Si {
+        Si::saturating_from_num(knob.to_num::<f64>() / (self.length_m * self.length_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchstone_sim::scene::Scene;
+
+    #[test]
+    fn an_axis_comes_back_as_it_was() {
+        let axis = AxisOfDevice {
+            name: "x of a device".into(),
+            mass_kg: 0.148,
+            damping_n_s_per_m: 2.5,
+            friction_n: 0.1,
+            force_n: 12.0,
+            count_m: 1e-5,
+            delay_s: 0.0,
+            rate_hz: 4000,
+            k_desired_n_per_m: 5000.0,
+        };
+        let lever = Lever::of(axis.mass_kg);
+        let scene = Scene::parse(&lever.scene(&axis), Path::new("axis.toml")).expect("a scene");
+        assert!((scene.device.inertia_kg_m2 - KNOB_KG_M2).abs() < 1e-15);
+        let settings = scene.settings().expect("settings");
+        let back = lever.settings(&settings);
+        assert!((back.k_desired.to_num::<f64>() - 5000.0).abs() < 1e-3);
+        assert!((back.device_damping.to_num::<f64>() - 2.5).abs() < 1e-6);
+        assert!((back.force_limit.to_num::<f64>() - 12.0).abs() < 1e-6);
+        let told = lever.estimator(&settings.estimator);
+        let ratio = told.inertia.to_num::<f64>() / settings.estimator.inertia.to_num::<f64>();
+        assert!((ratio / (0.148 / KNOB_KG_M2) - 1.0).abs() < 1e-6);
+        // 16,332 counts a turn on 26 mm.
+        let counts = scene.encoder.map(|encoder| encoder.counts_per_rev);
+        assert_eq!(counts, Some(16_332.0));
+    }
+}

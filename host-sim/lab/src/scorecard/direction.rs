@@ -1,0 +1,281 @@
+//! The scorecard's figures along one direction of space: what a hand does along a normal, and what is read off depth and force.
+
+use super::cases::Deed;
+use super::measure::{Figures, Measure};
+use super::press::{HELD_AFTER_S, PressFigures};
+use touchstone_sim::run::measure::{Response, Ripple, Wiggle};
+use touchstone_world::plant::Hand;
+
+/// A wall of a stiffness, and a hand that comes to it along its normal. SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Approach {
+    /// Desired stiffness, N/m.
+    pub k_desired_n_per_m: f64,
+    /// What the hand pushes with in the end, N.
+    pub push_n: f64,
+    /// What it touches with before, N.
+    pub touch_n: f64,
+    /// Step of a measured position, m.
+    pub count_m: f64,
+    /// What half a count of each axis is along the normal, m.
+    pub unsure_m: f64,
+    /// Control rate, Hz.
+    pub rate_hz: u32,
+}
+
+/// How far outside a hand begins, m.
+const OUTSIDE_M: f64 = 0.002;
+const START_S: f64 = 0.1;
+const TOUCH_RAMP_S: f64 = 0.05;
+const TOUCH_S: f64 = 0.5;
+const RAMP_S: f64 = 0.3;
+const HOLD_S: f64 = 0.8;
+const RELEASE_S: f64 = 0.4;
+/// Of the push, up and down, while the hand moves.
+const MOVE_SHARE: f64 = 0.3;
+/// From the end of the ramp until a press counts as settled, it is within this share of `F/k_de`, after what a count is.
+const SETTLED: f64 = 0.05;
+
+/// From 0 to 1 without a jump of speed or acceleration, as hands move.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
+}
+
+impl Approach {
+    fn ramp_start_s(deed: Deed) -> f64 {
+        match deed {
+            Deed::Press => START_S + TOUCH_RAMP_S + TOUCH_S,
+            Deed::Move(_) => START_S,
+        }
+    }
+
+    /// First and last moment of the periods that are measured, s.
+    fn periods_s(frequency_hz: f64) -> (f64, f64) {
+        let period_s = 1.0 / frequency_hz;
+        let from = START_S + RAMP_S + period_s.max(0.5);
+        (from, from + frequency_hz.ceil().max(1.0) * period_s)
+    }
+
+    /// How long a deed takes, s.
+    #[must_use]
+    pub fn seconds(&self, deed: Deed) -> f64 {
+        match deed {
+            Deed::Press => Self::ramp_start_s(deed) + RAMP_S + HOLD_S + RELEASE_S,
+            Deed::Move(frequency_hz) => Self::periods_s(frequency_hz).1,
+        }
+    }
+
+    /// How many ticks a deed takes.
+    #[must_use]
+    pub fn ticks(&self, deed: Deed) -> u64 {
+        self.tick_of(self.seconds(deed))
+    }
+
+    fn tick_of(&self, time_s: f64) -> u64 {
+        (time_s * f64::from(self.rate_hz)).round() as u64
+    }
+
+    /// Depth of the hand's rest point below the surface, m: where its spring, its pad and the wall would rest under the force that it means.
+    #[must_use]
+    pub fn rest_depth_m(&self, hand: &Hand, deed: Deed, time_s: f64) -> f64 {
+        let compliance =
+            1.0 / hand.stiffness + 1.0 / hand.pad_stiffness + 1.0 / self.k_desired_n_per_m;
+        let way = |force_n: f64| OUTSIDE_M + force_n * compliance;
+        let from_start = time_s - START_S;
+        let out = match deed {
+            Deed::Press => {
+                let ramp = time_s - Self::ramp_start_s(deed);
+                let touch = way(self.touch_n) * smooth(from_start / TOUCH_RAMP_S);
+                let press = (way(self.push_n) - way(self.touch_n)) * smooth(ramp / RAMP_S);
+                let release = smooth((ramp - RAMP_S - HOLD_S) / RELEASE_S);
+                (touch + press) * (1.0 - release)
+            }
+            Deed::Move(frequency_hz) => {
+                let press = way(self.push_n) * smooth(from_start / RAMP_S);
+                let moving_s = (from_start - RAMP_S).max(0.0);
+                let swing = (std::f64::consts::TAU * frequency_hz * moving_s).sin();
+                press + MOVE_SHARE * self.push_n * compliance * swing
+            }
+        };
+        out - OUTSIDE_M
+    }
+
+    /// Watches a deed.
+    #[must_use]
+    pub fn watch(&self, deed: Deed) -> DirectionWatch {
+        let ramp_end_s = Self::ramp_start_s(deed) + RAMP_S;
+        let period_s = 1.0 / f64::from(self.rate_hz);
+        let press = PressFigures {
+            k_desired: self.k_desired_n_per_m,
+            push: self.push_n,
+            count: self.count_m,
+            unsure: self.unsure_m,
+            ramp_start: self.tick_of(Self::ramp_start_s(deed)),
+            held_from: self.tick_of(ramp_end_s + HELD_AFTER_S),
+            release: self.tick_of(ramp_end_s + HOLD_S),
+        };
+        let wiggle = match deed {
+            Deed::Press => None,
+            Deed::Move(frequency_hz) => {
+                let (from, to) = Self::periods_s(frequency_hz);
+                Some(Wiggle {
+                    frequency_hz,
+                    window: (self.tick_of(from), self.tick_of(to)),
+                })
+            }
+        };
+        DirectionWatch {
+            press: (deed == Deed::Press).then_some(press),
+            ramp_end: self.tick_of(ramp_end_s),
+            unsettled: None,
+            period_s,
+            response: wiggle.map(|wiggle| Response::new(wiggle, period_s)),
+            ripple: wiggle.map(|wiggle| Ripple::new(wiggle.window, f64::from(self.rate_hz))),
+            figures: Figures::NONE,
+            k_desired_n_per_m: self.k_desired_n_per_m,
+        }
+    }
+}
+
+/// Takes depth and force of a deed, tick by tick.
+#[derive(Debug, Clone)]
+pub struct DirectionWatch {
+    press: Option<PressFigures>,
+    ramp_end: u64,
+    unsettled: Option<u64>,
+    period_s: f64,
+    response: Option<Response>,
+    ripple: Option<Ripple>,
+    figures: Figures,
+    k_desired_n_per_m: f64,
+}
+
+/// What a direction's deeds came to: the worst of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionFigures {
+    /// Those of the scorecard; of energy only where somebody counted it, ripple in N.
+    pub figures: Figures,
+    /// From the end of the ramp until the press stays within 5 %, s; `None` where it never did.
+    pub settle_s: Option<f64>,
+}
+
+impl DirectionFigures {
+    /// Nothing seen yet.
+    pub const NONE: Self = Self {
+        figures: Figures::NONE,
+        settle_s: Some(0.0),
+    };
+
+    /// The worst of each.
+    #[must_use]
+    pub fn worst(self, other: &Self) -> Self {
+        Self {
+            figures: self.figures.worst(&other.figures),
+            settle_s: self.settle_s.zip(other.settle_s).map(|(a, b)| a.max(b)),
+        }
+    }
+}
+
+impl DirectionWatch {
+    /// Depth along the normal in the middle of a tick, m, and the force out along it, N, its mean over the tick.
+    pub fn take(&mut self, index: u64, depth_m: f64, force_n: f64) {
+        if let Some(press) = &self.press {
+            let _ = press.take(&mut self.figures, index, depth_m, force_n);
+            let goal = press.push / press.k_desired;
+            let off = (depth_m - goal).abs() - press.unsure;
+            if index >= self.ramp_end && index < press.release && off > SETTLED * goal {
+                self.unsettled = Some(index);
+            }
+        }
+        if let Some(response) = &mut self.response {
+            response.record(index, depth_m, force_n);
+        }
+        if let Some(ripple) = &mut self.ripple {
+            ripple.record(index, force_n);
+        }
+    }
+
+    /// What it came to.
+    #[must_use]
+    pub fn finish(mut self) -> DirectionFigures {
+        if let Some(response) = &self.response {
+            let (modulus, phase) = match response.stiffness() {
+                Some(it) => (
+                    (it.modulus_n_m_per_rad / self.k_desired_n_per_m - 1.0).abs(),
+                    it.phase_deg.abs(),
+                ),
+                // The wall was left.
+                None => (f64::INFINITY, f64::INFINITY),
+            };
+            self.figures.raise(Measure::ModulusError, modulus);
+            self.figures.raise(Measure::PhaseDeg, phase);
+        }
+        if let Some(ripple) = &self.ripple {
+            let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
+            self.figures.raise(Measure::RippleRmsNM, rms);
+        }
+        let settle_s = match (&self.press, self.unsettled) {
+            (Some(press), Some(last)) if last + 1 >= press.release => None,
+            (Some(_), Some(last)) => Some((last + 1 - self.ramp_end) as f64 * self.period_s),
+            _ => Some(0.0),
+        };
+        DirectionFigures {
+            figures: self.figures,
+            settle_s,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_world::plant::FIRM_TRANSLATION;
+
+    const APPROACH: Approach = Approach {
+        k_desired_n_per_m: 5000.0,
+        push_n: 6.0,
+        touch_n: 1.0,
+        count_m: 1e-5,
+        unsure_m: 5e-6,
+        rate_hz: 1000,
+    };
+
+    /// A spring of `share` of the wall's stiffness, led as deep as the hand means it to be.
+    fn led(share: f64, deed: Deed) -> DirectionFigures {
+        let mut watch = APPROACH.watch(deed);
+        let hand = FIRM_TRANSLATION;
+        let own = 1.0 / hand.stiffness + 1.0 / hand.pad_stiffness;
+        for index in 0..APPROACH.ticks(deed) {
+            let time_s = index as f64 * 1e-3;
+            let rest = APPROACH.rest_depth_m(&hand, deed, time_s);
+            let k = share * APPROACH.k_desired_n_per_m;
+            let depth = rest / (1.0 + k * own);
+            watch.take(index, depth, (k * depth).max(0.0));
+        }
+        watch.finish()
+    }
+
+    #[test]
+    fn the_wall_that_was_asked_for_has_no_error_and_a_softer_one_its_own() {
+        for deed in [Deed::Press, Deed::Move(2.0)] {
+            let right = led(1.0, deed);
+            assert!(right.figures.get(Measure::StiffnessError) < 1e-9);
+            assert!(right.figures.get(Measure::ModulusError) < 1e-6, "{right:?}");
+            assert_eq!(right.settle_s, Some(0.0));
+        }
+        assert!(
+            (led(1.0, Deed::Press)
+                .figures
+                .get(Measure::PeakPenetrationRatio)
+                - 1.0)
+                .abs()
+                < 1e-9
+        );
+        let soft = led(0.5, Deed::Press);
+        assert_eq!(soft.settle_s, None);
+        assert!(soft.figures.get(Measure::StiffnessErrorHeld) > 0.4);
+        let moved = led(0.5, Deed::Move(1.0)).figures.get(Measure::ModulusError);
+        assert!((moved - 0.5).abs() < 1e-6, "{moved}");
+    }
+}

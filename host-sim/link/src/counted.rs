@@ -1,0 +1,47 @@
+//! Records that came, and those that are missing between them.
+
+/// What came and what did not.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Records that came.
+    pub records: u64,
+    /// Records that did not.
+    pub lost: u64,
+    last: Option<u32>,
+}
+
+impl Counted {
+    /// Takes a record; what is missing before it counts as lost, and is given back.
+    pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
+        let steps = self.last.map_or(0, |last| {
+            let steps = tick.wrapping_sub(last) / u32::from(decimation);
+            // Backwards: the device was restarted.
+            let forward = steps < u32::MAX / 2 / u32::from(decimation);
+            if forward { steps } else { 0 }
+        });
+        let missing = steps.saturating_sub(1);
+        self.lost += u64::from(missing);
+        self.records += 1;
+        self.last = Some(tick);
+        missing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Counted;
+
+    #[test]
+    fn gaps_count_across_the_wrap_and_a_restart_does_not() {
+        let mut counted = Counted::default();
+        for tick in [u32::MAX - 1, u32::MAX, 0, 3, 4, 0, 1] {
+            counted.take(tick, 1);
+        }
+        assert_eq!((counted.records, counted.lost), (7, 2));
+        let mut counted = Counted::default();
+        for tick in [10, 20, 40, 50] {
+            counted.take(tick, 10);
+        }
+        assert_eq!((counted.records, counted.lost), (4, 1));
+    }
+}

@@ -1,0 +1,16 @@
+//! What the desktop knows of a board, whether it runs as a program or in a browser's page: no port, no clock, no file.
+//!
+//! ```text
+//! bytes -> talk: frames, questions and answers -> rows: records as numbers
+//!                                              -> told: states, settings and faults in words
+//! text  -> setting, value: by the table of all settings -> talk -> bytes
+//! ```
+
+pub mod counted;
+pub mod fault_words;
+pub mod rows;
+pub mod setting;
+pub mod talk;
+pub mod told;
+pub mod value;
+pub mod words;

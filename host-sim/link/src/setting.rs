@@ -1,0 +1,81 @@
+//! One setting between a person's two texts and all settings of a device.
+
+use crate::value::{self, Wrong};
+use touchstone_drive::wire::checked;
+use touchstone_protocol::settings::SettingsError;
+use touchstone_protocol::settings::fields::{FIELDS, Field, field};
+use touchstone_protocol::{Board, DeviceSettings};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::{nearest, renamed};
+
+/// A setting and the value that it shall have, as postcard has it.
+pub type Setting = (&'static Field, Vec<u8>);
+
+/// An error about a path.
+#[must_use]
+pub fn option(path: &str, (problem, fix): Wrong) -> Error {
+    Error::Option {
+        option: path.to_owned(),
+        problem,
+        fix,
+    }
+}
+
+/// The setting of a path.
+fn known(path: &str) -> Result<&'static Field> {
+    field(path).ok_or_else(|| option(path, unknown(path)))
+}
+
+/// Problem and fix for a path that no setting has.
+#[must_use]
+pub fn unknown(path: &str) -> Wrong {
+    let paths: Vec<&str> = FIELDS.iter().map(|field| field.path).collect();
+    let fix = match renamed(path).or_else(|| nearest(path, &paths)) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "`touchstone config schema` lists all settings".into(),
+    };
+    ("there is no such setting".into(), fix)
+}
+
+/// The setting and the value that two texts name.
+///
+/// # Errors
+/// There is no such setting, or it cannot have this value.
+pub fn parsed(path: &str, text: &str) -> Result<Setting> {
+    let field = known(path)?;
+    let bytes = value::parse(field, text).map_err(|wrong| option(path, wrong))?;
+    Ok((field, bytes))
+}
+
+/// All settings with this one changed: the device's own check, before it is asked. Its message is the same, and names what is to be
+/// done.
+///
+/// # Errors
+/// No device of this kind takes them.
+pub fn changed(
+    before: &DeviceSettings,
+    (field, bytes): &Setting,
+    board: Board,
+) -> Result<DeviceSettings> {
+    let mut after = before.clone();
+    after
+        .set(field.path, bytes)
+        .map_err(|_| option(field.path, value::wanted(field)))?;
+    if let Err(invalid) = checked(&after, board) {
+        let fix = "choose another value, or change several settings at once with: touchstone config import";
+        // A setting that was not named can be refused, for what the new value leaves it.
+        let problem = without_path(&invalid, field.path);
+        return Err(option(field.path, (problem, fix.into())));
+    }
+    Ok(after)
+}
+
+/// Why a setting is refused, without its path where that stands before it anyway.
+#[must_use]
+pub fn without_path(invalid: &SettingsError, path: &str) -> String {
+    let text = invalid.to_string();
+    let rest = text
+        .strip_prefix(path)
+        .and_then(|rest| rest.strip_prefix(" = ").or_else(|| rest.strip_prefix(": ")));
+    rest.map_or_else(|| text.clone(), str::to_owned)
+}

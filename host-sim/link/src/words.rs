@@ -1,0 +1,122 @@
+//! Names and answers of a device, for people.
+
+use touchstone_protocol::settings::KeyError;
+use touchstone_protocol::{Fault, FaultCode, Identity, Phase, Refusal, Reply};
+
+/// The microcontroller's own number.
+#[must_use]
+pub fn number_of(identity: &Identity) -> String {
+    use std::fmt::Write;
+    let mut number = String::new();
+    for byte in identity.unique_id {
+        // Writing into a string cannot fail.
+        let _ = write!(number, "{byte:02x}");
+    }
+    number
+}
+
+/// Who it is, on one line.
+#[must_use]
+pub fn described(identity: &Identity) -> String {
+    let number = number_of(identity);
+    format!(
+        "{}, firmware {} ({:016x}), protocol {}, settings {}, number {number}",
+        identity.board.name(),
+        identity.firmware_version,
+        identity.build_hash,
+        identity.protocol_version,
+        identity.settings_version,
+    )
+}
+
+/// The fault's code and name.
+#[must_use]
+pub fn name_of(fault: &Fault) -> String {
+    match fault.known() {
+        Some(code) => format!("{:02} {}", fault.code, page(code)),
+        None => format!(
+            "{:02}, which this version of the program does not know",
+            fault.code
+        ),
+    }
+}
+
+/// The name of a fault's page in `docs/faults/`, without its number.
+#[must_use]
+pub fn page(code: FaultCode) -> String {
+    let mut name = String::new();
+    for letter in format!("{code:?}").chars() {
+        if letter.is_ascii_uppercase() && !name.is_empty() {
+            name.push('-');
+        }
+        name.push(letter.to_ascii_lowercase());
+    }
+    name
+}
+
+/// What is wrong, and what to do.
+pub type ProblemAndFix = (String, &'static str);
+
+/// What to do with a device of another version.
+pub const OTHER_VERSION: &str = "flash the firmware of this version: touchstone flash";
+
+/// An answer to another question.
+#[must_use]
+pub fn odd(reply: &Reply) -> ProblemAndFix {
+    let kind = format!("{reply:?}");
+    let kind = kind.split(['(', ' ']).next().unwrap_or_default();
+    (format!("answered something else ({kind})"), OTHER_VERSION)
+}
+
+/// A device that speaks another version of the protocol.
+#[must_use]
+pub fn other_version(version: u16, own: u16) -> ProblemAndFix {
+    (
+        format!("the device speaks version {version} of the protocol, this program {own}"),
+        OTHER_VERSION,
+    )
+}
+
+/// Why the device does not do it.
+#[must_use]
+pub fn refused(refusal: &Refusal) -> ProblemAndFix {
+    match refusal {
+        Refusal::NotNow(phase) => (
+            format!("the device refuses this in state `{}`", phase.name()),
+            next_step(*phase),
+        ),
+        Refusal::Key(KeyError::NoSuchField) => (
+            "the device knows no such setting".into(),
+            "`touchstone config schema` lists them",
+        ),
+        Refusal::Key(KeyError::NotAValue) => (
+            "this is no value of this setting".into(),
+            "`touchstone config schema` shows what it may be",
+        ),
+        Refusal::Invalid(invalid) => (format!("refused: {invalid}"), "choose another value"),
+        Refusal::Flash => (
+            "the flash could not be written".into(),
+            "the settings before are still there; try again",
+        ),
+        Refusal::RingRuns => (
+            "the ring is still running: it stops at a fault".into(),
+            "watch live values with `touchstone monitor`",
+        ),
+        Refusal::NotUnderstood => (
+            "the device does not know this request".into(),
+            OTHER_VERSION,
+        ),
+    }
+}
+
+/// The command that leads on.
+const fn next_step(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Boot => "calibrate first: touchstone device calibrate",
+        Phase::Calibrating => "wait for its end, or: touchstone device stop",
+        Phase::Ready => "stop first: touchstone device stop",
+        Phase::Armed => "disarm first: touchstone device disarm",
+        Phase::Fault => "look at it and clear it: touchstone device fault, touchstone device stop",
+        Phase::Stopped => "calibrate first: touchstone device calibrate",
+    }
+}

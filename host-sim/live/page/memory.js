@@ -1,0 +1,15 @@
+// Texts and numbers in the module's memory, which moves when it grows: every view is made anew.
+let wasm;
+
+const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));
+const given = () => text(wasm.live_text(), wasm.live_text_bytes());
+
+function put(string) {
+  const bytes = new TextEncoder().encode(string);
+  const room = wasm.live_text_room(bytes.length);
+  new Uint8Array(wasm.memory.buffer, room, bytes.length).set(bytes);
+}
+
+function numbers(address, n) {
+  return new Float64Array(wasm.memory.buffer, address, n);
+}

@@ -1,0 +1,113 @@
+// The port itself, where the browser has WebSerial: its bytes go to the module, which has the conversation with the device. Nobody
+// else stands between page and device.
+const content = JSON.parse(document.getElementById("content").textContent);
+const $ = (id) => document.getElementById(id);
+const BAUD = 921600, TURN_MS = 20, AGAIN_MS = 1000, SILENT_MS = 500;
+
+/** Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
+class BoardLink {
+  static peer = "the port";
+  static lost = "NO PORT IS OPEN: press Connect. What a device does that was armed is not known here: its power switch is the stop that always works.";
+  constructor(on) {
+    Object.assign(this, { on, port: null, writer: null, heard: performance.now(), wanted: null, trying: false });
+    $("connect").hidden = false;
+    $("connect").addEventListener("click", () => this.choose());
+    unpacked().then((module) => WebAssembly.instantiate(module, {})).then((instance) => {
+      wasm = instance.exports;
+      put("serial port");
+      wasm.live_board_new();
+      if (!navigator.serial) { complain("This browser has no WebSerial (Chromium and its kin have it): touchstone live --port shows the same page in any browser."); return; }
+      $("connect").disabled = false;
+      setInterval(() => this.turn(), TURN_MS);
+      setInterval(() => this.again(), AGAIN_MS);
+    }, (error) => complain(`this browser cannot run WebAssembly: ${error}`));
+    // The device is not left on behind a page that is gone, as far as a page can say anything then.
+    addEventListener("pagehide", () => this.leave());
+  }
+  /** A person chooses the port, which is asked for once. */
+  async choose() {
+    try {
+      this.wanted = await navigator.serial.requestPort();
+    } catch (error) {
+      if (error.name !== "NotFoundError") complain(`no port: ${error.message}`);
+      return;
+    }
+    this.run();
+  }
+  /** A port that was pulled out and is there again is another object of the same device. */
+  async again() {
+    if (this.port || this.trying || !this.wanted) return;
+    const there = await navigator.serial.getPorts(), id = JSON.stringify(this.wanted.getInfo());
+    const same = there.find((port) => port === this.wanted) ?? there.find((port) => JSON.stringify(port.getInfo()) === id);
+    if (!same) return;
+    this.wanted = same;
+    this.run();
+  }
+  async run() {
+    if (this.port || this.trying) return;
+    const port = this.wanted;
+    this.trying = true;
+    let why = "the port was closed";
+    try {
+      await port.open({ baudRate: BAUD, bufferSize: 65536 });
+      Object.assign(this, { port, writer: port.writable.getWriter(), heard: performance.now() });
+      $("connect").disabled = true;
+      wasm.live_board_opened(performance.now());
+      this.on.open();
+      this.flush();
+      // A damaged byte ends a reader, a pulled cable the stream of them.
+      while (port.readable) {
+        try { await this.read(port); } catch (error) { why = error.message; }
+      }
+    } catch (error) { why = error.message; }
+    this.trying = false;
+    const was = this.port;
+    this.port = this.writer = null;
+    $("connect").disabled = false;
+    if (!was) return;
+    port.close().catch(() => {});
+    put(why);
+    wasm.live_board_closed();
+    this.flush();
+    this.on.closed();
+  }
+  async read(port) {
+    const reader = port.readable.getReader();
+    try {
+      for (;;) {
+        const { value, done } = await reader.read();
+        if (done) return;
+        this.heard = performance.now();
+        const room = wasm.live_text_room(value.length);
+        new Uint8Array(wasm.memory.buffer, room, value.length).set(value);
+        wasm.live_board_take(this.heard);
+        this.flush();
+      }
+    } finally { reader.releaseLock(); }
+  }
+  turn() {
+    if (!this.port) return;
+    wasm.live_board_turn(performance.now());
+    this.flush();
+  }
+  /** What the conversation has for port and page. */
+  flush() {
+    const bytes = wasm.live_board_out();
+    if (bytes && this.writer) this.writer.write(new Uint8Array(wasm.memory.buffer, wasm.live_text(), bytes).slice()).catch(() => {});
+    while (wasm.live_board_said()) this.on.words(JSON.parse(given()));
+    const rows = wasm.live_board_rows();
+    if (rows) this.on.rows(numbers(wasm.live_board_numbers(), rows).slice());
+  }
+  /** Whether it went out. */
+  send(order) {
+    if (!this.writer) return false;
+    put(JSON.stringify(order));
+    wasm.live_board_order(performance.now());
+    this.flush();
+    return true;
+  }
+  leave() {
+    if (this.writer && state && ["armed", "calibrating"].includes(state.phase)) this.send({ do: "stop" });
+  }
+  get silent() { return this.port !== null && performance.now() - this.heard > SILENT_MS; }
+}

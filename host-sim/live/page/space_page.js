@@ -1,0 +1,206 @@
+// The page of three axes: what is chosen, what the loop says, what is drawn.
+const content = JSON.parse(document.getElementById("content").textContent);
+const $ = (id) => document.getElementById(id);
+const COLUMNS = ["clock", ...content.row], WINDOW_S = 4;
+const NORMALS = { plane: [0, 0, 1], inclined: [2 / 7, -3 / 7, 6 / 7] };
+
+/** What is chosen: the program's scene, and changes of it. */
+let chosen = { object: content.object, changes: new Map(), automatic: false, speed: 1 };
+let run = null, runs = [], running = true, aim = null, pending = true;
+let counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, frames: 0 }, drawn = 0;
+
+const worker = new Worker(URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" })));
+const tell = (type, more) => worker.postMessage({ type, ...more });
+const press = (id, on) => $(id).setAttribute("aria-pressed", String(on));
+
+function choice() {
+  const changes = new Map(chosen.changes);
+  changes.set("object", chosen.object === "sphere" ? "sphere" : "plane");
+  NORMALS[chosen.object]?.forEach((n, i) => changes.set(`normal_${"xyz"[i]}`, n));
+  return content.choice + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
+}
+function open(keep) {
+  pending = true;
+  tell("open", { choice: choice(), keep });
+}
+let good = null, restoring = false;
+function set(key, value) {
+  chosen.changes.set(key, value);
+  open(true);
+}
+function complain(text) {
+  $("error").textContent = text;
+  $("error").hidden = !text;
+}
+
+function opened({ facts, keep }) {
+  pending = false;
+  good = new Map(chosen.changes);
+  const length = Math.max(2000, Math.ceil(facts.rate_hz * WINDOW_S * 1.1));
+  run = { facts, second: false, title: "", ring: keep && run ? run.ring : new Ring(COLUMNS, length), last: keep ? run?.last ?? null : null, got: 0 };
+  runs = [run];
+  if (!$("law").length) $("law").append(...facts.laws.map((word) => new Option(word, word)));
+  $("law").value = facts.law;
+  $("object").value = chosen.object;
+  $("stiffness").value = Math.log10(facts.k_desired_n_per_m / 1e3);
+  $("stiffness-n").value = facts.k_desired_n_per_m / 1e3;
+  $("per-axis").checked = facts.per_axis;
+  $("guard").checked = facts.guard;
+}
+worker.onmessage = ({ data }) => {
+  if (data.type === "ready") { open(false); go(true); }
+  // What was refused is shown until something is taken.
+  if (data.type === "opened") { if (!restoring) complain(""); restoring = false; opened(data); }
+  if (data.type === "rows" && run && !pending) {
+    run.ring.push(data.rows);
+    counted = data.count;
+    run.last = Object.fromEntries(COLUMNS.map((name) => [name, run.ring.at(name, 0)]));
+    for (let at = COLUMNS.indexOf("energy_true_j"); at < data.rows.length; at += COLUMNS.length) run.got = Math.max(run.got, -data.rows[at]);
+  }
+  if (data.type === "error") {
+    complain(data.text);
+    if (good) { chosen.changes = good; good = null; restoring = true; open(true); }
+  }
+};
+worker.onerror = (event) => complain(`the loop stopped: ${event.message}`);
+
+function go(on) {
+  running = on;
+  $("run").textContent = on ? "Pause" : "Run";
+  $("step").disabled = on;
+  tell("run", { on, speed: chosen.speed });
+}
+function automatic(on) {
+  chosen.automatic = on;
+  press("automatic", on);
+  tell("automatic", { on });
+  if (on) aim = null;
+}
+function restart() {
+  aim = null;
+  open(false);
+}
+function letGo() {
+  automatic(false);
+  aim = null;
+  tell("aim", { mm: null });
+}
+/** Moves the hand's rest point across the view and away, mm. */
+function move(right, up, away) {
+  if (!run) return;
+  if (chosen.automatic) automatic(false);
+  const { camera } = view, from = aim ?? (run.last ? ["x", "y", "z"].map((axis) => run.last[`rest_${axis}_mm`]) : run.facts.start_mm);
+  aim = from.map((x, i) => Math.max(-80, Math.min(80, x + right * camera.right[i] + up * camera.up[i] + away * camera.away[i])));
+  tell("aim", { mm: aim });
+}
+
+const view = new SpaceView($("stage"));
+const series = (name, colour, of, more) => ({ name, colour, of, ...more });
+const FIGURES = [
+  ["Depth below the surface", "mm", 1, [series("inside above 0", "a", (c, i) => Math.max(-5, c.depth_mm[i]))]],
+  ["Force", "N", 2, [series("length", "a", (c, i) => c.force_n[i]), ...["x", "y", "z"].map((axis, k) => series(axis, ["shift", "mass", "hand"][k], (c, i) => c[`force_${axis}_n`][i], { dash: [[2, 2], [5, 3], [7, 3, 2, 3]][k], wide: 1.2 }))]],
+  ["Displayed stiffness", "N/mm", 5, [series("force over depth (dashed: k_de)", "a", (c, i) => (c.depth_mm[i] > 0.02 ? c.force_n[i] / c.depth_mm[i] : NaN))]],
+  ["Energy so far", "mJ", 5, [series("absorbed by the wall (below 0: given away)", "a", (c, i) => 1e3 * c.energy_true_j[i]), series("the guard's account", "force", (c, i) => 1e3 * c.guard_account_j[i], { dash: [2, 2] })]],
+];
+const plots = FIGURES.map(([title, unit, least, all]) => Object.assign(new Plot(figureFor(title, all.map((s) => [s.name, s.colour, s.dash ?? []])), unit, least, all), { stiffness: unit === "N/mm" }));
+
+const READOUT = [
+  ["Depth", () => `${run.last.depth_mm.toFixed(3)} mm`],
+  ["Force", () => `${run.last.force_n.toFixed(2)} N`],
+  ["Displayed, wanted", () => `${run.last.depth_mm > 0.02 ? (run.last.force_n / run.last.depth_mm).toFixed(1) : "–"} of ${number(run.facts.k_desired_n_per_m / 1e3)} N/mm`],
+  ["Speed", () => `${run.last.speed_mm_per_s.toFixed(0)} mm/s`],
+  ["Wall's account", () => `${(1e3 * run.last.energy_true_j).toFixed(2)} mJ`],
+  ["Given beyond what it took", () => `${(1e3 * run.got).toFixed(2)} mJ`],
+  ["Guard's account", () => (Number.isNaN(run.last.guard_account_j) ? "no guard" : `${(1e3 * run.last.guard_account_j).toFixed(2)} mJ`)],
+];
+const cells = READOUT.map(([name]) => {
+  const box = document.createElement("div"), term = document.createElement("dt"), value = document.createElement("dd");
+  term.textContent = name;
+  box.append(term, value);
+  $("readout").append(box);
+  return value;
+});
+const inSight = new Set();
+const watch = new IntersectionObserver((entries) => { for (const entry of entries) inSight[entry.isIntersecting ? "add" : "delete"](entry.target); });
+for (const plot of plots) watch.observe(plot.canvas);
+
+let wordsAt = 0, before = 0;
+function frame(now) {
+  requestAnimationFrame(frame);
+  const passed = Math.min(0.1, (now - before) / 1000);
+  before = now;
+  steer(passed);
+  if (!run || pending) return;
+  drawn += 1;
+  rate.frames += 1;
+  view.draw(run, aim);
+  const plot = plots[drawn % plots.length], level = plot.stiffness ? run.facts.k_desired_n_per_m / 1e3 : undefined;
+  if (plot.stiffness) plot.cap = 2.2 * level;
+  if (inSight.has(plot.canvas) && run.ring.size) plot.draw(runs, WINDOW_S, level);
+  if (now - wordsAt < 120) return;
+  wordsAt = now;
+  if (run.last) READOUT.forEach(([, of], i) => { cells[i].textContent = of(); });
+  const s = (now - rate.at) / 1000;
+  if (s < 1) return;
+  $("status").textContent = running ? `${((counted.done - rate.done) / s).toFixed(0)} ticks a second of ${(run.facts.rate_hz * chosen.speed).toFixed(0)}, ${counted.late} of ${counted.done} late (more than 10 ms)${counted.skipped ? `, ${counted.skipped} skipped` : ""}, ${(rate.frames / s).toFixed(0)} frames a second` : `paused after ${counted.done} ticks`;
+  rate = { at: now, done: counted.done, frames: 0 };
+}
+
+// Keys that are held move the hand or turn the view.
+const held = new Set();
+function steer(s) {
+  const way = (more, less) => Number(held.has(more)) - Number(held.has(less)), mm = s * (held.has("Shift") ? 8 : 45);
+  const [right, up, away] = [way("ArrowRight", "ArrowLeft"), way("ArrowUp", "ArrowDown"), way("i", "o")];
+  if (right || up || away) move(mm * right, mm * up, mm * away);
+  view.camera.turn(1.2 * s * way("e", "q"), 1.2 * s * way("z", "x"));
+}
+const HELD = ["ArrowRight", "ArrowLeft", "ArrowUp", "ArrowDown", "i", "o", "q", "e", "z", "x"];
+const KEYS = { " ": () => go(!running), ".": () => tell("step"), r: restart, p: () => automatic(!chosen.automatic), h: letGo };
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  held[event.shiftKey ? "add" : "delete"]("Shift");
+  if (/^(INPUT|SELECT)$/.test(event.target.tagName) && event.target.type !== "checkbox") return;
+  if (event.key === " " && /^(BUTTON|INPUT)$/.test(event.target.tagName)) return;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (HELD.includes(key)) { held.add(key); event.preventDefault(); return; }
+  if (KEYS[key] && !event.repeat) { event.preventDefault(); KEYS[key](); }
+});
+addEventListener("keyup", (event) => held.delete(event.key.length === 1 ? event.key.toLowerCase() : event.key));
+addEventListener("blur", () => held.clear());
+
+let grabbed = null;
+$("stage").addEventListener("pointerdown", (event) => {
+  $("stage").setPointerCapture(event.pointerId);
+  grabbed = { x: event.clientX, y: event.clientY, turns: event.shiftKey || event.button === 2 };
+});
+$("stage").addEventListener("pointermove", (event) => {
+  if (!grabbed) return;
+  const dx = event.clientX - grabbed.x, dy = event.clientY - grabbed.y, canvas = $("stage"), s = view.camera.scale(canvas.clientWidth, canvas.clientHeight);
+  Object.assign(grabbed, { x: event.clientX, y: event.clientY });
+  if (grabbed.turns) view.camera.turn(-dx * 0.01, dy * 0.01); else move(dx / s, -dy / s, 0);
+});
+for (const name of ["pointerup", "pointercancel"]) $("stage").addEventListener(name, () => { if (grabbed && !grabbed.turns) letGo(); grabbed = null; });
+$("stage").addEventListener("contextmenu", (event) => event.preventDefault());
+$("stage").addEventListener("wheel", (event) => { event.preventDefault(); move(0, 0, -Math.max(-4, Math.min(4, event.deltaY * 0.02))); }, { passive: false });
+
+const on = (id, name, act) => $(id).addEventListener(name, act);
+on("run", "click", () => go(!running));
+on("step", "click", () => tell("step"));
+on("reset", "click", restart);
+on("automatic", "click", () => automatic(!chosen.automatic));
+on("speed", "change", () => { chosen.speed = Number($("speed").value); go(running); });
+on("object", "change", () => { chosen.object = $("object").value; restart(); });
+on("law", "change", () => set("law", $("law").value));
+on("stiffness", "input", () => { $("stiffness-n").value = Number((10 ** $("stiffness").value).toPrecision(3)); });
+for (const id of ["stiffness", "stiffness-n"]) on(id, "change", () => set("k_desired_n_per_m", Number(((id === "stiffness" ? 10 ** $(id).value : Number($(id).value)) * 1e3).toPrecision(6))));
+on("per-axis", "change", () => set("per_axis", $("per-axis").checked));
+on("guard", "change", () => set("guard", $("guard").checked));
+for (const [id, yaw, pitch] of [["turn-left", -0.25, 0], ["turn-right", 0.25, 0], ["turn-up", 0, 0.25], ["turn-down", 0, -0.25]]) on(id, "click", () => view.camera.turn(yaw, pitch));
+let hiddenPause = false;
+document.addEventListener("visibilitychange", () => {
+  if (document.hidden && running) { hiddenPause = true; go(false); } else if (!document.hidden && hiddenPause) { hiddenPause = false; go(true); }
+});
+
+readInk();
+requestAnimationFrame(frame);
+unpacked().then((module) => tell("start", { module, ROW: content.row }), (error) => complain(`this browser cannot run WebAssembly: ${error}`));

@@ -1,0 +1,48 @@
+//! What a page of three axes calls. Texts go through the buffer of [`crate::exports`], whose words about `unsafe` count here too.
+#![allow(unsafe_code)]
+
+use crate::exports::{give, number, take};
+use crate::space_loop::{SpaceChoice, SpaceLoop};
+use std::cell::RefCell;
+
+thread_local! {
+    static SPACE: RefCell<Option<SpaceLoop>> = const { RefCell::new(None) };
+}
+
+/// Opens the loop of the choice in the buffer; 0, or −1.
+#[unsafe(no_mangle)]
+extern "C" fn live_space_open() -> i32 {
+    let opened = SpaceChoice::of_text(&take()).and_then(SpaceLoop::new);
+    number(opened.map(|space| {
+        SPACE.set(Some(space));
+        0
+    }))
+}
+
+/// Goes on with the choice in the buffer from where device and hand are; 0, or −1.
+#[unsafe(no_mangle)]
+extern "C" fn live_space_change() -> i32 {
+    let choice = SpaceChoice::of_text(&take());
+    number(choice.and_then(|choice| {
+        SPACE.with_borrow_mut(|space| match space {
+            Some(space) => space.change(choice).map(|()| 0),
+            None => Ok(0),
+        })
+    }))
+}
+
+/// One tick with the hand's rest point here, mm; gives the address of its row, or 0 where there is no loop.
+#[unsafe(no_mangle)]
+extern "C" fn live_space_tick(x_mm: f64, y_mm: f64, z_mm: f64) -> *const f64 {
+    SPACE.with_borrow_mut(|space| {
+        space.as_mut().map_or(std::ptr::null(), |space| {
+            space.tick([x_mm, y_mm, z_mm]).as_ptr()
+        })
+    })
+}
+
+/// Puts what stays until it is changed into the buffer, as JSON.
+#[unsafe(no_mangle)]
+extern "C" fn live_space_facts() {
+    give(SPACE.with_borrow(|space| space.as_ref().map_or_else(String::new, SpaceLoop::facts)));
+}

@@ -1,0 +1,425 @@
+//! A loop of three axes for a page: a wall of the control crate's space on a simulated omega.3 in a firm hand.
+
+use std::fmt::Write as _;
+use touchstone_control::space::environment::{Plane, Sphere};
+use touchstone_control::space::{
+    Direction, Leaving, LengthUnit, Magnitude, PerAxis, Rule, Shape, Shell, SpaceWall, Surface,
+    SurfacePoint, Vector, VectorGuard,
+};
+use touchstone_control::{
+    AnyLaw, Choice as _, Fixed32, Force, GuardSettings, GuardedDevice, LawKind, Position, Reported,
+    Settings, Si,
+};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::list;
+use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, OMEGA3_AXIS};
+
+type N = Fixed32;
+type Held = Cartesian<HeldLinear>;
+const UNIT: LengthUnit = LengthUnit::Centimetre;
+/// Of the law's unit in a metre, and of millimetres in it.
+const PER_METRE: f64 = 100.0;
+const MM: f64 = 10.0;
+
+/// Numbers of a tick, in their order; places in mm, forces in N on the hand.
+pub const SPACE_ROW: [&str; 20] = [
+    "time_s",
+    "hip_x_mm",
+    "hip_y_mm",
+    "hip_z_mm",
+    "rest_x_mm",
+    "rest_y_mm",
+    "rest_z_mm",
+    "surface_x_mm",
+    "surface_y_mm",
+    "surface_z_mm",
+    "depth_mm",
+    "force_x_n",
+    "force_y_n",
+    "force_z_n",
+    "force_n",
+    "energy_true_j",
+    "energy_hand_j",
+    "energy_device_loss_j",
+    "guard_account_j",
+    "speed_mm_per_s",
+];
+
+/// What stands in the workspace.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SpaceObject {
+    /// Below a plane through the centre, whose normal points out.
+    Plane([f64; 3]),
+    /// A ball around the centre, radius in mm.
+    Sphere(f64),
+}
+
+/// What a page can choose, and what its program knows of the device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceChoice {
+    /// The object.
+    pub object: SpaceObject,
+    /// The law, SI.
+    pub law: Settings,
+    /// One law an axis instead of one along the normal.
+    pub per_axis: bool,
+    /// The guard, where there is one, SI.
+    pub guard: Option<GuardSettings>,
+}
+
+/// The settings that a page is told, each with its name: all that the laws of three axes have otherwise than [`Settings::thesis`].
+macro_rules! numbers {
+    ($settings:expr, $with:ident) => {{
+        let settings = $settings;
+        $with!(k_desired_n_per_m, settings.k_desired);
+        $with!(k_soft_n_per_m, settings.k_soft);
+        $with!(device_damping_n_s_per_m, settings.device_damping);
+        $with!(virtual_damping_n_s_per_m, settings.virtual_damping);
+        $with!(force_limit_n, settings.force_limit);
+        $with!(energy_credit_j, settings.energy_credit);
+        $with!(filter_mass_kg, settings.filter.mass);
+        $with!(filter_stiffness_n_per_m, settings.filter.stiffness);
+        $with!(filter_damping_n_s_per_m, settings.filter.damping);
+        $with!(
+            filter_ground_damping_n_s_per_m,
+            settings.filter.ground_damping
+        );
+        $with!(guard_capacity_j, settings.guard.capacity);
+        $with!(guard_refill_w, settings.guard.refill);
+        $with!(guard_damping_n_s_per_m, settings.guard.damping);
+        $with!(guard_overspeed_m_per_s, settings.guard.overspeed);
+    }};
+}
+
+impl SpaceChoice {
+    /// As a page keeps it: `key=value`, a line each.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = match self.object {
+            SpaceObject::Sphere(radius_mm) => format!("object=sphere\nradius_mm={radius_mm}\n"),
+            SpaceObject::Plane([x, y, z]) => {
+                format!("object=plane\nnormal_x={x}\nnormal_y={y}\nnormal_z={z}\n")
+            }
+        };
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "law={}", self.law.law.word());
+        let _ = writeln!(text, "rate_hz={}", self.law.rate_hz);
+        let _ = writeln!(text, "per_axis={}", self.per_axis);
+        let _ = writeln!(text, "guard={}", self.guard.is_some());
+        let mut all = self.law;
+        if let Some(guard) = &self.guard {
+            all.guard = *guard;
+        }
+        macro_rules! say {
+            ($name:ident, $value:expr) => {
+                let _ = writeln!(text, "{}={}", stringify!($name), $value);
+            };
+        }
+        numbers!(&all, say);
+        text
+    }
+
+    /// Back from a page; of a key that stands twice the last one counts.
+    ///
+    /// # Errors
+    /// A key or a value that there is not.
+    pub fn of_text(text: &str) -> Result<Self> {
+        let mut choice = Self {
+            object: SpaceObject::Sphere(30.0),
+            law: Settings::thesis(),
+            per_axis: false,
+            guard: None,
+        };
+        let (mut sphere, mut radius, mut normal, mut guarded) =
+            (true, 30.0, [0.0, 0.0, 1.0], false);
+        for line in text.lines().filter(|line| !line.is_empty()) {
+            let (key, value) = line.split_once('=').unwrap_or((line, ""));
+            let wrong = |fix: &str| Error::Option {
+                option: key.to_owned(),
+                problem: format!("`{value}` is no value of it"),
+                fix: fix.to_owned(),
+            };
+            let number = || value.parse::<f64>().ok().filter(|x| x.is_finite());
+            let flag = || {
+                value
+                    .parse::<bool>()
+                    .map_err(|_| wrong("give true or false"))
+            };
+            let si = || {
+                let read = value.parse::<Si>().ok().filter(|read| *read >= 0);
+                read.ok_or_else(|| wrong("give a number that is not negative"))
+            };
+            match key {
+                "object" => {
+                    sphere = match value {
+                        "sphere" => true,
+                        "plane" => false,
+                        _ => return Err(wrong("give sphere or plane")),
+                    }
+                }
+                "radius_mm" => {
+                    let within = |mm: &f64| (5.0..=50.0).contains(mm);
+                    radius = number()
+                        .filter(within)
+                        .ok_or_else(|| wrong("give 5 to 50"))?;
+                }
+                "normal_x" | "normal_y" | "normal_z" => {
+                    let axis = usize::from(key.as_bytes()[7] - b'x');
+                    normal[axis] = number().ok_or_else(|| wrong("give a number"))?;
+                }
+                "law" => {
+                    choice.law.law = LawKind::of_word(value)
+                        .ok_or_else(|| wrong(&format!("give {}", list(LawKind::WORDS))))?;
+                }
+                "rate_hz" => {
+                    let within = |hz: &u32| (100..=10_000).contains(hz);
+                    let rate = value.parse().ok().filter(within);
+                    choice.law.rate_hz = rate.ok_or_else(|| wrong("give 100 to 10000"))?;
+                }
+                "per_axis" => choice.per_axis = flag()?,
+                "guard" => guarded = flag()?,
+                _ => {
+                    let mut known = false;
+                    macro_rules! take {
+                        ($name:ident, $place:expr) => {
+                            if key == stringify!($name) {
+                                $place = si()?;
+                                known = true;
+                            }
+                        };
+                    }
+                    numbers!(&mut choice.law, take);
+                    if !known {
+                        return Err(wrong("there is no such key"));
+                    }
+                }
+            }
+        }
+        choice.object = match sphere {
+            true => SpaceObject::Sphere(radius),
+            false => SpaceObject::Plane(normal),
+        };
+        choice.guard = guarded.then_some(choice.law.guard);
+        Ok(choice)
+    }
+
+    fn shape(&self) -> Result<Shape<N>> {
+        let signal = N::signal_from_f64;
+        Ok(match self.object {
+            SpaceObject::Sphere(radius_mm) => Shape::Sphere(Sphere {
+                centre: Vector::default(),
+                radius: Position(signal(radius_mm / MM)),
+            }),
+            SpaceObject::Plane(normal) => {
+                let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+                let along = normal.map(|n| Position(signal(5.0 * n / length)));
+                Shape::Plane(Plane {
+                    normal: Direction::of(Vector(along)).ok_or_else(|| Error::Option {
+                        option: "normal".to_owned(),
+                        problem: "is no direction".to_owned(),
+                        fix: "give one that is not 0".to_owned(),
+                    })?,
+                    height: Position::zero(),
+                })
+            }
+        })
+    }
+}
+
+/// The loop.
+pub struct SpaceLoop {
+    /// What it was made of.
+    pub choice: SpaceChoice,
+    wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
+    plant: Held,
+    state: [<HeldLinear as touchstone_world::plant::Stepper>::State; 3],
+    ticks: u64,
+    force_n: [f64; 3],
+    last_mm: Option<[f64; 3]>,
+    last_rest_m: Option<[f64; 3]>,
+    stored_j: f64,
+    energy_true_j: f64,
+    energy_hand_j: f64,
+    loss_j: f64,
+    row: [f64; SPACE_ROW.len()],
+}
+
+/// Where the hand waits at first, mm.
+#[must_use]
+pub fn start_mm(object: SpaceObject) -> [f64; 3] {
+    match object {
+        SpaceObject::Sphere(radius_mm) => [0.0, 0.0, radius_mm + 8.0],
+        SpaceObject::Plane(normal) => {
+            let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+            normal.map(|n| 8.0 * n / length)
+        }
+    }
+}
+
+impl SpaceLoop {
+    /// At rest where the hand waits at first.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn new(choice: SpaceChoice) -> Result<Self> {
+        let start = start_mm(choice.object);
+        Self::at(choice, start)
+    }
+
+    /// At rest at a place, mm.
+    ///
+    /// # Errors
+    /// Settings that law or guard cannot have.
+    pub fn at(choice: SpaceChoice, start_mm: [f64; 3]) -> Result<Self> {
+        let refused = |why: &dyn std::fmt::Display| Error::Option {
+            option: "law".to_owned(),
+            problem: why.to_string(),
+            fix: "choose another value".to_owned(),
+        };
+        let law = UNIT.law::<N>(&choice.law).map_err(|why| refused(&why))?;
+        let shell = match choice.per_axis {
+            true => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
+            false => Shell::Magnitude(Magnitude::new(law)),
+        };
+        let limit = Force(N::signal_from_f64(choice.law.force_limit.to_num()));
+        let point = SurfacePoint::new(Rule::Closest);
+        let mut wall = SpaceWall::new(choice.shape()?, point, shell, limit);
+        if let Some(guard) = &choice.guard {
+            let device = GuardedDevice {
+                rate_hz: choice.law.rate_hz,
+                force_limit: choice.law.force_limit,
+                count: Si::saturating_from_num(OMEGA3.count_m),
+            };
+            let (guard, device) = UNIT.guard(guard, &device);
+            let guard = VectorGuard::new(&guard, &device).map_err(|why| refused(&why))?;
+            let full = guard.full();
+            wall.guard = Some((guard, full));
+        }
+        let interval_s = 1.0 / f64::from(choice.law.rate_hz);
+        let plant =
+            Held::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, interval_s).map_err(|why| refused(&why))?;
+        let state = Held::at_rest(start_mm.map(|x| x * 1e-3));
+        Ok(Self {
+            choice,
+            wall,
+            plant,
+            state,
+            ticks: 0,
+            force_n: [0.0; 3],
+            last_mm: None,
+            last_rest_m: None,
+            stored_j: 0.0,
+            energy_true_j: 0.0,
+            energy_hand_j: 0.0,
+            loss_j: 0.0,
+            row: [f64::NAN; SPACE_ROW.len()],
+        })
+    }
+
+    /// Goes on with another choice from where device and hand are.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the loop goes on as it was.
+    pub fn change(&mut self, choice: SpaceChoice) -> Result<()> {
+        let mut changed = Self::new(choice)?;
+        changed.state = self.state;
+        changed.last_rest_m = self.last_rest_m;
+        *self = changed;
+        Ok(())
+    }
+
+    /// What stays until it is changed, as JSON.
+    #[must_use]
+    pub fn facts(&self) -> String {
+        let words: Vec<String> = LawKind::WORDS
+            .iter()
+            .map(|word| format!("\"{word}\""))
+            .collect();
+        let (radius_mm, normal) = match self.choice.object {
+            SpaceObject::Sphere(radius_mm) => (radius_mm, [0.0; 3]),
+            SpaceObject::Plane(normal) => (0.0, normal),
+        };
+        format!(
+            "{{\"rate_hz\":{},\"radius_mm\":{radius_mm},\"normal\":{normal:?},\"start_mm\":{:?},\"k_desired_n_per_m\":{},\"law\":\"{}\",\"laws\":[{}],\"per_axis\":{},\"guard\":{}}}",
+            self.choice.law.rate_hz,
+            start_mm(self.choice.object),
+            self.choice.law.k_desired,
+            self.choice.law.law.word(),
+            words.join(","),
+            self.choice.per_axis,
+            self.choice.guard.is_some(),
+        )
+    }
+
+    /// One tick with the hand's rest point here, mm; its numbers are those of [`SPACE_ROW`].
+    pub fn tick(&mut self, rest_mm: [f64; 3]) -> &[f64; SPACE_ROW.len()] {
+        let hip_m = Held::position(&self.state);
+        let hip_mm = hip_m.map(|x| x * 1e3);
+        let moved_mm: [f64; 3] =
+            std::array::from_fn(|i| self.last_mm.map_or(0.0, |last| hip_mm[i] - last[i]));
+        // What the wall took since the tick before: its force stood still.
+        self.energy_true_j -= (0..3)
+            .map(|i| self.force_n[i] * moved_mm[i] * 1e-3)
+            .sum::<f64>();
+        self.last_mm = Some(hip_mm);
+        let counts = OMEGA3.counts(hip_m);
+        let measured_mm = counts.map(|n| f64::from(n) * OMEGA3.count_m * 1e3);
+        let at = Vector(measured_mm.map(|x| Position::<N>(N::signal_from_f64(x / MM))));
+        // An overspeed switches off, as on a device.
+        let force = self.wall.tick(at).unwrap_or_default();
+        self.force_n = OMEGA3.limited(force.0.map(|f| N::signal_to_f64(f.0)));
+        let nearest = self.wall.surface.nearest(
+            at,
+            &Direction([<N as touchstone_control::Number>::Signal::default(); 3]),
+        );
+        let depth_mm = N::signal_to_f64(nearest.depth.0) * MM;
+        let normal = nearest.normal.0.map(N::signal_to_f64);
+        let surface_mm: [f64; 3] = std::array::from_fn(|i| measured_mm[i] + depth_mm * normal[i]);
+        let rest_m = rest_mm.map(|x| x * 1e-3);
+        // A rest point that jumps does work on the hand's spring.
+        let before = self.plant.stored_energy_j(&self.state, rest_m);
+        if self.last_rest_m.is_some() {
+            self.energy_hand_j += before - self.stored_j;
+        }
+        self.last_rest_m = Some(rest_m);
+        self.loss_j += self
+            .plant
+            .step_with_loss(&mut self.state, self.force_n, rest_m)
+            .total_j();
+        self.stored_j = self.plant.stored_energy_j(&self.state, rest_m);
+        let rate = f64::from(self.choice.law.rate_hz);
+        let time_s = self.ticks as f64 / rate;
+        self.ticks += 1;
+        let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let account = self.wall.guard.as_ref().map_or(f64::NAN, |(_, state)| {
+            N::energy_to_f64(state.account.0) / PER_METRE
+        });
+        let [hx, hy, hz] = hip_mm;
+        let [rx, ry, rz] = rest_mm;
+        let [sx, sy, sz] = surface_mm;
+        let [fx, fy, fz] = self.force_n;
+        self.row = [
+            time_s,
+            hx,
+            hy,
+            hz,
+            rx,
+            ry,
+            rz,
+            sx,
+            sy,
+            sz,
+            depth_mm,
+            fx,
+            fy,
+            fz,
+            length(self.force_n),
+            self.energy_true_j,
+            self.energy_hand_j,
+            self.loss_j,
+            account,
+            length(moved_mm) * rate,
+        ];
+        &self.row
+    }
+}

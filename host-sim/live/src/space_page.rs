@@ -1,0 +1,62 @@
+//! The page of three axes.
+
+use crate::page::{
+    MARK, MEMORY, PACING, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
+};
+use crate::space_loop::{SPACE_ROW, SpaceChoice, SpaceObject};
+
+const PAGE: &str = include_str!("../page/space.html");
+const SPACE_STYLE: &str = include_str!("../page/space.css");
+const BASIS: &str = include_str!("../page/space_basis.js");
+const STRICT: &str = "\"use strict\";\n";
+const WORKER: [&str; 5] = [
+    STRICT,
+    MEMORY,
+    PACING,
+    BASIS,
+    include_str!("../page/space_worker.js"),
+];
+const SCRIPT: [&str; 6] = [
+    STRICT,
+    UNPACK,
+    VIEW,
+    BASIS,
+    include_str!("../page/space_view.js"),
+    include_str!("../page/space_page.js"),
+];
+
+/// The page that begins with this choice.
+#[must_use]
+pub fn render(choice: &SpaceChoice, program: &str) -> String {
+    let script = SCRIPT.concat();
+    let style = format!("{STYLE}{SPACE_STYLE}");
+    let object = match choice.object {
+        SpaceObject::Sphere(_) => "sphere",
+        SpaceObject::Plane([x, y, _]) if x == 0.0 && y == 0.0 => "plane",
+        SpaceObject::Plane(_) => "inclined",
+    };
+    let data = serde_json::json!({
+        "choice": choice.to_text(),
+        "object": object,
+        "row": SPACE_ROW,
+    });
+    let policy = format!(
+        "default-src 'none'; script-src '{}' 'wasm-unsafe-eval'; style-src '{}'; worker-src blob:; img-src data:; base-uri 'none'; form-action 'none'",
+        hash(&script),
+        hash(&style)
+    );
+    let page = fill(
+        PAGE,
+        &[
+            ("POLICY", &policy),
+            ("STYLE", &style),
+            ("PROGRAM", &escape(program)),
+            ("CONTENT", &block(&data)),
+            ("MODULE", &packed_module()),
+            ("WORKER", &WORKER.concat()),
+            ("SCRIPT", &script),
+        ],
+    );
+    debug_assert!(page.starts_with(MARK));
+    page
+}

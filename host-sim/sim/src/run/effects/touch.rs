@@ -1,0 +1,147 @@
+//! The rows of what there is to touch beside the wall, and of how a damper comes to its velocity.
+
+use super::{Effect, Place};
+use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene};
+use touchstone_control::{LawKind, StatesKind, VelocityKind};
+
+fn environment(scene: &mut Scene) -> &mut Environment {
+    scene.environment.get_or_insert_default()
+}
+
+fn of_environment(scene: &Scene, has: impl Fn(&Environment) -> bool) -> bool {
+    scene.environment.as_ref().is_some_and(has)
+}
+
+/// Without what was taken out of it; nothing where nothing is left.
+fn rid(scene: &mut Scene, take: impl Fn(&mut Environment)) {
+    if let Some(environment) = &mut scene.environment {
+        take(environment);
+        if *environment == Environment::default() {
+            scene.environment = None;
+        }
+    }
+}
+
+fn has_velocity(scene: &Scene, from: VelocityKind) -> bool {
+    scene.law.kind == LawKind::SpringDamper && scene.law.velocity.from == from
+}
+
+fn damped(scene: &mut Scene, from: VelocityKind) {
+    if scene.law.kind != LawKind::SpringDamper {
+        scene.law.kind = LawKind::SpringDamper;
+        scene.law.states = StatesKind::Measured;
+    }
+    scene.law.velocity.from = from;
+}
+
+fn as_told(scene: &mut Scene) {
+    scene.law.velocity.from = VelocityKind::Told;
+}
+
+/// Of a velocity, which has no magnitude of its own.
+const fn velocity(
+    name: &'static str,
+    typical: &'static str,
+    source: &'static str,
+    is_named: fn(&Scene) -> bool,
+    add: fn(&mut Scene),
+) -> Effect {
+    Effect {
+        name,
+        place: Place::Velocity,
+        field: "law.velocity.from",
+        typical,
+        source,
+        of_hand: false,
+        is_named,
+        add,
+        remove: as_told,
+        silence: None,
+    }
+}
+
+/// The rows.
+pub const ROWS: [Effect; 7] = [
+    Effect {
+        name: "second-wall",
+        place: Place::Environment,
+        field: "environment.wall2",
+        typical: "as stiff as the first, solid below a radian before it",
+        source: "a knob that turns by some 60° between two ends",
+        of_hand: false,
+        is_named: |scene| of_environment(scene, |it| it.wall2.is_some()),
+        add: |scene| {
+            let at_rad = scene.wall.surface_rad - 1.0;
+            environment(scene).wall2 = Some(FurtherWall {
+                at_rad,
+                ..FurtherWall::default()
+            });
+        },
+        remove: |scene| rid(scene, |it| it.wall2 = None),
+        silence: None,
+    },
+    Effect {
+        name: "endstops",
+        place: Place::Environment,
+        field: "environment.endstops",
+        typical: "2.6 rad from the wall on either side (300° of travel)",
+        source: "the travel of a common potentiometer",
+        of_hand: false,
+        is_named: |scene| of_environment(scene, |it| it.endstops.is_some()),
+        add: |scene| {
+            let middle = scene.wall.surface_rad;
+            environment(scene).endstops = Some(Endstops {
+                lower_rad: middle - 2.6,
+                upper_rad: middle + 2.6,
+                ..Endstops::default()
+            });
+        },
+        remove: |scene| rid(scene, |it| it.endstops = None),
+        silence: None,
+    },
+    Effect {
+        name: "detents",
+        place: Place::Environment,
+        field: "environment.detents",
+        typical: "24 a turn, 0.02 N·m",
+        source: "small mechanical encoders have 12 to 30 detents of 5 to 20 mN·m (as recalled)",
+        of_hand: false,
+        is_named: |scene| of_environment(scene, |it| it.detents.is_some()),
+        add: |scene| environment(scene).detents = Some(DetentRing::default()),
+        remove: |scene| rid(scene, |it| it.detents = None),
+        silence: Some(|scene| {
+            environment(scene).detents = Some(DetentRing {
+                strength_n_m: 0.0,
+                ..DetentRing::default()
+            });
+        }),
+    },
+    velocity(
+        "velocity-filtered",
+        "30 Hz, of first order",
+        "what drivers of haptic devices do; the cut-off is an estimate",
+        |scene| has_velocity(scene, VelocityKind::Filtered),
+        |scene| damped(scene, VelocityKind::Filtered),
+    ),
+    velocity(
+        "velocity-foaw",
+        "up to 15 ticks",
+        "Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003, 2000, with the line through both ends",
+        |scene| has_velocity(scene, VelocityKind::Foaw),
+        |scene| damped(scene, VelocityKind::Foaw),
+    ),
+    velocity(
+        "velocity-kalman",
+        "30 Hz, constant velocity",
+        "Kalata, IEEE TAES 20(2) 174, 1984; the bandwidth is an estimate",
+        |scene| has_velocity(scene, VelocityKind::Kalman),
+        |scene| damped(scene, VelocityKind::Kalman),
+    ),
+    velocity(
+        "velocity-kalman-acceleration",
+        "30 Hz, constant acceleration",
+        "as the one before",
+        |scene| has_velocity(scene, VelocityKind::KalmanAcceleration),
+        |scene| damped(scene, VelocityKind::KalmanAcceleration),
+    ),
+];

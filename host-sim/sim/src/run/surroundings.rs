@@ -1,0 +1,215 @@
+//! Several walls and detents in the loop: the environment of a scene, in whatever number format.
+
+use super::chain::{Control, Counts, ExactPlace, Sampled};
+use super::settings;
+use super::wall::{Inside, Wall, inside};
+use crate::error::{Error, Result};
+use crate::scene::Scene;
+use touchstone_control::environment::{
+    Counted, DetentSettings, Environment, Face, Reading, Refused, Side, WallSettings,
+};
+use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
+
+/// An environment with its encoder's scale. Penetrations are told to it as places: each of its walls has a surface of its own.
+#[derive(Debug, Clone, Copy)]
+struct Surroundings<N: Reported> {
+    environment: Environment<N>,
+    scale: CountScale,
+    /// Where the torque changed since the last tick, if that is measured.
+    at_change: Option<Si>,
+}
+
+/// A place that no encoder counts.
+#[derive(Debug, Clone, Copy)]
+struct Placed(f64);
+
+impl<N: Reported> Reading<N> for Placed {
+    fn angle(&self) -> Si {
+        Si::saturating_from_num(self.0)
+    }
+
+    fn penetration(&self, face: &Face) -> Position<N> {
+        let surface = face.surface.to_num::<f64>();
+        Position::from_f64(match face.side {
+            Side::Above => self.0 - surface,
+            Side::Below => surface - self.0,
+        })
+    }
+}
+
+impl<N: Reported> Surroundings<N> {
+    fn counted(&self, count: i64) -> Counted {
+        Counted {
+            scale: self.scale,
+            count,
+        }
+    }
+}
+
+impl<N: Reported> Wall for Surroundings<N> {
+    fn at_count(&mut self, count: i64) -> f64 {
+        let at = self.counted(count);
+        self.environment.tick(&at, self.at_change).to_f64()
+    }
+
+    fn at_penetration(&mut self, place_rad: f64) -> f64 {
+        self.environment
+            .tick(&Placed(place_rad), self.at_change)
+            .to_f64()
+    }
+
+    fn commanded(&mut self, force_n_m: f64) {
+        self.environment.commanded(Force::from_f64(force_n_m));
+    }
+
+    fn changed_at_count(&mut self, count: i64) {
+        self.at_change = Some(Reading::<N>::angle(&self.counted(count)));
+    }
+
+    fn changed_at_penetration(&mut self, place_rad: f64) {
+        self.at_change = Some(Reading::<N>::angle(&Placed(place_rad)));
+    }
+
+    fn inside(&self) -> Inside {
+        inside(
+            self.environment.view().as_ref(),
+            self.environment.guard.as_ref(),
+        )
+    }
+}
+
+/// The law's side of a scene with an environment.
+pub(super) fn surrounded<N: Reported + 'static>(
+    scene: &Scene,
+    named: &crate::scene::Environment,
+    scale: CountScale,
+) -> Result<Box<dyn Control>> {
+    let own = scene.settings()?;
+    let faces = faces(scene, named)?;
+    let walls: Vec<WallSettings> = faces.iter().map(|(_, wall)| *wall).collect();
+    let detents = match named.detents.as_ref().filter(|it| it.strength_n_m > 0.0) {
+        None => None,
+        Some(ring) => Some(DetentSettings {
+            pitch: Si::saturating_from_num(ring.pitch_rad()),
+            strength: si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
+            centre: si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
+        }),
+    };
+    let refused = |refused| told(scene, &faces, &refused);
+    let wall = Surroundings::<N> {
+        environment: Environment::new(&own, &walls, detents.as_ref()).map_err(refused)?,
+        scale: scale.before(Si::ZERO),
+        at_change: None,
+    };
+    let surface_rad = scene.wall.surface_rad;
+    Ok(match &scene.encoder {
+        None => Box::new(Sampled {
+            sensor: ExactPlace { surface_rad },
+            wall,
+        }),
+        Some(encoder) => Box::new(Sampled {
+            sensor: Counts::of(encoder.step_rad(), surface_rad),
+            wall,
+        }),
+    })
+}
+
+/// Every wall, with the field of its stiffness.
+fn faces(
+    scene: &Scene,
+    named: &crate::scene::Environment,
+) -> Result<Vec<(&'static str, WallSettings)>> {
+    let k = scene.wall.k_desired_n_m_per_rad;
+    let mut places = Vec::new();
+    if named.first_wall {
+        let stiffness = "wall.k_desired_n_m_per_rad";
+        places.push((
+            "wall.surface_rad",
+            scene.wall.surface_rad,
+            Side::Above,
+            stiffness,
+            k,
+        ));
+    }
+    for (table, wall) in named.further() {
+        let [place, stiffness] = match table {
+            "environment.wall2" => [
+                "environment.wall2.at_rad",
+                "environment.wall2.stiffness_n_m_per_rad",
+            ],
+            "environment.wall3" => [
+                "environment.wall3.at_rad",
+                "environment.wall3.stiffness_n_m_per_rad",
+            ],
+            _ => [
+                "environment.wall4.at_rad",
+                "environment.wall4.stiffness_n_m_per_rad",
+            ],
+        };
+        let k = wall.stiffness_n_m_per_rad.unwrap_or(k);
+        places.push((place, wall.at_rad, wall.solid, stiffness, k));
+    }
+    if let Some(stops) = &named.endstops {
+        let k = stops.stiffness_n_m_per_rad.unwrap_or(k);
+        let stiffness = "environment.endstops.stiffness_n_m_per_rad";
+        let ends = [
+            (
+                "environment.endstops.lower_rad",
+                stops.lower_rad,
+                Side::Below,
+            ),
+            (
+                "environment.endstops.upper_rad",
+                stops.upper_rad,
+                Side::Above,
+            ),
+        ];
+        places.extend(ends.map(|(place, at, side)| (place, at, side, stiffness, k)));
+    }
+    let built = places.into_iter().map(|(place, at, side, stiffness, k)| {
+        let wall = WallSettings {
+            face: Face {
+                surface: si(scene, place, at)?,
+                side,
+            },
+            k_desired: si(scene, stiffness, k)?,
+        };
+        Ok((stiffness, wall))
+    });
+    built.collect()
+}
+
+fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
+    Si::checked_from_num(value)
+        .ok_or_else(|| scene.error(path, "too large", "give a value below 2e9"))
+}
+
+/// What the control crate refuses, at its place in the scene.
+fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused) -> Error {
+    match refused {
+        Refused::Wall(place, error) => {
+            let own = error
+                .at(Field::KDesired)
+                .then(|| faces.get(usize::from(*place)));
+            match own.flatten() {
+                Some((stiffness, _)) => scene.error(
+                    stiffness,
+                    error.to_string(),
+                    "give a smaller value, or another law",
+                ),
+                None => settings::refused(scene, error),
+            }
+        }
+        Refused::Law(error) => settings::refused(scene, error),
+        Refused::Strength { .. } => scene.error(
+            "environment.detents.strength_n_m",
+            refused.to_string(),
+            "give a value up to law.force_limit_n_m",
+        ),
+        Refused::TooManyWalls | Refused::Pitch(_) => scene.error(
+            "environment",
+            refused.to_string(),
+            "give fewer, or a coarser one",
+        ),
+    }
+}

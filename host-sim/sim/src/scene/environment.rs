@@ -1,0 +1,144 @@
+//! What there is to touch beside the wall: further walls, endstops, detents.
+
+use serde::{Deserialize, Serialize};
+use touchstone_control::environment::Side;
+
+/// What there is on the knob's axis beside `[wall]`; all of it behind the law's one guard.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Environment {
+    /// Whether `[wall]` itself is there. Default true.
+    pub first_wall: bool,
+    /// A second wall. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall2: Option<FurtherWall>,
+    /// A third wall. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall3: Option<FurtherWall>,
+    /// A fourth wall. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall4: Option<FurtherWall>,
+    /// Both ends of the travel. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub endstops: Option<Endstops>,
+    /// Places that the knob is drawn to. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detents: Option<DetentRing>,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Environment {
+            first_wall: true,
+            wall2: None,
+            wall3: None,
+            wall4: None,
+            endstops: None,
+            detents: None,
+        }
+    }
+}
+
+/// A wall beside the first, with a law of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FurtherWall {
+    /// Its surface, rad. Default 0.
+    pub at_rad: f64,
+    /// On which side of it it is solid. Default `below`.
+    #[serde(
+        serialize_with = "super::law::word",
+        deserialize_with = "super::law::of_word"
+    )]
+    pub solid: Side,
+    /// Its `k_de`, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_m_per_rad: Option<f64>,
+}
+
+impl Default for FurtherWall {
+    fn default() -> Self {
+        FurtherWall {
+            at_rad: 0.0,
+            // Opposite the first one, which is solid above.
+            solid: Side::Below,
+            stiffness_n_m_per_rad: None,
+        }
+    }
+}
+
+/// Walls at both ends of the travel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Endstops {
+    /// The lower end, rad: solid below it. Default -1.
+    pub lower_rad: f64,
+    /// The upper end, rad: solid above it. Default 1.
+    pub upper_rad: f64,
+    /// Their `k_de`, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_m_per_rad: Option<f64>,
+}
+
+impl Default for Endstops {
+    fn default() -> Self {
+        Endstops {
+            lower_rad: -1.0,
+            upper_rad: 1.0,
+            stiffness_n_m_per_rad: None,
+        }
+    }
+}
+
+/// Detents, evenly around a turn: `A` times a triangle over the way from one to the next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DetentRing {
+    /// How many in one turn, 1 to 6283. Default 24.
+    pub per_rev: u32,
+    /// The largest torque, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
+    pub strength_n_m: f64,
+    /// Where one of them is, rad. Default 0.
+    pub centre_rad: f64,
+}
+
+impl DetentRing {
+    /// From one to the next, rad.
+    #[must_use]
+    pub fn pitch_rad(&self) -> f64 {
+        std::f64::consts::TAU / f64::from(self.per_rev)
+    }
+}
+
+impl Default for DetentRing {
+    fn default() -> Self {
+        DetentRing {
+            per_rev: 24,
+            strength_n_m: 0.02,
+            centre_rad: 0.0,
+        }
+    }
+}
+
+impl Environment {
+    /// Whether there is anything that the wall alone is not.
+    #[must_use]
+    pub fn is_more_than_the_wall(&self) -> bool {
+        let detents = self.detents.as_ref();
+        !self.first_wall
+            || self.endstops.is_some()
+            || self.further().next().is_some()
+            || detents.is_some_and(|it| it.strength_n_m > 0.0)
+    }
+
+    /// The walls that are named, with their tables.
+    pub fn further(&self) -> impl Iterator<Item = (&'static str, &FurtherWall)> {
+        [
+            ("environment.wall2", &self.wall2),
+            ("environment.wall3", &self.wall3),
+            ("environment.wall4", &self.wall4),
+        ]
+        .into_iter()
+        .filter_map(|(table, wall)| Some((table, wall.as_ref()?)))
+    }
+}

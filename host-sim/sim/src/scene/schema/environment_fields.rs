@@ -1,0 +1,106 @@
+//! The fields of `[environment]`.
+
+use super::Kind::{Choice, Flag, Whole};
+use super::Range::{Any, NotNegative, Within};
+use super::{Field, field, number};
+use touchstone_control::Choice as _;
+use touchstone_control::environment::Side;
+
+/// As the wall's own.
+const STIFFNESS: super::Range = Within(0.0, 500_000.0);
+
+/// The fields of a further wall.
+macro_rules! wall {
+    ($table:literal, $which:literal) => {
+        [
+            number(
+                concat!("environment.", $table, ".at_rad"),
+                "rad",
+                Any,
+                concat!("the ", $which, " wall's surface"),
+            ),
+            field(
+                concat!("environment.", $table, ".solid"),
+                "",
+                Choice(Side::WORDS),
+                concat!(
+                    "on which side of its surface the ",
+                    $which,
+                    " wall is solid"
+                ),
+            ),
+            number(
+                concat!("environment.", $table, ".stiffness_n_m_per_rad"),
+                "n_m_per_rad",
+                STIFFNESS,
+                concat!("the ", $which, " wall's desired stiffness"),
+            )
+            .absent("that of [wall]"),
+        ]
+    };
+}
+
+const WALLS: [[Field; 3]; 3] = [
+    wall!("wall2", "second"),
+    wall!("wall3", "third"),
+    wall!("wall4", "fourth"),
+];
+
+const fn of_wall(wall: usize, row: usize) -> Field {
+    WALLS[wall][row]
+}
+
+pub(super) const ENVIRONMENT: &[Field] = &[
+    field(
+        "environment.first_wall",
+        "",
+        Flag,
+        "whether the wall of [wall] is there itself",
+    ),
+    of_wall(0, 0),
+    of_wall(0, 1),
+    of_wall(0, 2),
+    of_wall(1, 0),
+    of_wall(1, 1),
+    of_wall(1, 2),
+    of_wall(2, 0),
+    of_wall(2, 1),
+    of_wall(2, 2),
+    number(
+        "environment.endstops.lower_rad",
+        "rad",
+        Any,
+        "the lower end of the travel",
+    ),
+    number(
+        "environment.endstops.upper_rad",
+        "rad",
+        Any,
+        "the upper end of the travel",
+    ),
+    number(
+        "environment.endstops.stiffness_n_m_per_rad",
+        "n_m_per_rad",
+        STIFFNESS,
+        "the endstops' desired stiffness",
+    )
+    .absent("that of [wall]"),
+    field(
+        "environment.detents.per_rev",
+        "",
+        Whole(1, 6283),
+        "the detents in one turn",
+    ),
+    number(
+        "environment.detents.strength_n_m",
+        "n_m",
+        NotNegative,
+        "the detents' largest torque",
+    ),
+    number(
+        "environment.detents.centre_rad",
+        "rad",
+        Any,
+        "where a detent is",
+    ),
+];

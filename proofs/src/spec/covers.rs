@@ -1,0 +1,55 @@
+//! What the guard's theorem asks of the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`.
+
+use super::guard::Guard;
+use super::{GAIN, SIGNAL};
+
+/// Fractional bits below a quantum that [`Device`] has.
+pub const FINE: u32 = 40;
+
+/// The device of the theorem: `s` and `κ` as numbers, `d` and `δ` in quanta, all with [`FINE`] fractional bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Device {
+    /// Share of a tick after which a force begins to act.
+    pub s: i128,
+    /// The furthest that it moves in a tick.
+    pub d: i128,
+    /// Twice the largest error of a measured position.
+    pub delta: i128,
+    /// `s (1-s)/4c`, or more.
+    pub kappa: i128,
+}
+
+impl Guard {
+    /// What the theorem asks of the coefficients, for a device whose positions are wrong by at most `δ/2`, that moves at most
+    /// `d` in a tick, whose forces begin to act after a share `s` of it and whose `s (1-s)/4c` is `κ`: `covers` of
+    /// `proofs/coq/GuardLosesNothing.v`, times `2^`[`FINE`], each as what the left side lacks of the right. None may be negative.
+    #[must_use]
+    pub fn room(&self, device: &Device) -> [(&'static str, i128); 5] {
+        let one = 1_i128 << FINE;
+        let product = |a: i128, b: i128| -(-(a * b) >> FINE);
+        let Device { s, d, delta, kappa } = *device;
+        let largest = self.largest_force(self.capacity);
+        let half = (delta + 1) >> 1;
+        let ratio = |stored: i128| stored << (FINE - SIGNAL);
+        let rest = product(one - s, d);
+        let slack = half
+            + one
+            + (s - ratio(self.late)).abs() * self.furthest
+            + (kappa - ratio(self.stray)).max(0) * 2 * largest;
+        let reach = rest + self.in_flight * one + half;
+        [
+            ("count", self.count * one - delta),
+            ("in flight", self.in_flight * one - product(s, d) - half),
+            ("reach", (one << (GAIN + SIGNAL)) - self.per_reach * reach),
+            ("slack", self.slack * one - slack),
+            (
+                "not negative",
+                self.overrun
+                    .min(self.per_reach)
+                    .min(self.damping)
+                    .min(self.refill)
+                    .min(self.capacity),
+            ),
+        ]
+    }
+}

@@ -1,0 +1,104 @@
+//! The controller is its parts in their order: states, law, guard; and what it tells of them.
+
+use touchstone_control::{
+    AnyLaw, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, LawKind, Position, Settings,
+    Si, States,
+};
+use touchstone_proofs::spec::hands::{Hand, Random, any_law, bits};
+
+const KINDS: [LawKind; 6] = [
+    LawKind::SpringDamper,
+    LawKind::Tdpa,
+    LawKind::Fba,
+    LawKind::Sfa,
+    LawKind::SfaContinuous,
+    LawKind::EnhancedSfa,
+];
+
+/// Any law, behind a guard or not.
+fn any(random: &mut Random) -> Settings {
+    let kind = KINDS[random.below(KINDS.len() as u64) as usize];
+    let on = random.below(2) == 0;
+    Settings {
+        guard: GuardSettings {
+            on,
+            ..Settings::default().guard
+        },
+        states: Settings::thesis().states,
+        ..any_law(random, kind)
+    }
+}
+
+#[test]
+fn a_tick_is_the_law_and_then_the_guard() {
+    let mut random = Random(11);
+    let (mut compared, mut limited, mut tripped) = (0, 0, 0);
+    while compared < 60_000 {
+        let settings = any(&mut random);
+        let (Ok(mut wall), Ok(mut law)) = (
+            Controller::<Fixed32>::new(&settings),
+            AnyLaw::<Fixed32>::new(&settings),
+        ) else {
+            continue;
+        };
+        let guard = Guard::new(&settings.guard, &settings.guarded_device());
+        let mut guard = settings
+            .guard
+            .on
+            .then(|| Guarded::new(guard.expect("a controller was made of it")));
+        let mut states = States::<Fixed32>::default();
+        assert!(!wall.tripped() && (wall.guard.is_some() == settings.guard.on));
+        let mut hand = Hand::any(&mut random);
+        let mut force = Force::<Fixed32>::zero();
+        for tick in 0..300 {
+            compared += 1;
+            let (e, _) = hand.moves(&mut random, tick, i128::from(force.0.to_bits()));
+            let e = Position(e);
+            states.commanded(force);
+            let wanted = law.tick(states.sample(e));
+            force = match &mut guard {
+                Some(guard) => guard.tick(e, None, wanted),
+                None => wanted,
+            };
+            assert_eq!(wall.tick(e), force, "{settings:?}");
+            assert_eq!(wall.view(), law.view());
+            assert_eq!(wall.guard, guard);
+            assert_eq!(wall.tripped(), guard.is_some_and(|it| it.tripped));
+            limited += u64::from(force != wanted);
+            tripped += u64::from(wall.tripped());
+            if random.below(16) == 0 {
+                let told = Force(bits(random.signed(24)));
+                wall.commanded(told);
+                if let Some(Guarded { guard, state, .. }) = &mut guard {
+                    guard.commanded(state, told);
+                }
+                assert_eq!(wall.guard, guard);
+                force = told;
+            }
+        }
+        let again = Controller::<Fixed32>::new(&settings).expect("it was accepted before");
+        let again = again.resumed(&wall);
+        assert!(!again.tripped());
+        if let (Some(before), Some(after)) = (&wall.guard, &again.guard) {
+            assert_eq!(after.state.account, before.state.account);
+        }
+    }
+    assert!(limited > 1000 && tripped > 1000, "{limited} {tripped}");
+}
+
+/// What counts is what was set, where it is to count.
+#[test]
+fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
+    let settings = |count_device_damping| Settings {
+        law: LawKind::Tdpa,
+        device_damping: Si::from_num(1) / 1000,
+        count_device_damping,
+        ..Settings::thesis()
+    };
+    let damping = |counts| match AnyLaw::<Fixed32>::new(&settings(counts)) {
+        Ok(AnyLaw::Tdpa(law, _)) => i64::from(law.device_damping.0.to_bits()),
+        other => panic!("{other:?}"),
+    };
+    // 0.001 in 32 bits is a little less, times 1 kHz: one step of a gain below 1.
+    assert_eq!((damping(true), damping(false)), (4095, 0));
+}

@@ -1,0 +1,159 @@
+"""The page of three axes: every control, the four ways to move a hand, and how it looks."""
+
+import os
+import subprocess
+
+from pace import worst_second
+
+
+def text(page, element):
+    return page.run(f"document.getElementById({element!r}).textContent")
+
+
+def choose(page, control, value, event="change"):
+    page.run(f"(() => {{ const c = document.getElementById({control!r}); if (c.type === 'checkbox') c.checked = {value!r} === 'true'; else c.value = {value!r}; c.dispatchEvent(new Event({event!r}, {{ bubbles: true }})); }})()")
+    page.wait(0.2)
+    page.until("!pending")
+
+
+def click(page, control):
+    page.run(f"document.getElementById({control!r}).click()")
+    page.wait(0.1)
+
+
+def rest(page):
+    return page.run("['x', 'y', 'z'].map((axis) => run.last[`rest_${axis}_mm`])")
+
+
+def presses(page, pictures, check):
+    """Every object under every law that the story is about, in a press of its own."""
+    for thing in ("sphere", "plane", "inclined"):
+        choose(page, "object", thing)
+        if page.run("chosen.automatic") is False:
+            click(page, "automatic")
+        page.until("run.last && run.last.clock % 7 > 1.6 && run.last.clock % 7 < 2.0", 15)
+        shown, force, given = page.run("[run.last.force_n / run.last.depth_mm, run.last.force_n, 1e3 * run.got]")
+        check(abs(shown - 25) < 1.5 and force > 3, f"{thing}: shows {shown:.2f} of 25 N/mm at {force:.2f} N; at most {given:.3f} mJ given beyond what was taken")
+        off = page.run("(() => { const r = run.last, f = ['x', 'y', 'z'].map((a) => r[`force_${a}_n`]), d = ['x', 'y', 'z'].map((a) => r[`surface_${a}_mm`] - r[`hip_${a}_mm`]); return Math.acos(Math.min(1, dot(f, d) / Math.hypot(...f) / Math.hypot(...d))); })()")
+        off = 9.0 if off is None else off
+        check(off < 0.1, f"{thing}: the force points to the surface point, {off:.3f} rad off")
+        page.wait(1.8)
+        if pictures:
+            page.picture(os.path.join(pictures, f"space-{thing}.png"))
+    choose(page, "object", "sphere")
+    for law in page.run("run.facts.laws"):
+        choose(page, "law", law)
+        check(page.run("run.facts.law") == law and page.run("document.getElementById('error').hidden"), f"law {law}")
+    page.until("run.last && run.last.clock % 7 > 1.6 && run.last.clock % 7 < 2.0", 15)
+    choose(page, "law", "enhanced-sfa")
+
+
+def controls(page, check):
+    choose(page, "stiffness-n", "10")
+    check(page.run("run.facts.k_desired_n_per_m") == 10000, "a stiffness")
+    choose(page, "stiffness", "1.3")
+    check(abs(page.run("run.facts.k_desired_n_per_m") - 20000) < 200, "by the slider")
+    choose(page, "stiffness-n", "-3")
+    check("k_desired_n_per_m" in text(page, "error") and page.run("run.facts.k_desired_n_per_m") > 19000, f"a wrong one is refused: {text(page, 'error')}")
+    choose(page, "stiffness-n", "25")
+    check(page.run("document.getElementById('error').hidden"), "and forgotten with a right one")
+    for control, fact in (("per-axis", "per_axis"), ("guard", "guard")):
+        was = page.run(f"run.facts.{fact}")
+        choose(page, control, str(not was).lower())
+        once = page.run(f"run.facts.{fact}")
+        choose(page, control, str(was).lower())
+        check(once is not was and page.run(f"run.facts.{fact}") is was, f"{control}: on and off")
+    click(page, "run")
+    page.wait(0.2)
+    before = page.run("counted.done")
+    for _ in range(3):
+        click(page, "step")
+    page.key(".")
+    page.wait(0.1)
+    check(page.run("counted.done") == before + 4, "paused; four single ticks are four ticks")
+    page.key(" ")
+    page.wait(0.3)
+    check(page.run("counted.done") > before + 100, "runs again")
+    choose(page, "speed", "0.05")
+    start = page.run("[counted.done, performance.now()]")
+    page.wait(2)
+    end = page.run("[counted.done, performance.now()]")
+    rate = 1e3 * (end[0] - start[0]) / (end[1] - start[1])
+    check(40 < rate < 60, f"slow motion: {rate:.1f} ticks a second of 50")
+    choose(page, "speed", "1")
+    click(page, "reset")
+    page.wait(0.2)
+    check(page.run("run.last.clock") < 0.6, "starts again")
+    seen = page.run("[view.camera.yaw, view.camera.pitch]")
+    for control in ("turn-right", "turn-up"):
+        click(page, control)
+    page.key("q", hold=0.4)
+    page.key("x", hold=0.3)
+    now = page.run("[view.camera.yaw, view.camera.pitch]")
+    check(abs(now[0] - seen[0]) > 0.05 and abs(now[1] - seen[1]) > 0.05, f"the view turns, by buttons and keys: {seen} to {now}")
+    for control in ("turn-left", "turn-down"):
+        click(page, control)
+    page.run("(() => { Object.assign(view.camera, new Camera()); })()")
+
+
+def hands(page, check):
+    page.key("h")
+    page.wait(1)
+    start = rest(page)
+    page.key("ArrowRight", hold=0.5)
+    page.key("ArrowDown", hold=0.5)
+    page.key("i", hold=0.3)
+    page.wait(0.4)
+    moved = [b - a for a, b in zip(start, rest(page))]
+    right, up, away = page.run("['right', 'up', 'away'].map((way) => dot(view.camera[way], " + repr(moved) + "))")
+    check(right > 5 and up < -5 and away > 3, f"keys move the hand: {right:.1f} mm right, {up:.1f} up, {away:.1f} away")
+    page.key("h")
+    page.wait(1)
+    check(max(abs(a - b) for a, b in zip(start, rest(page))) < 0.5, "let go, it goes back")
+    x, y = page.run("(() => { const b = document.getElementById('stage').getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()")
+    page.mouse("down", x, y - 100)
+    for i in range(1, 13):
+        page.mouse("move", x, y - 100 + 9 * i)
+        page.wait(0.02)
+    page.wait(0.6)
+    force, depth = page.run("[run.last.force_n, run.last.depth_mm]")
+    page.mouse("up", x, y)
+    check(force > 0.5 and depth > 0, f"the mouse pushes in: {force:.2f} N at {depth:.3f} mm")
+    page.wait(0.8)
+    check(page.run("run.last.force_n") == 0, "and lets go")
+    for _ in range(6):
+        page.wheel(x, y, -100)
+    page.wait(0.5)
+    away = page.run("dot(view.camera.away, " + repr([b - a for a, b in zip(start, rest(page))]) + ")")
+    check(away > 5, f"the wheel moves it away: {away:.1f} mm")
+    page.key("h")
+    page.wait(0.3)
+
+
+def space(browser, program, pictures, folder, seconds, check):
+    file = os.path.join(folder, "space.html")
+    subprocess.run([program, "--quiet", "live", "--dof", "3", "--no-open", "--out", file], check=True)
+    check(os.path.getsize(file) <= 1_500_000, f"the page of three axes has {os.path.getsize(file)} bytes")
+    page = browser(f"file://{file}")
+    try:
+        page.until("typeof run !== 'undefined' && run !== null && run.last !== null")
+        presses(page, pictures, check)
+        controls(page, check)
+        hands(page, check)
+        click(page, "automatic")
+        worst_second(page, seconds, check, "three axes")
+        for width in (400, 800, 1600):
+            page.size(width, 900)
+            page.wait(0.4)
+            over = page.run("document.documentElement.scrollWidth - innerWidth")
+            check(over <= 0, f"three axes, {width} px wide: nothing sticks out ({over})")
+            if pictures:
+                page.picture(os.path.join(pictures, f"space-{width}.png"), whole=True)
+        page.size(1280, 1000)
+        page.dark()
+        page.wait(0.5)
+        if pictures:
+            page.picture(os.path.join(pictures, "space-dark.png"))
+        check(not page.problems, f"no complaint of {page.name} {page.problems[:3]}")
+    finally:
+        page.close()

@@ -1,0 +1,504 @@
+//! `cargo xtask prove --mutants --systematic`: every wrong change that our operators make, asked of the tests, one after the other.
+//!
+//! The code is built once with all changes in it (`inspect/src/operators/`), and the number of the one that is on stands in the
+//! environment. A change is refuted when an assertion of a property or a test fails: not by a panic of the code itself, nor by a cover
+//! that is no longer reached, nor by the time. What was found is written down at once, so that a run can be broken off and taken up
+//! again, and several can share the list (`--shard 1/8`). With `--proofs` what survived is asked of the checker.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::OpenOptions;
+use std::io::{BufRead, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use super::checker::{self, Which};
+use crate::outcome::Outcome;
+use crate::{changes, inspect, shell};
+
+/// The committed list, with what became of each.
+const LIST: &str = "proofs/systematic.tsv";
+/// How many are asked again with the tests.
+const SAMPLE: usize = 16;
+/// What is built.
+const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
+/// What is asked, the quick ones first.
+const TESTED: [&str; 3] = [
+    "touchstone-proofs",
+    "touchstone-control",
+    "touchstone-protocol",
+];
+/// A program of tests that takes more processor time, in seconds, has no answer.
+const MOST_S: u32 = 60;
+/// Fewer samples than a release asks for, in the copy: where the code is right, the covers are reached far earlier.
+const SHORTENED: [(&str, &str, &str); 3] = [
+    (
+        "proofs/src/source.rs",
+        "TRIES: u64 = 20_000_000",
+        "TRIES: u64 = 300_000",
+    ),
+    (
+        "proofs/tests/spec_laws.rs",
+        "TICKS: u64 = 1_500_000",
+        "TICKS: u64 = 600_000",
+    ),
+    (
+        "proofs/tests/spec_guard.rs",
+        "ticks < 4_000_000",
+        "ticks < 1_000_000",
+    ),
+];
+/// Where the tests of a source are likely to be: those are asked first.
+const LIKELY: [(&str, &[&str]); 16] = [
+    ("law/tdpa", &["tdpa"]),
+    ("law/fba", &["fba"]),
+    ("law/sfa", &["sfa"]),
+    ("law/spring", &["spring"]),
+    ("law/enhanced", &["enhanced", "p11_", "offset"]),
+    ("filter", &["enhanced", "p11_"]),
+    ("control/src/guard", &["guard", "stage"]),
+    ("estimator", &["estimator"]),
+    ("number", &["edges", "facts", "estimator"]),
+    ("magnitude", &["heart", "edges", "every"]),
+    ("reciprocal", &["reciprocal", "facts"]),
+    ("space/guard", &["space"]),
+    ("space", &["space"]),
+    ("controller", &["p8_"]),
+    ("observer", &["observer", "tdpa"]),
+    ("machine", &["device", "machine"]),
+];
+
+/// A part of the list: the `index`th of `of`, from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shard {
+    pub index: usize,
+    pub of: usize,
+}
+
+impl Shard {
+    pub const ALL: Self = Self { index: 1, of: 1 };
+
+    pub fn read(text: &str) -> Option<Self> {
+        let (index, of) = text.split_once('/')?;
+        let shard = Self {
+            index: index.parse().ok()?,
+            of: of.parse().ok()?,
+        };
+        (shard.index >= 1 && shard.index <= shard.of).then_some(shard)
+    }
+}
+
+/// One of the list.
+struct Listed {
+    number: usize,
+    /// It can be chosen when the program runs.
+    is_in: bool,
+    row: String,
+}
+
+fn folder() -> PathBuf {
+    shell::target("systematic")
+}
+
+/// The command.
+pub fn run(shard: Shard, proofs: bool) -> Outcome {
+    match asked(shard, proofs) {
+        Ok(()) => inspect::call([
+            "operators".as_ref(),
+            "table".as_ref(),
+            folder().join("outcomes.tsv").as_os_str(),
+        ]),
+        Err(why) => Outcome::Failed(why),
+    }
+}
+
+/// A few of those that the committed list says were refuted, each of which the test that it names must refute again.
+pub fn sample() -> Outcome {
+    match sampled() {
+        Ok((refuted, all)) if refuted == all && all > 0 => Outcome::Ok(format!(
+            "{refuted} of {all} sampled wrong changes refuted again"
+        )),
+        Ok((refuted, all)) => {
+            Outcome::Failed(format!("{refuted} of {all} sampled wrong changes refuted"))
+        }
+        Err(why) => Outcome::Failed(why),
+    }
+}
+
+fn sampled() -> Result<(usize, usize), String> {
+    let text = std::fs::read_to_string(shell::root().join(LIST))
+        .map_err(|why| format!("{LIST}: {why}"))?;
+    let known: Vec<(&str, &str)> = text
+        .lines()
+        .filter_map(|line| line.rsplit_once('\t'))
+        .filter_map(|(row, outcome)| Some((row, outcome.strip_prefix("refuted: ")?)))
+        .collect();
+    let (work, list) = built(&folder())?;
+    let binaries = binaries(&work)?;
+    let (mut refuted, mut all) = (0, 0);
+    for (row, test) in known.iter().step_by((known.len() / SAMPLE).max(1)) {
+        // A change that the sources no longer have is asked of nobody.
+        let Some(one) = list.iter().find(|one| one.is_in && one.row == *row) else {
+            continue;
+        };
+        all += 1;
+        let mut found = false;
+        for binary in &binaries {
+            let (_, failed) = failures(
+                binary,
+                one.number,
+                &["--exact", test],
+                Some(&BTreeSet::new()),
+            )?;
+            found |= !failed.is_empty();
+        }
+        if !found {
+            println!("not refuted by {test}: {}", row.replace('\t', " "));
+        }
+        refuted += usize::from(found);
+    }
+    Ok((refuted, all))
+}
+
+fn asked(shard: Shard, proofs: bool) -> Result<(), String> {
+    let folder = folder();
+    let (work, list) = built(&folder)?;
+    let binaries = binaries(&work)?;
+    let noise = noise(&binaries)?;
+    let outcomes = folder.join("outcomes.tsv");
+    let known = std::fs::read_to_string(&outcomes).unwrap_or_default();
+    let known: BTreeMap<&str, &str> = known
+        .lines()
+        .filter_map(|line| line.rsplit_once('\t'))
+        .collect();
+    let said = |why: std::io::Error| format!("{}: {why}", outcomes.display());
+    let mut file = OpenOptions::new()
+        .create(true)
+        .append(true)
+        .open(&outcomes)
+        .map_err(said)?;
+    for one in list
+        .iter()
+        .filter(|one| one.number % shard.of == shard.index % shard.of)
+    {
+        let begun = Instant::now();
+        let before = known.get(one.row.as_str()).copied();
+        let outcome = match before {
+            Some("survived") if proofs => by_proofs(one)?,
+            Some(_) => continue,
+            None if !one.is_in => "not Rust".into(),
+            None => by_tests(one, &binaries, &noise)?,
+        };
+        writeln!(file, "{}\t{outcome}", one.row).map_err(said)?;
+        let took = begun.elapsed().as_secs_f64();
+        println!(
+            "{:>5} {took:>5.1} s  {outcome}  {}",
+            one.number,
+            one.row.replace('\t', " ")
+        );
+    }
+    Ok(())
+}
+
+/// The copy with all changes in it that the compiler takes, built; and the list.
+fn built(folder: &Path) -> Result<(PathBuf, Vec<Listed>), String> {
+    std::fs::create_dir_all(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
+    let work = changes::copy(folder, &PARTS, &[])?;
+    for (file, find, replace) in SHORTENED {
+        let path = work.join(file);
+        let text = std::fs::read_to_string(&path).map_err(|why| format!("{file}: {why}"))?;
+        if text.matches(find).count() != 1 {
+            return Err(format!("{file}: `{find}` is not there once"));
+        }
+        std::fs::write(&path, text.replace(find, replace)).map_err(|why| why.to_string())?;
+    }
+    let (without, messages) = (folder.join("refused.txt"), folder.join("messages.json"));
+    let saved = folder.join("list.tsv");
+    for _ in 0..40 {
+        let words = [
+            "operators".as_ref(),
+            "instrument".as_ref(),
+            work.as_os_str(),
+            without.as_os_str(),
+        ];
+        let (lines, outcome) = inspect::ask(words);
+        if !matches!(outcome, Outcome::Ok(_)) {
+            return Err(outcome.reason().into());
+        }
+        // What was refused is so for these sources only.
+        let rows: String = listed(&lines)
+            .iter()
+            .map(|one| format!("{}\t{}\n", one.number, one.row))
+            .collect();
+        if std::fs::read_to_string(&saved).is_ok_and(|before| before != rows) {
+            let _ = std::fs::remove_file(&without);
+            let _ = std::fs::remove_file(&saved);
+            continue;
+        }
+        std::fs::write(&saved, &rows).map_err(|why| why.to_string())?;
+        if build(&work, &messages)? {
+            return Ok((work, listed(&lines)));
+        }
+        let words = [
+            "operators".as_ref(),
+            "refused".as_ref(),
+            work.as_os_str(),
+            messages.as_os_str(),
+        ];
+        let (lines, outcome) = inspect::ask(words);
+        if !matches!(outcome, Outcome::Ok(_)) || lines.is_empty() {
+            return Err(format!("the instrumented copy does not compile: {outcome}"));
+        }
+        eprintln!("{} changes are not Rust", lines.len());
+        let mut file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&without)
+            .map_err(|why| why.to_string())?;
+        writeln!(file, "{}", lines.join("\n")).map_err(|why| why.to_string())?;
+    }
+    Err("the instrumented copy still does not compile".into())
+}
+
+fn listed(lines: &[String]) -> Vec<Listed> {
+    let one = |line: &String| {
+        let mut words = line.splitn(3, '\t');
+        Some(Listed {
+            number: words.next()?.parse().ok()?,
+            is_in: words.next()? == "on",
+            row: words.next()?.to_owned(),
+        })
+    };
+    lines.iter().filter_map(one).collect()
+}
+
+/// Whether it compiles; the compiler's messages are left in a file.
+fn build(work: &Path, messages: &Path) -> Result<bool, String> {
+    let file = std::fs::File::create(messages).map_err(|why| why.to_string())?;
+    let mut cargo = shell::cargo("test");
+    cargo
+        .current_dir(work)
+        .env("CARGO_TARGET_DIR", folder().join("target"))
+        .args([
+            "-q",
+            "--no-run",
+            "--message-format=json",
+            "--lib",
+            "--tests",
+        ]);
+    for package in TESTED {
+        cargo.args(["-p", package]);
+    }
+    let status = cargo
+        .stdout(file)
+        .stderr(Stdio::null())
+        .status()
+        .map_err(|why| format!("cargo: {why}"))?;
+    Ok(status.success())
+}
+
+/// The programs of the tests, by the package's order; from the compiler's messages.
+fn binaries(work: &Path) -> Result<Vec<PathBuf>, String> {
+    let messages = work.with_file_name("messages.json");
+    let text = std::fs::read_to_string(&messages).map_err(|why| why.to_string())?;
+    let mut found = Vec::new();
+    for line in text.lines() {
+        let Some((_, rest)) = line.split_once("\"executable\":\"") else {
+            continue;
+        };
+        found.extend(rest.split_once('"').map(|(path, _)| PathBuf::from(path)));
+    }
+    if found.is_empty() {
+        return Err("no program of tests was built".into());
+    }
+    let rank = |path: &PathBuf| {
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let order = [
+            "touchstone_proofs",
+            "touchstone_control",
+            "touchstone_protocol",
+        ];
+        let at = order.iter().position(|of| name.starts_with(of));
+        (at.unwrap_or(order.len()), name)
+    };
+    found.sort_by_key(rank);
+    Ok(found)
+}
+
+/// Tests that fail where no change is on, as fewer samples do not reach all their covers: they refute nothing.
+fn noise(binaries: &[PathBuf]) -> Result<BTreeSet<String>, String> {
+    let mut found = BTreeSet::new();
+    for binary in binaries {
+        let begun = Instant::now();
+        for failure in failures(binary, 0, &[], None)?.1 {
+            found.insert(failure);
+        }
+        let name = binary.file_name().unwrap_or_default().to_string_lossy();
+        eprintln!(
+            "{name}: {:.1} s without a change",
+            begun.elapsed().as_secs_f64()
+        );
+    }
+    eprintln!("left out, as they fail without a change: {found:?}");
+    Ok(found)
+}
+
+fn by_tests(
+    one: &Listed,
+    binaries: &[PathBuf],
+    noise: &BTreeSet<String>,
+) -> Result<String, String> {
+    let likely = LIKELY.iter().find(|(file, _)| one.row.contains(file));
+    let likely = likely.map_or(&[][..], |(_, words)| words);
+    let mut ended = true;
+    for words in [likely, &[]] {
+        if words.is_empty() && !ended {
+            // What did not end at the likely place will not elsewhere.
+            break;
+        }
+        for binary in binaries {
+            let (end, refuted) = failures(binary, one.number, words, Some(noise))?;
+            if let Some(name) = refuted.first() {
+                return Ok(format!("refuted: {name}"));
+            }
+            ended &= end;
+        }
+    }
+    Ok(if ended {
+        "survived".into()
+    } else {
+        "no end".into()
+    })
+}
+
+/// Runs a program of tests with one change on: whether it came to its end, and the tests of which an assertion failed. With names to
+/// leave out it ends at the first other one.
+fn failures(
+    binary: &Path,
+    number: usize,
+    words: &[&str],
+    leave_out: Option<&BTreeSet<String>>,
+) -> Result<(bool, Vec<String>), String> {
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", &format!("ulimit -t {MOST_S} && exec \"$0\" \"$@\"")])
+        .arg(binary)
+        .args(["--test-threads=1", "--nocapture"])
+        .args(words)
+        .env("TOUCHSTONE_MUTANT", number.to_string())
+        .env("RUST_BACKTRACE", "0")
+        // Where the tests find the sources.
+        .current_dir(folder().join("work/proofs"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut child = command
+        .spawn()
+        .map_err(|why| format!("{}: {why}", binary.display()))?;
+    let errors = child.stderr.take().ok_or("no standard error")?;
+    let mut found = Vec::new();
+    // The line after the place says what failed.
+    let mut of: Option<String> = None;
+    for line in BufReader::new(errors).lines().map_while(Result::ok) {
+        if let Some(name) = of.take()
+            && !line.contains("covers never reached")
+            && leave_out.is_none_or(|names| !names.contains(&name))
+        {
+            found.push(name);
+            if leave_out.is_some() {
+                break;
+            }
+        }
+        of = place(&line);
+    }
+    let _ = child.kill();
+    let status = child.wait().map_err(|why| why.to_string())?;
+    // A signal that is not ours: it took too long.
+    Ok((status.code().is_some(), found))
+}
+
+/// The test whose own assertion panicked: `thread 'tdpa::w8::p7_leaves::sampled' (7) panicked at proofs/src/tdpa.rs:9:1:`.
+fn place(line: &str) -> Option<String> {
+    let (name, rest) = line.strip_prefix("thread '")?.split_once('\'')?;
+    let (_, place) = rest.split_once("panicked at ")?;
+    let is_test = name.contains("::tests::")
+        || !place.contains("control/src/") && !place.contains("protocol/src/");
+    // A number format that finds its facts broken is no property.
+    let own = is_test && !place.contains("facts.rs:") || place.contains("/tests/");
+    own.then(|| name.to_owned())
+}
+
+/// What survived the tests, of the harnesses that are about it.
+fn by_proofs(one: &Listed) -> Result<String, String> {
+    let Some((_, words)) = LIKELY.iter().find(|(file, _)| one.row.contains(file)) else {
+        return Ok("survived".into());
+    };
+    let folder = folder().join("by-proofs");
+    let work = changes::copy(&folder, &PARTS, &[])?;
+    let words_of = [
+        "operators".to_owned(),
+        "alone".into(),
+        one.number.to_string(),
+        work.display().to_string(),
+    ];
+    if let (_, Outcome::Failed(why)) = inspect::ask(words_of) {
+        return Err(why);
+    }
+    for part in *words {
+        let Ok(left) = checker::run(
+            &work,
+            &folder.join("kani"),
+            Which::Containing(part),
+            1,
+            false,
+        ) else {
+            continue;
+        };
+        let (lines, _) = inspect::ask(["refuting".as_ref(), left.report.as_os_str()]);
+        if let Some(name) = lines.first() {
+            return Ok(format!("refuted: {name}"));
+        }
+    }
+    Ok("survived".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shard_is_a_part_of_the_list() {
+        assert_eq!(Shard::read("2/8"), Some(Shard { index: 2, of: 8 }));
+        assert!(
+            ["0/8", "9/8", "x/8", "3"]
+                .into_iter()
+                .all(|text| Shard::read(text).is_none())
+        );
+    }
+
+    #[test]
+    fn only_an_assertion_of_a_property_or_a_test_refutes() {
+        let of = |place_of: &str| {
+            place(&format!(
+                "thread 'tdpa::w8::p7_leaves::sampled' (7) panicked at {place_of}:9:1:"
+            ))
+        };
+        assert_eq!(
+            of("proofs/src/tdpa.rs").as_deref(),
+            Some("tdpa::w8::p7_leaves::sampled")
+        );
+        assert_eq!(
+            of("proofs/tests/spec_laws.rs").as_deref(),
+            Some("tdpa::w8::p7_leaves::sampled")
+        );
+        assert_eq!(of("control/src/number/fixed_point.rs"), None);
+        assert_eq!(of("proofs/src/facts.rs"), None);
+        let own =
+            "thread 'reciprocal::tests::all' (7) panicked at control/src/reciprocal.rs:120:9:";
+        assert_eq!(place(own).as_deref(), Some("reciprocal::tests::all"));
+        assert_eq!(place("test tdpa::w8::p7_leaves::sampled ... ok"), None);
+    }
+}
