@@ -27,7 +27,7 @@ use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
-    Command, Context, Event, FaultCode, Limit, Limits, Machine, Outputs, State,
+    Command, Context, Event, FaultCode, Limit, Limits, Machine, MeasuringPart, Outputs, State,
 };
 
 /// What the firmware does after a control tick.
@@ -199,6 +199,12 @@ impl Device {
         self.record
     }
 
+    /// What a measurement of the motor is about.
+    #[must_use]
+    pub fn measuring(&self) -> Option<MeasuringPart> {
+        self.measurement.as_ref().map(Measurement::part)
+    }
+
     /// What the last calibration found: electrical angle at the encoder's zero, and direction.
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
@@ -287,7 +293,9 @@ impl Device {
         }
     }
 
-    /// One tick of the measurement that follows.
+    /// One tick of the measurement that follows. Apart, so that the ticks of the wall pay nothing for it.
+    #[cold]
+    #[inline(never)]
     fn measure(&mut self, tick: u32, count: i64) -> Progress {
         let rotor = self.rotor(tick, count, 1 << 16);
         let shaft = self.supervisor.shaft();
@@ -372,8 +380,6 @@ impl Device {
         record.speed_rad_per_s = shaft.speed(self.configs.now().supervisor.shaft());
         record.temperature = Power::temperature(&self.configs.now().thermistor, &input.current);
         record.current = input.current.current;
-        record.voltage = input.current.voltage;
-        record.measuring = self.measurement.as_ref().map(Measurement::part);
         record.bus = input.current.bus;
         record.timing = input.timing;
         // Unless the law runs.

@@ -6,7 +6,7 @@ use crate::{Amps, Celsius, Volts};
 use fixed::types::I16F16;
 use touchstone_control::law::Contact;
 use touchstone_control::{Energy, Fixed32, Force, Position};
-use touchstone_protocol::{Limits, MeasuringPart, State};
+use touchstone_protocol::{Limits, State};
 
 /// One control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,10 +37,6 @@ pub struct Record {
     pub current_command: Amps,
     /// Currents measured.
     pub current: Dq,
-    /// Voltages given, in the same frame.
-    pub voltage: Dq,
-    /// What a measurement of the motor is about.
-    pub measuring: Option<MeasuringPart>,
     /// Bus voltage.
     pub bus: Volts,
     /// Temperature of the power stage; `None` if its sensor makes no sense.
@@ -68,8 +64,6 @@ impl Record {
             torque: Force::zero(),
             current_command: Amps::ZERO,
             current: Dq::ZERO,
-            voltage: Dq::ZERO,
-            measuring: None,
             bus: Volts::ZERO,
             temperature: None,
             speed_rad_per_s: I16F16::ZERO,

@@ -3,10 +3,12 @@
 use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1};
 use crate::settings::validate;
 use crate::units::milli;
-use crate::{CompactRecord, Record, ResetReason};
+use crate::{CompactRecord, CurrentReport, Record, ResetReason};
 use touchstone_control::Si;
 use touchstone_protocol::settings::{Decimal, DeviceSettings, SettingsError};
-use touchstone_protocol::{Board, Fault, MeasuringTick, Phase, RingRecord, Telemetry};
+use touchstone_protocol::{
+    Board, Fault, MeasuringPart, MeasuringTick, Phase, RingRecord, Telemetry,
+};
 
 /// The power stage of a board.
 #[must_use]
@@ -24,6 +26,19 @@ pub const fn hardware(board: Board) -> &'static Hardware {
 pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsError> {
     settings.validate(board)?;
     validate(settings, hardware(board))
+}
+
+/// What a measurement tells beside the record. Apart from it, so that the ticks of the wall pay nothing for it.
+#[cold]
+#[inline(never)]
+#[must_use]
+pub fn measuring(part: MeasuringPart, report: &CurrentReport) -> MeasuringTick {
+    MeasuringTick {
+        part,
+        current_d_ma: milli(report.current.d),
+        voltage_d_mv: milli(report.voltage.d),
+        voltage_q_mv: milli(report.voltage.q),
+    }
 }
 
 impl From<&Record> for Telemetry {
@@ -51,12 +66,7 @@ impl From<&Record> for Telemetry {
             cycles: record.timing.duration,
             lateness_cycles: record.timing.lateness,
             current_q_ma: milli(record.current.q),
-            measuring: record.measuring.map(|part| MeasuringTick {
-                part,
-                current_d_ma: milli(record.current.d),
-                voltage_d_mv: milli(record.voltage.d),
-                voltage_q_mv: milli(record.voltage.q),
-            }),
+            measuring: None,
         }
     }
 }

@@ -6,7 +6,7 @@ use heapless::Deque;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
     ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DeviceSettings, DriveCommand,
-    EncoderKind, EncoderReading, Ring, TickTiming,
+    EncoderKind, EncoderReading, Ring, TickTiming, wire,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 
@@ -144,7 +144,7 @@ impl Control {
             self.clear_latches();
         }
         ring.push(&output.record);
-        self.send(&output.record);
+        self.send(&output.record, &readings.report);
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
@@ -198,13 +198,17 @@ impl Control {
         pwm::clear_break();
     }
 
-    fn send(&mut self, record: &touchstone_drive::Record) {
+    fn send(&mut self, record: &touchstone_drive::Record, report: &CurrentReport) {
         self.since_sent = self.since_sent.saturating_add(1);
         if self.decimation == 0 || self.since_sent < self.decimation {
             return;
         }
         self.since_sent = 0;
-        if self.telemetry.push_back(Telemetry::from(record)).is_err() {
+        let mut telemetry = Telemetry::from(record);
+        if let Some(part) = self.device.measuring() {
+            telemetry.measuring = Some(wire::measuring(part, report));
+        }
+        if self.telemetry.push_back(telemetry).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }

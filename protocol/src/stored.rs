@@ -12,7 +12,7 @@ use crate::frame::{PAYLOAD_MAX, crc_of};
 use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
-pub const LAYOUT_VERSION: u16 = 3;
+pub const LAYOUT_VERSION: u16 = 4;
 
 /// No image is longer, bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + CRC_BYTES;

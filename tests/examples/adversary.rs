@@ -1,62 +1,168 @@
-//! Looks for the hand that gets the most energy out, with and without the energy guard, at four delays.
+//! Looks for the hand that gets the most energy out, with and without the energy guard, at four delays, for every law.
 //!
-//! `cargo run --release -p touchstone-tests --example adversary -- 1000000` spends a million evaluations with the guard, in all
-//! ways, delays and laws together, and a tenth of that without. The default is 40,000.
+//! `cargo run --release -p touchstone-tests --example adversary -- FILE.csv 1000000` spends a million evaluations with the guard, in all
+//! ways, delays and laws together, and a tenth of that without. The default is 40,000. A way of moving against a law at a delay is a row, kept
+//! in the file as it is done: the same command goes on where it was stopped.
 
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::error::Error;
+use std::path::Path;
+use touchstone_control::{LawKind, ObserverForm, Settings};
+use touchstone_lab::journal::Journal;
 use touchstone_tests::adversary::Way;
-use touchstone_tests::port::{Port, SpringDamper};
+use touchstone_tests::port::{Port, PortLaw, SpringDamper};
 
-const LAWS: [(&str, SpringDamper); 3] = [
-    ("spring 5", SpringDamper { k: 5.0, b: 0.0 }),
-    (
-        "spring 5, damper 0.0076",
-        SpringDamper { k: 5.0, b: 0.0076 },
-    ),
-    (
-        "spring 20, damper 0.055",
-        SpringDamper { k: 20.0, b: 0.055 },
-    ),
-];
+const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
+/// Ticks of an evaluation, and of the worst hand's second run, in case it is slow.
+const TICKS: u32 = 500;
+const LONGER: u32 = 20_000;
+/// `C`, and a count under the largest force beside it, J.
+const BOUND_J: f64 = 0.02 + 0.3 * touchstone_tests::port::COUNT_RAD;
+const SEED: u64 = 1;
 
-fn main() {
-    let budget: u32 = match std::env::args().nth(1).map(|text| text.parse()) {
-        None => 40_000,
-        Some(Ok(budget)) => budget,
-        Some(Err(error)) => {
-            eprintln!(
-                "argument 1, the number of evaluations: {error}; give a whole number, such as 1000000"
-            );
-            std::process::exit(2);
-        }
+/// Springs that no controller bounds, every law as the thesis builds it, and what ships.
+fn laws() -> Vec<(String, PortLaw)> {
+    let spring = |k, b| PortLaw::from(SpringDamper { k, b });
+    let mut laws = vec![
+        ("spring 5".to_owned(), spring(5.0, 0.0)),
+        ("spring 5, damper 0.0076".to_owned(), spring(5.0, 0.0076)),
+        ("spring 20, damper 0.055".to_owned(), spring(20.0, 0.055)),
+    ];
+    let thesis = Settings::thesis();
+    let known = [
+        ("tdpa", LawKind::Tdpa, ObserverForm::Exact),
+        ("tdpa, published", LawKind::Tdpa, ObserverForm::Thesis),
+        ("fba", LawKind::Fba, ObserverForm::Exact),
+        ("sfa", LawKind::Sfa, ObserverForm::Exact),
+        (
+            "sfa-continuous",
+            LawKind::SfaContinuous,
+            ObserverForm::Exact,
+        ),
+        (
+            "enhanced, thesis",
+            LawKind::EnhancedSfa,
+            ObserverForm::Exact,
+        ),
+    ];
+    laws.extend(known.map(|(name, law, observer)| {
+        let settings = Settings {
+            law,
+            observer,
+            ..thesis
+        };
+        (name.to_owned(), settings.into())
+    }));
+    let shipped = Settings::default();
+    laws.push(("enhanced, shipped".to_owned(), shipped.into()));
+    let damper = Settings {
+        law: LawKind::SpringDamper,
+        ..shipped
     };
-    let each = budget / (LAWS.len() * 4 * Way::ALL.len()) as u32;
-    println!(
-        "the worst second found, mJ above the refill of 0.5 mW (bound: 20 mJ and 0.05 mJ for the encoder)"
-    );
-    println!(
-        "{:<26} {:>6} {:>9} {:>10} {:>10} {:>12}",
-        "law", "delay", "way", "guarded", "bare", "evaluations"
-    );
-    let mut worst: f64 = 0.0;
-    for (name, law) in LAWS {
-        for delay in [0.0, 0.1, 0.5, 1.0] {
-            for way in Way::ALL {
-                let guarded = Port::new(law, delay, true, true);
-                let (numbers, taken) = way.worst(&guarded, each, 500, 1);
-                // Longer, in case it is slow.
-                let longer = way.play(&guarded, &numbers, 20_000).above_refill_j;
-                let (_, bare) =
-                    way.worst(&Port::new(law, delay, true, false), each / 10 + 1, 500, 1);
-                let taken = taken.max(longer);
-                worst = worst.max(taken);
-                println!(
-                    "{name:<26} {delay:>6} {:>9} {:>10.3} {:>10.1} {each:>12}",
-                    format!("{way:?}"),
-                    1e3 * taken,
-                    1e3 * bare
-                );
-            }
-        }
+    laws.push(("damper on estimated states".to_owned(), damper.into()));
+    laws
+}
+
+/// What was found.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Row {
+    law: String,
+    delay_ticks: f64,
+    way: String,
+    evaluations: u32,
+    /// Most above the refill with the guard, J.
+    guarded_j: f64,
+    /// Most in a window without, J, in half a second.
+    bare_j: f64,
+}
+
+fn row(law: &(String, PortLaw), delay_ticks: f64, way: Way, each: u32) -> Row {
+    let guarded = Port::new(law.1, delay_ticks, true, true);
+    let (numbers, taken) = way.worst(&guarded, each, TICKS, SEED);
+    let longer = way.play(&guarded, &numbers, LONGER).above_refill_j;
+    let bare = Port::new(law.1, delay_ticks, true, false);
+    let (_, bare_j) = way.worst(&bare, each / 10 + 1, TICKS, SEED);
+    Row {
+        law: law.0.clone(),
+        delay_ticks,
+        way: format!("{way:?}"),
+        evaluations: each,
+        guarded_j: taken.max(longer),
+        bare_j,
     }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words = std::env::args().skip(1);
+    let file = words
+        .next()
+        .ok_or("give FILE.csv [EVALUATIONS, default 40000]")?;
+    let budget: u32 = match words.next() {
+        None => 40_000,
+        Some(word) => word.parse().map_err(|error| {
+            format!("the number of evaluations: {error}; give a whole number, such as 1000000")
+        })?,
+    };
+    let laws = laws();
+    let cells: Vec<(usize, f64, Way)> = (0..laws.len())
+        .flat_map(|law| DELAYS.map(|delay| (law, delay)))
+        .flat_map(|(law, delay)| Way::ALL.map(|way| (law, delay, way)))
+        .collect();
+    let each = budget.div_ceil(cells.len() as u32);
+    let (mut journal, mut rows) = Journal::open::<Row>(Path::new(&file))?;
+    if rows.iter().any(|row| row.evaluations != each) {
+        return Err(
+            format!("{file} holds another number of evaluations; give another file").into(),
+        );
+    }
+    let at_once = rayon::current_num_threads();
+    for cells in cells[rows.len().min(cells.len())..].chunks(at_once) {
+        let found: Vec<Row> = cells
+            .par_iter()
+            .map(|(law, delay, way)| row(&laws[*law], *delay, *way, each))
+            .collect();
+        journal.append(None, &found)?;
+        rows.extend(found);
+        eprint!(
+            "\r{} of {}",
+            rows.len(),
+            laws.len() * DELAYS.len() * Way::ALL.len()
+        );
+    }
+    eprintln!();
+    print(&laws, &rows);
+    let worst = rows.iter().map(|row| row.guarded_j).fold(0.0, f64::max);
+    if worst > BOUND_J {
+        return Err(format!("{worst} J, beyond the bound of {BOUND_J}").into());
+    }
+    Ok(())
+}
+
+/// The worst way of every law at every delay.
+fn print(laws: &[(String, PortLaw)], rows: &[Row]) {
+    let total: u64 = rows.iter().map(|row| u64::from(row.evaluations)).sum();
+    println!(
+        "{total} evaluations with the guard: the most found, mJ above the refill (bound: {:.3}); without it, mJ in half a second",
+        1e3 * BOUND_J
+    );
+    println!(
+        "{:<28}{:>34}   without",
+        "law", "guard, delay 0, 0.1, 0.5, 1 tick"
+    );
+    for (name, _) in laws {
+        let most = |of: fn(&Row) -> f64| {
+            DELAYS.map(|delay| {
+                rows.iter()
+                    .filter(|row| row.law == *name && row.delay_ticks == delay)
+                    .map(of)
+                    .fold(0.0, f64::max)
+            })
+        };
+        let guarded = most(|row| 1e3 * row.guarded_j).map(|mj| format!("{mj:>8.3}"));
+        let bare = most(|row| 1e3 * row.bare_j).map(|mj| format!("{mj:>9.1}"));
+        println!("{name:<28}  {}   {}", guarded.concat(), bare.concat());
+    }
+    let worst = rows.iter().map(|row| row.guarded_j).fold(0.0, f64::max);
     println!("worst of all with the guard: {:.3} mJ", 1e3 * worst);
 }

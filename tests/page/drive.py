@@ -24,6 +24,7 @@ import firefox
 from board import board
 from emulated import emulated
 from pace import pace
+from report import report
 from serial import serial
 from space import space
 
@@ -399,24 +400,26 @@ def main():
     pictures = sys.argv[6] if len(sys.argv) > 6 else None
     if not firmware:
         print("NOT RUN: the firmware's board path; there is no emulator here")
-    browsers = [(chromium.find(), chromium.Chromium), (firefox.find(), firefox.Firefox)]
-    for path, browser in browsers:
-        if path is None:
+    browsers = [browser for find, browser in ((chromium.find, chromium.Chromium), (firefox.find, firefox.Firefox)) if find()]
+    for browser in (chromium.Chromium, firefox.Firefox):
+        if browser not in browsers:
             print(f"NOT RUN: no {browser.name} here: install it, or name one in {browser.name.upper()}")
-            continue
+    for browser in browsers:
         print(f"-- {browser.name}")
         its = os.path.join(pictures, browser.name.lower()) if pictures else None
         if its:
             os.makedirs(its, exist_ok=True)
+        # The firmware is the same behind every browser, and frames are counted for long in one of them.
+        first = browser is browsers[0]
         board(browser, program, knob, its, check)
         with tempfile.TemporaryDirectory() as folder:
             serial(browser, program, knob, its, folder, check)
-            if firmware:
+            if firmware and first:
                 emulated(browser, program, emulator, firmware, its, folder, check)
+            report(browser, program, its, folder, check)
             space(browser, program, its, folder, min(seconds, 5), check)
-        # Frames are counted in the browser that most have; in the other it is enough that they come.
-        simulated(browser, program, seconds if browser is chromium.Chromium else min(seconds, 5), its)
-    if not any(path for path, _ in browsers):
+        simulated(browser, program, seconds if first else min(seconds, 5), its)
+    if not browsers:
         return 77
     print(f"the pages: {len(failures)} failures")
     return 1 if failures else 0

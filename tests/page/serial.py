@@ -6,7 +6,7 @@ import random
 import socket
 import subprocess
 
-from board import Knob, arm, change, phase, press, settings, stops, text
+from board import Knob, arm, change, phase, press, settings, text
 
 # As much of WebSerial as a page uses: one port, which a person would choose, and which can be pulled out.
 FAKE = """
@@ -110,7 +110,11 @@ def serial(browser, program, knob_program, pictures, folder, check):
         phase(page, "ready")
         page.key("Escape")
         phase(page, "stopped")
-        stops(page, check)
+        arm(page)
+        page.run("inputs.get('wall.surface_rad').focus()")
+        page.key(" ")
+        phase(page, "stopped")
+        check(True, "Space stops it, with the focus in a setting")
         arm(page)
         # In pieces as a port gives them; among them what looks like frames.
         noise = random.Random(15).randbytes(100_000)

@@ -9,9 +9,9 @@ use touchstone_drive::encoder::Frames;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,
-    DeviceSettings, EncoderKind, EncoderReading, Record, TickTiming,
+    DeviceSettings, EncoderKind, EncoderReading, Record, TickTiming, wire,
 };
-use touchstone_protocol::{Command, FaultCode, Outputs, State};
+use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 use touchstone_world::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
 use touchstone_world::plant::{HeldLinear, MEDIUM, Stepper};
 
@@ -256,6 +256,16 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.tick();
         assert_eq!(self.device.state(), State::Armed);
         self
+    }
+
+    /// What the last tick tells the desktop.
+    #[must_use]
+    pub fn telemetry(&self) -> Telemetry {
+        let part = self.device.measuring();
+        Telemetry {
+            measuring: part.map(|part| wire::measuring(part, &self.report)),
+            ..Telemetry::from(&self.record)
+        }
     }
 
     /// The code of the latched fault.

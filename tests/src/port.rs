@@ -5,8 +5,8 @@
 //! what was measured.
 
 use touchstone_control::{
-    ChangeOfForce, Fixed32, Force, Guard, GuardSettings, GuardState, GuardedDevice, Position,
-    Reported, Si, Warning,
+    ChangeOfForce, Controller, Fixed32, Force, Guard, GuardSettings, GuardState, GuardedDevice,
+    Position, Reported, Settings, Si, Warning,
 };
 
 /// Period of the control law.
@@ -18,6 +18,9 @@ pub const INERTIA_KG_M2: f64 = 1e-4;
 /// 40,000 counts a turn.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 
+/// Where the positions of 32 bits end: some twenty turns.
+pub const LARGEST_RAD: f64 = 127.9;
+
 /// A spring with virtual damping: differences of the measured position.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringDamper {
@@ -25,6 +28,71 @@ pub struct SpringDamper {
     pub k: f64,
     /// N·m·s/rad.
     pub b: f64,
+}
+
+/// What chooses the force.
+#[derive(Debug, Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "there is one for each port")]
+pub enum PortLaw {
+    /// In `f64`, so that the guard meets what no law of this project would ask of it.
+    SpringDamper(SpringDamper),
+    /// A law of the controller with its states, at 1 kHz; a guard in its settings is left out, as the port has one, and so is its limit.
+    Controlled(Settings),
+}
+
+impl From<SpringDamper> for PortLaw {
+    fn from(law: SpringDamper) -> Self {
+        Self::SpringDamper(law)
+    }
+}
+
+impl From<Settings> for PortLaw {
+    fn from(settings: Settings) -> Self {
+        Self::Controlled(settings)
+    }
+}
+
+/// It at work.
+enum Working {
+    SpringDamper(SpringDamper, Position<Fixed32>),
+    Controlled(Box<Controller<Fixed32>>),
+}
+
+impl Working {
+    fn of(law: &PortLaw, start: Position<Fixed32>, force_limit_n_m: f64) -> Self {
+        match law {
+            PortLaw::SpringDamper(law) => Self::SpringDamper(*law, start),
+            PortLaw::Controlled(settings) => {
+                let mut settings = *settings;
+                settings.guard.on = false;
+                settings.force_limit = si(force_limit_n_m);
+                Self::Controlled(Box::new(Controller::new(&settings).unwrap()))
+            }
+        }
+    }
+
+    fn wanted(&mut self, now: Position<Fixed32>, limit_n_m: f64) -> Force<Fixed32> {
+        match self {
+            Self::SpringDamper(law, before) => {
+                let e = now.to_f64();
+                let step = e - before.to_f64();
+                *before = now;
+                let pull = law.k * e + law.b * step / TICK_S;
+                if e > 0.0 {
+                    Force::from_f64(pull.clamp(0.0, limit_n_m))
+                } else {
+                    Force::zero()
+                }
+            }
+            Self::Controlled(controller) => controller.tick(now),
+        }
+    }
+
+    fn commanded(&mut self, force: Force<Fixed32>) {
+        if let Self::Controlled(controller) = self {
+            controller.commanded(force);
+        }
+    }
 }
 
 /// What moves the device.
@@ -46,7 +114,7 @@ pub struct Port {
     /// Whether the guard is told so.
     pub told: bool,
     /// The law.
-    pub law: SpringDamper,
+    pub law: PortLaw,
     /// The guard, if there is one.
     pub guard: Option<GuardSettings>,
     /// The law's own limit, N·m.
@@ -66,7 +134,7 @@ pub struct Outcome {
     pub last_account_j: f64,
     /// Ticks in which the guard changed the force.
     pub changed_ticks: u32,
-    /// Ticks that were played: fewer than asked for after overspeed.
+    /// Ticks that were played: fewer than asked for after overspeed, or where positions end.
     pub ticks: u32,
     /// Sum of all changes of the commanded force, N·m.
     pub changes_n_m: f64,
@@ -89,12 +157,12 @@ impl Port {
 
     /// A port with the settings above, or without a guard.
     #[must_use]
-    pub fn new(law: SpringDamper, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
+    pub fn new(law: impl Into<PortLaw>, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
         Self {
             delay_ticks,
             counts,
             told: counts,
-            law,
+            law: law.into(),
             guard: guarded.then(|| Self::settings(delay_ticks)),
             force_limit_n_m: 0.3,
         }
@@ -120,7 +188,7 @@ impl Port {
     /// Plays a hand for so many ticks.
     ///
     /// # Panics
-    /// If the guard refuses its settings.
+    /// If guard or law refuse their settings.
     pub fn play(&self, hand: &mut impl Hand, ticks: u32) -> Outcome {
         let signal = |x: f64| <Fixed32 as Reported>::signal_from_f64(x);
         let guard = self
@@ -146,7 +214,8 @@ impl Port {
         let mut x = hand.start();
         let mut told = sample(x);
         let mut at_change = told;
-        let (mut acting, mut wanted_before) = (0.0, told);
+        let mut acting = 0.0;
+        let mut law = Working::of(&self.law, told, self.force_limit_n_m);
         let (mut out, mut lowest, mut lowest_above) = (0.0_f64, 0.0_f64, 0.0_f64);
         let mut outcome = Outcome {
             lowest_account_j: joules(&state),
@@ -154,18 +223,14 @@ impl Port {
         };
         for tick in 0..ticks {
             let now = sample(x);
+            // Where positions end the guard is blind, and promises nothing.
+            if x.abs() >= LARGEST_RAD {
+                break;
+            }
             let moved = now - told;
             let before_change = at_change - told;
             told = now;
-            let e = Fixed32::signal_to_f64(now.0);
-            let step = e - Fixed32::signal_to_f64(wanted_before.0);
-            wanted_before = now;
-            let pull = self.law.k * e + self.law.b * step / TICK_S;
-            let wanted = if e > 0.0 {
-                Force(signal(pull.clamp(0.0, self.force_limit_n_m)))
-            } else {
-                Force::zero()
-            };
+            let wanted = law.wanted(now, self.force_limit_n_m);
             let force = match &guard {
                 None => wanted,
                 Some(guard) => {
@@ -180,6 +245,7 @@ impl Port {
                     force
                 }
             };
+            law.commanded(force);
             let refilled = refill_w * TICK_S * f64::from(tick);
             lowest = lowest.min(out);
             lowest_above = lowest_above.min(out - refilled);

@@ -3,7 +3,7 @@
 
 use nalgebra::Complex;
 use touchstone_drive::measurement::FAST_FIELD;
-use touchstone_drive::{DeviceSettings, Reason, Record};
+use touchstone_drive::{DeviceSettings, Reason};
 use touchstone_lab::identify::motor::{KnownMotor, MeasuredMotor, MotorTick, NotMeasured, motor};
 use touchstone_protocol::{Command, FaultCode, MeasuringPart, State, Telemetry};
 use touchstone_tests::knob::{Honest, Knob, PERIOD_S, Tamper};
@@ -35,9 +35,8 @@ fn known(settings: &DeviceSettings) -> KnownMotor {
     }
 }
 
-/// What the wire makes of a record.
-fn told(record: &Record) -> Option<MotorTick> {
-    let telemetry = Telemetry::from(record);
+/// What the desktop makes of a record.
+fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     let milli = |value: i32| 1e-3 * f64::from(value);
     telemetry.measuring.map(|it| MotorTick {
         tick: telemetry.tick,
@@ -63,7 +62,8 @@ fn calibrated<T: Tamper>(
     let mut ticks = vec![];
     knob.tick();
     while knob.device.state() == State::Calibrating {
-        ticks.extend(told(&knob.tick()));
+        knob.tick();
+        ticks.extend(told(&knob.telemetry()));
     }
     (ticks, knob)
 }

@@ -1,8 +1,9 @@
 //! Every law, with the choices that take other paths through its code.
 
-use touchstone_control::settings::FilterSettings;
+use touchstone_control::settings::{FilterSettings, VelocitySettings};
 use touchstone_control::{
     FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, Regulate, Settings, Si,
+    VelocityKind,
 };
 
 /// A law with its settings.
@@ -16,7 +17,7 @@ pub struct Case {
 
 /// All of them.
 #[must_use]
-pub fn cases() -> [Case; 16] {
+pub fn cases() -> [Case; 19] {
     let base = Settings::thesis();
     let of = |name, law| Case {
         name,
@@ -31,10 +32,24 @@ pub fn cases() -> [Case; 16] {
             ..base
         },
     };
+    let damped = |name, from| Case {
+        name,
+        settings: Settings {
+            law: LawKind::SpringDamper,
+            velocity: VelocitySettings {
+                from,
+                ..base.velocity
+            },
+            ..base
+        },
+    };
     let enhanced = |name, settings| Case { name, settings };
     [
         of("spring", LawKind::Spring),
         of("spring-damper", LawKind::SpringDamper),
+        damped("spring-damper-filtered", VelocityKind::Filtered),
+        damped("spring-damper-foaw", VelocityKind::Foaw),
+        damped("spring-damper-kalman", VelocityKind::Kalman),
         tdpa("tdpa-exact", ObserverForm::Exact, false),
         tdpa("tdpa-thesis", ObserverForm::Thesis, false),
         tdpa("tdpa-exact-damped", ObserverForm::Exact, true),

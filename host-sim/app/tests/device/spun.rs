@@ -8,7 +8,7 @@ use touchstone_protocol::session::{Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
-    MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk, Telemetry, stored,
+    MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk, stored,
 };
 use touchstone_tests::knob::{Honest, Knob, PERIOD_S};
 use touchstone_world::motor::MotorParameters;
@@ -81,7 +81,8 @@ impl Served for Spinning {
     fn ticks(&mut self) -> Vec<u8> {
         let mut out = Vec::new();
         for _ in 0..TICKS {
-            let telemetry = Telemetry::from(&self.knob.tick());
+            self.knob.tick();
+            let telemetry = self.knob.telemetry();
             let part = telemetry.measuring.map(|it| it.part);
             self.pulled |= part.is_some() && part == self.pulled_in;
             if self.pulled

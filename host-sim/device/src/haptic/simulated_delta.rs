@@ -160,7 +160,7 @@ mod tests {
         }
         assert_eq!(delta.sense().expect("place").position_m, start);
         delta.engage().expect("engaged");
-        for _ in 0..300 {
+        for _ in 0..3000 {
             delta.sense().expect("place");
             delta.command([3.0, -3.0, 0.0]).expect("engaged");
         }

@@ -10,6 +10,7 @@ use touchstone_sim::run;
 use touchstone_sim::run::tick::{Recorder, Tick};
 use touchstone_sim::scene::{Preset, Scene};
 
+use super::board;
 use super::clock::{Spread, Work, race};
 
 /// Counts a turn of the encoder that the press was recorded with.
@@ -37,6 +38,10 @@ pub struct LawPoint {
     pub energy_floor_j: f64,
     /// Time per tick.
     pub time: Option<Spread>,
+    /// Instructions of a tick on the board, in the mean of hostile motions.
+    pub board_instructions: Option<f64>,
+    /// The same at worst.
+    pub board_instructions_worst: Option<u32>,
 }
 
 /// The counts of a run.
@@ -121,7 +126,13 @@ fn prepare<'a, N: Reported>(
         force_floor_n_m: reference.floor[0],
         energy_floor_j: reference.floor[2],
         time: None,
+        board_instructions: None,
+        board_instructions_worst: None,
     };
+    if let Some(counted) = board::instructions(law, N::NAME) {
+        point.board_instructions = counted.mean;
+        point.board_instructions_worst = Some(counted.worst);
+    }
     let law = match Controller::<N>::new(&settings) {
         Ok(law) => law,
         Err(error) => {

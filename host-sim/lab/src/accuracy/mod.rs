@@ -2,6 +2,7 @@
 //!
 //! Times are of one machine at one hour: only those of one run are to be compared with each other.
 
+pub mod board;
 pub mod choice;
 pub mod clock;
 pub mod closed;

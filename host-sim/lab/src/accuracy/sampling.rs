@@ -34,6 +34,8 @@ pub struct SamplingPoint {
     pub energy_out_worst_window_j: Option<f64>,
     /// Stiffness at which the loop of this rate with the bare device becomes unstable, by its eigenvalues, N·m/rad.
     pub k_max_n_m_per_rad: f64,
+    /// Share of the board's processor at most; none where no board takes this rate, and for all laws the largest one's.
+    pub board_load_at_most: Option<f64>,
 }
 
 /// Laws, each with its stiffness: a spring that the slowest rate still holds, and the law that is to hold more.
@@ -96,6 +98,7 @@ fn point(
             energy_out_wall_worst_window_j: None,
             energy_out_worst_window_j: None,
             k_max_n_m_per_rad,
+            board_load_at_most: super::board::load_at_most(rate_hz),
         });
     };
     let summary = run.summary;
@@ -113,5 +116,6 @@ fn point(
         energy_out_wall_worst_window_j: Some(summary.energy_out_wall_worst_window_j),
         energy_out_worst_window_j: Some(summary.energy_out_worst_window_j),
         k_max_n_m_per_rad,
+        board_load_at_most: super::board::load_at_most(rate_hz),
     })
 }

@@ -114,6 +114,12 @@ pub fn schema() -> Value {
                 "the force's change in f64 when positions change by 1e-12 of themselves; N·m",
             ),
             ("energy_floor_j", "number", "the energy's; J"),
+            (
+                "board_instructions",
+                "number?",
+                "instructions of a tick on a Cortex-M4F, in the mean of hostile motions; null: not counted",
+            ),
+            ("board_instructions_worst", "integer?", "the same at worst"),
         ],
         &[("time", nullable(time))],
     );
@@ -162,6 +168,11 @@ pub fn schema() -> Value {
                 "k_max_n_m_per_rad",
                 "number",
                 "least unstable stiffness of the bare device's loop; N·m/rad",
+            ),
+            (
+                "board_load_at_most",
+                "number?",
+                "share of the board's processor at most; null: no board takes this rate",
             ),
         ],
         &[],

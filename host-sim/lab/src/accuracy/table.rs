@@ -93,8 +93,8 @@ fn write(found: &Accuracy, out: &mut String) -> std::fmt::Result {
     )?;
     writeln!(
         out,
-        "  {:<18}{:<9}{:>12}{:>12}{:>12}  ns per tick",
-        "law", "number", "force, N·m", "energy, J", "floor, N·m"
+        "  {:<18}{:<9}{:>12}{:>12}{:>12}{:>9}{:>7}  ns per tick",
+        "law", "number", "force, N·m", "energy, J", "floor, N·m", "on board", "worst"
     )?;
     for point in &found.law {
         let time = match (&point.time, &point.refused) {
@@ -107,12 +107,18 @@ fn write(found: &Accuracy, out: &mut String) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "  {:<18}{:<9}{:>12}{:>12}{:>12}  {time}",
+            "  {:<18}{:<9}{:>12}{:>12}{:>12}{:>9}{:>7}  {time}",
             point.law,
             point.number,
             shown(point.force_error_n_m),
             shown(point.energy_error_j),
-            shown(Some(point.force_floor_n_m))
+            shown(Some(point.force_floor_n_m)),
+            point
+                .board_instructions
+                .map_or("-".to_owned(), |mean| format!("{mean:.0}")),
+            point
+                .board_instructions_worst
+                .map_or("-".to_owned(), |worst| worst.to_string()),
         )?;
     }
     writeln!(
@@ -121,7 +127,7 @@ fn write(found: &Accuracy, out: &mut String) -> std::fmt::Result {
     )?;
     writeln!(
         out,
-        "  {:<14}{:>6}{:>8}{:>8}  {:<12}{:>11}{:>11}{:>8}{:>11}{:>12}{:>12}{:>9}",
+        "  {:<14}{:>6}{:>8}{:>8}  {:<12}{:>11}{:>11}{:>8}{:>11}{:>12}{:>12}{:>9}{:>7}",
         "law",
         "k_de",
         "Hz",
@@ -133,12 +139,13 @@ fn write(found: &Accuracy, out: &mut String) -> std::fmt::Result {
         "ripple N·m",
         "wall out J",
         "hand out J",
-        "K_max"
+        "K_max",
+        "board"
     )?;
     for p in &found.sampling {
         writeln!(
             out,
-            "  {:<14}{:>6}{:>8}{:>8}  {:<12}{:>11}{:>11}{:>8}{:>11}{:>12}{:>12}{:>9.4}",
+            "  {:<14}{:>6}{:>8}{:>8}  {:<12}{:>11}{:>11}{:>8}{:>11}{:>12}{:>12}{:>9.4}{:>7}",
             p.law,
             p.k_desired_n_m_per_rad,
             p.rate_hz,
@@ -151,7 +158,9 @@ fn write(found: &Accuracy, out: &mut String) -> std::fmt::Result {
             shown(p.ripple_rms_n_m),
             shown(p.energy_out_wall_worst_window_j),
             shown(p.energy_out_worst_window_j),
-            p.k_max_n_m_per_rad
+            p.k_max_n_m_per_rad,
+            p.board_load_at_most
+                .map_or("-".to_owned(), |load| format!("{:.0} %", 100.0 * load)),
         )?;
     }
     writeln!(out, "\nclosed loop, by its functionals")?;

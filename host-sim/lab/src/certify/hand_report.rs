@@ -86,6 +86,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
         switching,
         bounce: played.bounce,
         loan_used: played.loan_used,
+        ends: None,
         friction_holds_rad: friction_holds(undamped, hand, &mode),
     };
     judge(undamped, &mut report, phase);

@@ -4,12 +4,10 @@ use super::Verdict;
 use super::contact::Contact;
 use serde::Serialize;
 
-/// Slowest decay that still is called stable, 1/s.
+/// Slowest decay that still is called stable where the scene has no hold in which it must end, 1/s.
 pub const SLOWEST_PER_S: f64 = 1.0;
-/// Slowest decay that still is called stable where dry friction ends it, 1/s.
-pub const SLOWEST_WITH_FRICTION_PER_S: f64 = 0.3;
-/// Least dry friction that ends a decay, of the press.
-pub const ENDING_FRICTION: f64 = 0.01;
+/// Share of a hold by which a decay must have ended for the matrices to call it stable: bounces and a law's other phases take the rest.
+pub const DECAYS_WITHIN: f64 = 0.5;
 /// Share of a hold after which its rest is judged.
 pub const JUDGED_AFTER: f64 = 0.75;
 /// Largest share of its loan that a press may borrow.
@@ -22,11 +20,16 @@ pub const ROUNDING_GAIN: f64 = 1.05;
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
 /// Largest speed of a bounce's return over that of its touch, over all phases of the tick, that is called stable: bounces, which meet
 /// every phase, die away.
-pub const BOUNCE: f64 = 1.1;
+pub const BOUNCE: f64 = 1.0;
 /// The same from which on it is called unstable.
 pub const BOUNCE_GROWS: f64 = 1.7;
 /// Amplitude of a motion that still is rest, counts.
-pub const LEFT_COUNTS: f64 = 2.0;
+pub const LEFT_COUNTS: f64 = 1.5;
+
+/// Largest motion at the end of every touch that is played, over a limit cycle's, that is called rest.
+pub const RESTS: f64 = 0.5;
+/// Least motion at the end of every such touch, over a limit cycle's, that is called none.
+pub const MOVES: f64 = 1.5;
 
 /// A phase of the law in one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,6 +79,8 @@ pub struct HandReport {
     pub bounce: f64,
     /// What the press borrows at most, of the loan; absent without a loan or a press.
     pub loan_used: Option<f64>,
+    /// Least and largest motion at the end of touches that were played because nothing else decided, over what counts as a limit cycle.
+    pub ends: Option<[f64; 2]>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,
 }
@@ -84,29 +89,16 @@ pub struct HandReport {
 pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let mut say = |verdict, cause| found.push((verdict, cause));
-    let friction = contact
-        .device
-        .friction
-        .map_or(0.0, |friction| friction.kinetic);
-    let ends = contact
-        .press_n_m
-        .is_some_and(|press| friction >= ENDING_FRICTION * press);
-    let slowest = if ends {
-        SLOWEST_WITH_FRICTION_PER_S
-    } else {
-        SLOWEST_PER_S
+    // In a hold that is known: to less than what is seen.
+    let dies = |decay_per_s: f64| match (contact.swing_counts(), contact.hold_s) {
+        (Some(swing), Some(hold_s)) => {
+            decay_per_s > 0.0 && swing * (-decay_per_s * DECAYS_WITHIN * hold_s).exp() < LEFT_COUNTS
+        }
+        _ => decay_per_s >= SLOWEST_PER_S,
     };
-    // Or slowly, but to less than what is seen before the hold's last quarter, by which a run is judged.
-    let in_time = contact.swing_counts().is_some_and(|swing| {
-        let hold_s = contact.hold_s.unwrap_or(0.0);
-        report.decay_per_s > 0.0
-            && swing * (-report.decay_per_s * JUDGED_AFTER * hold_s).exp() < LEFT_COUNTS
-    });
-    let dies_out = report.decay_per_s >= slowest
-        || in_time
-        || report
-            .decay_with_friction_per_s
-            .is_some_and(|decay| decay >= SLOWEST_PER_S);
+    // Dry friction may end what decays. What grows without it ends only if it never swings further than was reckoned with.
+    let dies_out = dies(report.decay_per_s)
+        || report.decay_per_s > 0.0 && report.decay_with_friction_per_s.is_some_and(dies);
     if dies_out {
         // By itself, or by dry friction.
     } else if report.decay_per_s < -FASTEST_GROWTH_PER_S {
@@ -165,12 +157,6 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
                 "a gain that changes with the direction of the motion is not covered".to_owned(),
             );
         }
-        if let Some(used) = report.loan_used.filter(|used| *used > LOAN_USED) {
-            say(
-                Verdict::Undecided,
-                format!("the press borrows {used:.2} of the loan"),
-            );
-        }
         if report.bounce > BOUNCE {
             let back = report.bounce;
             say(
@@ -183,10 +169,44 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
             );
         }
     }
+    if let Some(used) = report.loan_used.filter(|used| *used > LOAN_USED) {
+        say(
+            Verdict::Undecided,
+            format!("the press borrows {used:.2} of the loan"),
+        );
+    }
     report.verdict = found
         .iter()
         .map(|(verdict, _)| *verdict)
         .max()
         .unwrap_or(Verdict::Stable);
     report.causes = found.into_iter().map(|(_, cause)| cause).collect();
+}
+
+/// Decides what the matrices left open by how touches end, and holds what they called stable against it; where some rest and some do not,
+/// it is open.
+pub(super) fn settle(report: &mut HandReport, ends: [f64; 2]) {
+    let [least, most] = ends;
+    report.ends = Some(ends);
+    // A touch borrows less than a press that comes slowly.
+    let lent = report.loan_used.is_none_or(|used| used <= LOAN_USED);
+    if most <= RESTS && lent {
+        if report.verdict == Verdict::Stable {
+            return;
+        }
+        report.verdict = Verdict::Stable;
+        report.causes.push(format!(
+            "but every touch that was played comes to rest: at most {most:.2} of a limit cycle is left"
+        ));
+    } else if least >= MOVES {
+        report.verdict = Verdict::Unstable;
+        report.causes.push(format!(
+            "and no touch that was played comes to rest: at least {least:.1} of a limit cycle is left"
+        ));
+    } else {
+        report.verdict = Verdict::Undecided;
+        report.causes.push(format!(
+            "touches that were played leave {least:.2} to {most:.2} of a limit cycle"
+        ));
+    }
 }

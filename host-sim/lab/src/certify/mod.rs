@@ -4,15 +4,16 @@
 //! [`law`] the laws, [`estimator`] a state estimator between the two, [`sector`] what may switch between two linear phases.
 //! [`hands`] says for whom. Equations (1) to (16) are numbered through these files.
 //!
-//! **Stable** is said of a hand where every lasting phase decays faster than [`judge::SLOWEST_PER_S`] (with dry friction of a hundredth of
-//! the press, which ends a decay, faster than [`judge::SLOWEST_WITH_FRICTION_PER_S`]; or in time for the hold; or, where it would grow, against
-//! the damping that dry friction is to a swing of the press) and is stable while a reading is taken up to [`judge::ROUNDING_GAIN`] times,
+//! **Stable** is said of a hand where every lasting phase decays faster than [`judge::SLOWEST_PER_S`], or in time for the hold
+//! where the scene has one (with the damping that dry friction is to a swing of the press) and is stable while a reading is taken up to [`judge::ROUNDING_GAIN`] times,
 //! where rounding moves the rest by less than [`judge::ROUNDING_RMS_COUNTS`], every gain between the phases is stable, bounces die away and the
 //! press borrows less than the loan. The gains between the phases are tried one by one
 //! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
 //! hold. **Unstable** where a phase in which the law stays grows by more than [`judge::FASTEST_GROWTH_PER_S`], and dry friction could not hold most
-//! of the depth of the press, or where bounces grow. **Undecided** is everything else; the certificate gives the cause. The matrices are
-//! exact. Bounces and loan are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
+//! of the depth of the press, or where bounces grow. Of everything else, and of what
+//! would be called stable of a law with more than one phase, touches are played to
+//! their end: **stable** where all come to rest, **unstable** where none does, **undecided** where some do; the certificate gives the cause. The
+//! matrices are exact. Bounces, loan and ends are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
 //! [`campaign`].
 
 pub mod campaign;
@@ -35,7 +36,8 @@ pub mod touch;
 use contact::Contact;
 use hand_report::{Played, report};
 use hands::Family;
-use judge::HandReport;
+use judge::{HandReport, settle};
+use law::Switching;
 use margins::Margins;
 use serde::Serialize;
 use touchstone_sim::error::Result;
@@ -145,7 +147,17 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
                 bounce: touch::bounce(scene, &contact, hand.as_ref())?,
                 loan_used: touch::loan_used(scene, &contact, hand.as_ref())?,
             };
-            Ok(report(&contact, name, hand.as_ref(), played))
+            let mut report = report(&contact, name, hand.as_ref(), played);
+            // A law that clamps or switches by direction may yet do what no touch here has shown.
+            let shown = contact.phases.clamps.is_none() && !contact.phases.by_direction;
+            // Nor do matrices of phases say what happens between them.
+            let alone = report.verdict == Verdict::Unstable
+                || report.verdict == Verdict::Stable
+                    && matches!(contact.phases.switching, Switching::Never);
+            if let (Some(hand), true, false) = (hand, shown, alone) {
+                settle(&mut report, touch::ends(scene, &contact, hand)?);
+            }
+            Ok(report)
         })
         .collect::<Result<_>>()?;
     let pressing = |report: &&HandReport| report.parameters.is_some() || hands.len() == 1;

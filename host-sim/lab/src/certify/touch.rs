@@ -4,10 +4,14 @@
 //! bounces are played instead: the device is pressed against the wall by the pad of a hand at rest, meets it at
 //! every phase of the tick, comes out, and is pressed back. It is thrown out of the wall at all only where it moves by more than the
 //! press' depth; where from such speeds on it returns slower and slower, bounces die away and the lasting phases decide.
+//!
+//! Where they do not decide either, touches are played to the end of the press, with counts, dry friction, loan and all: [`ends`].
 
 use super::contact::Contact;
+use super::judge::JUDGED_AFTER;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::mechanics::Standing;
+use touchstone_sim::run::terms::Terms;
 use touchstone_sim::run::{self, Recorder, Tick, plan};
 use touchstone_sim::scene::{self, Grip, MotionSpec, Number, RestPath, Scene};
 use touchstone_world::plant::Hand;
@@ -24,6 +28,36 @@ const TICKS: f64 = 400.0;
 
 /// Returns that are waited for.
 const RETURNS: u32 = 4;
+
+/// Touches that are played to their end: fewer, as each takes a whole hold. A slow one, one as deep as the press, one that comes out.
+const SPEEDS_TO_THE_END: [f64; 3] = [0.2, 1.0, 3.0];
+const PHASES_TO_THE_END: u32 = 4;
+/// How long a scene without a hold is waited for, and any at most, s.
+const HOLD_S: f64 = 2.0;
+const LONGEST_HOLD_S: f64 = 20.0;
+
+/// Watches how far the device still moves at the end.
+struct Rest {
+    from: u64,
+    ticks: u64,
+    ends_rad: [f64; 2],
+}
+
+impl Recorder for Rest {
+    fn record(&mut self, tick: &Tick) {
+        if self.ticks >= self.from {
+            let angle = tick.angle_after_rad;
+            let [least, most] = self.ends_rad;
+            // `min` and `max` pass over what is no number.
+            self.ends_rad = if angle.is_nan() {
+                [f64::NAN; 2]
+            } else {
+                [least.min(angle), most.max(angle)]
+            };
+        }
+        self.ticks += 1;
+    }
+}
 
 /// Watches for the first exit and for the returns after it.
 struct Bounce {
@@ -54,78 +88,150 @@ impl Recorder for Bounce {
     }
 }
 
+/// A device at the surface, the pad of a hand at rest pressing it in.
+struct Touched {
+    scene: Scene,
+    /// The pad's compression, and what holds the hand behind it, rad.
+    ahead_rad: f64,
+    beyond_rad: f64,
+    period_s: f64,
+    /// Speed that carries the device as far as the press is deep.
+    speed_rad_per_s: f64,
+}
+
+impl Touched {
+    fn of(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Self {
+        let mut bare = scene.clone();
+        bare.operator.grip = hand.map_or(Grip::None, |_| Grip::Custom);
+        bare.operator.hand = hand.map(of_plant);
+        bare.operator.motion = MotionSpec::None;
+        bare.law.number = Number::F64;
+        bare.law.guard.on = false;
+        let push = contact.press_n_m.unwrap_or(PRESS_N_M);
+        // The pad pressed together by the push, and the hand held where it is by its own rest point.
+        let by = |stiffness: fn(&Hand) -> f64| {
+            hand.map(stiffness)
+                .filter(|stiffness| *stiffness > 0.0)
+                .map_or(0.0, |stiffness| push / stiffness)
+        };
+        let natural = (contact.k_desired / contact.device.inertia).sqrt();
+        Self {
+            scene: bare,
+            ahead_rad: by(|hand| hand.pad_stiffness),
+            beyond_rad: by(|hand| hand.stiffness),
+            period_s: contact.clock.period_s,
+            speed_rad_per_s: push / contact.k_desired * natural,
+        }
+    }
+
+    /// Meets the wall at a share of that speed, a share of a tick's way before it, and is played in pieces, as most bounces are out after
+    /// a few ticks, for so many ticks or until `done`.
+    fn play<R: Recorder>(
+        &self,
+        (share, before): (f64, f64),
+        ticks: u64,
+        recorder: &mut R,
+        done: impl Fn(&R) -> bool,
+    ) -> Result<()> {
+        let speed = share * self.speed_rad_per_s;
+        let start = self.scene.wall.surface_rad - before * speed * self.period_s;
+        let hand_rad = start + self.ahead_rad;
+        let mut control = plan::control(&self.scene)?;
+        let mut mechanics = plan::mechanics(
+            &self.scene,
+            Standing {
+                velocity_rad_per_s: speed,
+                hand_rad,
+                ..Standing::together(start, 0.0)
+            },
+        )?;
+        let mut from = 0;
+        while from < ticks && !done(recorder) {
+            let to = ticks.min(from + 64);
+            mechanics.advance(
+                control.as_mut(),
+                &RestPath::still(hand_rad + self.beyond_rad),
+                from..to,
+                self.period_s,
+                Some(&mut *recorder),
+            );
+            from = to;
+        }
+        Ok(())
+    }
+}
+
+/// Phases of the tick, as shares of it, at which the surface is crossed.
+fn phases(count: u32) -> impl Iterator<Item = f64> {
+    (0..count).map(move |phase| (f64::from(phase) + 0.5) / f64::from(count))
+}
+
 /// Largest speed of a return over that of the touch before, on the mean of `RETURNS`; 0 where the device stays inside or outside. Infinite where a run leaves all
 /// numbers. For nobody's device: the speed with which it is thrown out.
 ///
 /// # Errors
 /// Settings that the law cannot take.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
-    let mut bare = scene.clone();
-    bare.operator.grip = hand.map_or(Grip::None, |_| Grip::Custom);
-    bare.operator.hand = hand.map(of_plant);
-    bare.operator.motion = MotionSpec::None;
-    bare.law.number = Number::F64;
-    bare.law.guard.on = false;
+    let touched = Touched::of(scene, contact, hand);
     let (period_s, inertia) = (contact.clock.period_s, contact.device.inertia);
-    let natural = (contact.k_desired / inertia).sqrt();
-    let push = contact.press_n_m.unwrap_or(PRESS_N_M);
-    let depth = push / contact.k_desired;
-    let surface = scene.wall.surface_rad;
     let swing_ticks = std::f64::consts::TAU * (inertia / contact.k_desired).sqrt() / period_s;
     let ticks = (SWINGS * swing_ticks).max(TICKS) as u64;
-    // The pad pressed together by the push, and the hand held where it is by its own rest point.
-    let by = |stiffness: fn(&Hand) -> f64| {
-        hand.map(stiffness)
-            .filter(|stiffness| *stiffness > 0.0)
-            .map_or(0.0, |stiffness| push / stiffness)
-    };
-    let (ahead, beyond) = (by(|hand| hand.pad_stiffness), by(|hand| hand.stiffness));
     let mut most = 0.0_f64;
     for share in SPEEDS {
-        let speed = share * depth * natural;
-        for phase in 0..PHASES {
-            let before = (f64::from(phase) + 0.5) / f64::from(PHASES);
-            let start = surface - before * speed * period_s;
-            let mut control = plan::control(&bare)?;
-            let mut mechanics = plan::mechanics(
-                &bare,
-                Standing {
-                    velocity_rad_per_s: speed,
-                    hand_rad: start + ahead,
-                    ..Standing::together(start, 0.0)
-                },
-            )?;
+        for before in phases(PHASES) {
             let mut bounce = Bounce {
-                surface_rad: surface,
+                surface_rad: scene.wall.surface_rad,
                 held: hand.is_some(),
                 inside: false,
                 was_inside: false,
                 returns: 0,
                 speed: None,
             };
-            // In pieces: most are out after a few ticks.
-            let mut from = 0;
-            while from < ticks && bounce.speed.is_none() {
-                let to = ticks.min(from + 64);
-                mechanics.advance(
-                    control.as_mut(),
-                    &RestPath::still(start + ahead + beyond),
-                    from..to,
-                    period_s,
-                    Some(&mut bounce),
-                );
-                from = to;
-            }
+            touched.play((share, before), ticks, &mut bounce, |bounce| {
+                bounce.speed.is_some()
+            })?;
             let back = bounce.speed.unwrap_or(0.0);
             most = most.max(if back.is_nan() {
                 f64::INFINITY
             } else {
                 let times = if hand.is_some() { RETURNS } else { 1 };
+                let speed = share * touched.speed_rad_per_s;
                 (back / speed).powf(1.0 / f64::from(times))
             });
         }
     }
     Ok(most)
+}
+
+/// How the touches of a hand end that presses on: the least and the largest motion that is left of them, peak to peak, over what counts as
+/// a limit cycle. Each is played to the end of a hold as long as the scene's, of which the last quarter is looked at, as in a run.
+///
+/// # Errors
+/// Settings that the law cannot take.
+pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
+    let touched = Touched::of(scene, contact, Some(hand));
+    let hold_s = contact.hold_s.unwrap_or(HOLD_S).min(LONGEST_HOLD_S);
+    let ticks = (hold_s / contact.clock.period_s).ceil().max(TICKS) as u64;
+    let limit_rad = Terms::of(scene).limit_cycle_rad;
+    let mut found = [f64::INFINITY, 0.0_f64];
+    for share in SPEEDS_TO_THE_END {
+        for before in phases(PHASES_TO_THE_END) {
+            let mut rest = Rest {
+                from: (ticks as f64 * JUDGED_AFTER) as u64,
+                ticks: 0,
+                ends_rad: [f64::INFINITY, f64::NEG_INFINITY],
+            };
+            touched.play((share, before), ticks, &mut rest, |_| false)?;
+            let motion = (rest.ends_rad[1] - rest.ends_rad[0]) / limit_rad;
+            let motion = if motion.is_nan() {
+                f64::INFINITY
+            } else {
+                motion
+            };
+            found = [found[0].min(motion), found[1].max(motion)];
+        }
+    }
+    Ok(found)
 }
 
 /// What a press borrows of a loan without end, over the loan that there is: the scene's press is played with it. Absent without a loan or

@@ -36,6 +36,16 @@ pub enum Unidentified {
     /// Nothing moved, or in a way that tells mass and damping not apart.
     #[error("it moved by {0:.3} mm alone, too little to tell mass and damping")]
     Still(f64),
+    /// What moved it is not what was commanded: somebody holds it, or ticks were missed.
+    #[error(
+        "its forces do not explain its motion: a mass of {mass_kg:.3} ± {uncertainty_kg:.3} kg"
+    )]
+    Unexplained {
+        /// The mass that fits best, kg.
+        mass_kg: f64,
+        /// How far it may be off, kg.
+        uncertainty_kg: f64,
+    },
 }
 
 /// Length of a bump, s: a few of the slowest motions that are told from an offset.
@@ -142,8 +152,17 @@ pub fn mechanics(
         value: found[i],
         uncertainty: (variance * inverse[(i, i)]).sqrt() * scale[i],
     };
+    let mass = of(0);
+    // A mass that may as well be none is no measurement; what is no number is none either.
+    let told = mass.value - 2.0 * mass.uncertainty;
+    if told.is_nan() || told <= 0.0 {
+        return Err(Unidentified::Unexplained {
+            mass_kg: mass.value,
+            uncertainty_kg: mass.uncertainty,
+        });
+    }
     Ok(AxisMechanics {
-        mass_kg: of(0),
+        mass_kg: mass,
         damping_n_s_per_m: of(1),
         friction_n: of(2),
         offset_n: of(3),
@@ -238,5 +257,26 @@ mod tests {
         assert!(matches!(found, Err(Unidentified::Still(_))), "{found:?}");
         let short = mechanics(&still[..400], &still, RATE_HZ, COUNT_M);
         assert!(matches!(short, Err(Unidentified::TooShort(_))), "{short:?}");
+    }
+
+    #[test]
+    fn a_motion_that_is_not_of_the_commanded_force_is_refused() {
+        let device = Device {
+            inertia: 0.148,
+            damping: 2.5,
+            friction: None,
+        };
+        let stepper = BareLinear::new(&device, 1.0 / f64::from(RATE_HZ)).expect("plant");
+        let (positions, forces) = moved(&stepper, 0.0);
+        assert!(mechanics(&positions, &forces, RATE_HZ, COUNT_M).is_ok());
+        // As where a hand pushes: what is known of the force is some other motion's.
+        let others: Vec<f64> = (0..forces.len())
+            .map(|i| (31.0 * i as f64 / f64::from(RATE_HZ)).sin())
+            .collect();
+        let found = mechanics(&positions, &others, RATE_HZ, COUNT_M);
+        assert!(
+            matches!(found, Err(Unidentified::Unexplained { .. })),
+            "{found:?}"
+        );
     }
 }

@@ -4,7 +4,7 @@
   const page = read("live-page"), scenes = read("live-scenes"), data = /(<script type="application\/json" id="content">)([^<]*)/;
   let address = null;
   const open = ({ dataset: { scene } }) => {
-    const content = { ...JSON.parse(data.exec(page)[2]), scene: scenes[scene], name: scene.replace(/^.*\/|\.toml$/g, ""), description: "", source: scene };
+    const content = { ...JSON.parse(data.exec(page)[2]), scene: scenes[scene], name: /^name = "([^"]*)"/m.exec(scenes[scene])?.[1] ?? scene, description: "", source: scene };
     const text = page.replace(data, (_, tag) => tag + JSON.stringify(content).replace(/</g, "\\u003c"));
     address = URL.createObjectURL(new Blob([text], { type: "text/html" }));
     frame.src = `${address}#press=1`;

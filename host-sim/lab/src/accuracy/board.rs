@@ -1,0 +1,78 @@
+//! What the same costs on the board, a Cortex-M4F at 170 MHz: counted in the emulator, written down here.
+
+// Of the one list of budgets, those of the laws are for the tests here.
+#[allow(dead_code)]
+#[path = "../../../../firmware/budgets.rs"]
+mod budgets;
+
+/// By `cargo xtask thumb` and `cargo xtask cycles`.
+const COUNTED: &str = include_str!("board.txt");
+/// The board's clock, Hz.
+const CLOCK_HZ: f64 = 170e6;
+/// Runs of the current loop, Hz.
+const CURRENT_LOOP_HZ: f64 = 20_000.0;
+/// The fastest control rate that a board takes, Hz.
+const FASTEST_HZ: u32 = 10_000;
+
+/// Instructions of one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instructions {
+    /// In the mean over hostile motions, where it was taken.
+    pub mean: Option<f64>,
+    /// At worst.
+    pub worst: u32,
+}
+
+/// Of a law in a format, where it was counted: floats are not built for the board.
+#[must_use]
+pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
+    COUNTED.lines().find_map(|line| {
+        let mut words = line.split(' ');
+        (words.next() == Some(law) && words.next() == Some(number)).then_some(())?;
+        Some(Instructions {
+            mean: words.next()?.parse().ok(),
+            worst: words.next()?.parse().ok()?,
+        })
+    })
+}
+
+/// The share of the processor that control interrupt and current loop take at most, at one instruction a cycle, by the budgets that
+/// the firmware is held to; `None` at a rate that no board takes.
+#[must_use]
+pub fn load_at_most(rate_hz: u32) -> Option<f64> {
+    let each_s =
+        budgets::CONTROL as f64 * f64::from(rate_hz) + budgets::CURRENT as f64 * CURRENT_LOOP_HZ;
+    (rate_hz <= FASTEST_HZ).then_some(each_s / CLOCK_HZ)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_control::{Choice as _, LawKind};
+
+    #[test]
+    fn every_law_was_counted_in_both_formats_of_the_board() {
+        for law in LawKind::WORDS {
+            for number in ["fixed16", "fixed32"] {
+                let found = instructions(law, number).unwrap_or_else(|| panic!("{law} {number}"));
+                assert!(
+                    found.mean.unwrap() <= f64::from(found.worst),
+                    "{law} {number}"
+                );
+            }
+        }
+        let shipped = instructions("shipped", "fixed32").unwrap();
+        assert!(u64::from(shipped.worst) <= budgets::LAW);
+        let enhanced = instructions("enhanced-sfa", "fixed32").unwrap();
+        assert!(u64::from(enhanced.worst) <= budgets::ENHANCED);
+        assert_eq!(instructions("spring", "f64"), None);
+    }
+
+    #[test]
+    fn the_load_grows_with_the_rate_and_ends_with_the_board() {
+        // 3,550 instructions a thousand times and 900 twenty thousand times, of 170 million.
+        assert!((load_at_most(1_000).unwrap() - 0.1268).abs() < 1e-4);
+        assert!(load_at_most(10_000).unwrap() < 0.8);
+        assert_eq!(load_at_most(20_000), None);
+    }
+}
