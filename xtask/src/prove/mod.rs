@@ -78,7 +78,7 @@ pub fn run(args: &[String]) -> Outcome {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
-            with_sample(with_theorems(coq::run(), harnesses))
+            with_theorems(coq::run(), harnesses)
         }
     }
 }
@@ -227,21 +227,7 @@ fn machine(load: Option<f64>) -> String {
 fn without_checker() -> Outcome {
     let theorems = coq::run();
     println!("theorems over traces: {theorems}");
-    with_sample(with_theorems(theorems, without_harnesses()))
-}
-
-/// And a few wrong changes, which the tests must refute again.
-fn with_sample(before: Outcome) -> Outcome {
-    let sample = systematic::sample();
-    println!("wrong changes by rule: {sample}");
-    match (sample, before) {
-        (Outcome::Ok(text), Outcome::Ok(before)) => Outcome::Ok(format!("{before}; {text}")),
-        (Outcome::Ok(text), Outcome::NotRun(before)) => {
-            Outcome::NotRun(format!("{before}; {text}"))
-        }
-        (Outcome::Ok(_), before) => before,
-        (sample, before) => Outcome::Failed(format!("{}; {}", before.reason(), sample.reason())),
-    }
+    with_theorems(theorems, without_harnesses())
 }
 
 fn without_harnesses() -> Outcome {
