@@ -8,9 +8,9 @@ use touchstone_drive::{
     ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DeviceSettings, DriveCommand,
     EncoderKind, EncoderReading, Ring, TickTiming, wire,
 };
-use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
+use touchstone_protocol::{Command, FaultCode, MeasuringPart, Outputs, State, Telemetry};
 
-use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD};
+use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD, REPORT};
 use crate::shared::Guarded;
 use crate::{analogue, board, pwm};
 
@@ -144,7 +144,7 @@ impl Control {
             self.clear_latches();
         }
         ring.push(&output.record);
-        self.send(&output.record, &readings.report);
+        self.send(&output.record);
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
@@ -198,18 +198,26 @@ impl Control {
         pwm::clear_break();
     }
 
-    fn send(&mut self, record: &touchstone_drive::Record, report: &CurrentReport) {
+    fn send(&mut self, record: &touchstone_drive::Record) {
         self.since_sent = self.since_sent.saturating_add(1);
         if self.decimation == 0 || self.since_sent < self.decimation {
             return;
         }
         self.since_sent = 0;
-        let mut telemetry = Telemetry::from(record);
-        if let Some(part) = self.device.measuring() {
-            telemetry.measuring = Some(wire::measuring(part, report));
-        }
-        if self.telemetry.push_back(telemetry).is_err() {
+        if self.telemetry.push_back(Telemetry::from(record)).is_err() {
             self.dropped = self.dropped.saturating_add(1);
+        } else if let Some(part) = self.device.measuring() {
+            self.add_measuring(part);
+        }
+    }
+
+    /// What a measurement tells beside the record, in its place in the queue: a record that is built elsewhere is copied in every tick
+    /// of the wall. The report is read anew for the same reason; it is a period younger at most.
+    #[cold]
+    #[inline(never)]
+    fn add_measuring(&mut self, part: MeasuringPart) {
+        if let Some(telemetry) = self.telemetry.back_mut() {
+            telemetry.measuring = Some(wire::measuring(part, &REPORT.get()));
         }
     }
 }
