@@ -1,7 +1,8 @@
 //! A scene's law against a hand: the loop's matrix for each phase, and what the matrix alone does not say.
 
 use super::estimator::Estimator;
-use super::law::{LinearLaw, Phases, Switching};
+use super::law::{Phases, Switching};
+use super::linear_law::LinearLaw;
 use super::plant::{Clock, Mechanics, sampled};
 use super::state_space::{Mode, StateSpace};
 use nalgebra::{DMatrix, DVector};

@@ -4,7 +4,7 @@
 //! filter its three states, a window of `n` ticks the last `n` positions. An adaptive window may stay at any length, so that
 //! each is a phase; what it does by changing from one to another is in no matrix.
 
-use super::law::{LinearLaw, Phase};
+use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::Damped;
 use touchstone_control::velocity::Velocity;
 

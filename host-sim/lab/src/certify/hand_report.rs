@@ -3,7 +3,8 @@
 use super::contact::Contact;
 use super::contact::SWING;
 use super::judge::{HandReport, PhaseReport, ROUNDING_GAIN, judge};
-use super::law::{LinearLaw, Switching};
+use super::law::Switching;
+use super::linear_law::LinearLaw;
 use super::state_space::Mode;
 use super::{Verdict, hands, sector};
 use touchstone_world::plant::Hand;

@@ -24,6 +24,7 @@ pub mod hand_report;
 pub mod hands;
 pub mod judge;
 pub mod law;
+pub mod linear_law;
 pub mod margins;
 mod not_covered;
 pub mod plant;

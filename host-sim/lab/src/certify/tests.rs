@@ -2,7 +2,8 @@
 
 use super::contact::Contact;
 use super::estimator::Estimator;
-use super::law::{LinearLaw, Offset, enhanced};
+use super::law::{Offset, enhanced};
+use super::linear_law::LinearLaw;
 use super::plant::{Clock, Mechanics, sampled};
 use super::*;
 use nalgebra::DVector;

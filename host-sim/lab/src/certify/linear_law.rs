@@ -1,0 +1,113 @@
+//! A law where it is linear, as matrices: what every certificate of a law is made of.
+
+use super::estimator::Estimator;
+use super::state_space::StateSpace;
+use nalgebra::{DMatrix, DVector};
+
+/// A law's linear phase as `s' = a s + b [e, m]`, `f = c s + d [e, m]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearLaw {
+    /// State to state.
+    pub a: DMatrix<f64>,
+    /// Penetration and displacement to state.
+    pub b: DMatrix<f64>,
+    /// State to force.
+    pub c: DVector<f64>,
+    /// Penetration and displacement to the force of the same tick.
+    pub d: [f64; 2],
+}
+
+impl LinearLaw {
+    /// The law a share of the way from one to another that differs in one gain.
+    #[must_use]
+    pub fn between(from: &Self, to: &Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        Self {
+            a: from.a.zip_map(&to.a, mix),
+            b: from.b.zip_map(&to.b, mix),
+            c: from.c.zip_map(&to.c, mix),
+            d: [mix(from.d[0], to.d[0]), mix(from.d[1], to.d[1])],
+        }
+    }
+
+    /// The law that `step` computes from state, penetration and displacement; it must be linear.
+    #[must_use]
+    pub fn of(order: usize, step: impl Fn(&mut [f64], f64, f64) -> f64) -> Self {
+        let by_penetration = StateSpace::of(order, |state, e| step(state, e, 0.0));
+        let by_displacement = StateSpace::of(order, |state, moved| step(state, 0.0, moved));
+        Self {
+            b: DMatrix::from_columns(&[by_penetration.b, by_displacement.b]),
+            d: [by_penetration.d, by_displacement.d],
+            a: by_penetration.a,
+            c: by_penetration.c,
+        }
+    }
+
+    /// (5), N·m/rad: stiffness and damping per tick.
+    #[must_use]
+    pub fn spring(stiffness: f64, damping_per_tick: f64) -> Self {
+        Self::of(0, |_, e, moved| stiffness * e + damping_per_tick * moved)
+    }
+
+    /// Number of states.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.c.len()
+    }
+
+    fn answer(&self, state: &mut [f64], e: f64, moved: f64) -> f64 {
+        let inputs = [e, moved];
+        let force = state
+            .iter()
+            .zip(self.c.iter())
+            .map(|(s, c)| s * c)
+            .sum::<f64>()
+            + self.d[0] * e
+            + self.d[1] * moved;
+        let next: Vec<f64> = (0..self.order())
+            .map(|row| {
+                let own: f64 = (0..self.order())
+                    .map(|column| self.a[(row, column)] * state[column])
+                    .sum();
+                own + self.b[(row, 0)] * inputs[0] + self.b[(row, 1)] * inputs[1]
+            })
+            .collect();
+        state.copy_from_slice(&next);
+        force
+    }
+
+    /// The law on measured penetrations: the displacement is the difference to the sample before, which is one more state,
+    /// the last.
+    #[must_use]
+    pub fn on_measured(&self) -> StateSpace {
+        let order = self.order();
+        StateSpace::of(order + 1, |state, e| {
+            let (own, last) = state.split_at_mut(order);
+            let force = self.answer(own, e, e - last[0]);
+            last[0] = e;
+            force
+        })
+    }
+
+    /// The law on estimated states. The law's states come first, then the estimator's.
+    #[must_use]
+    pub fn on_estimated(&self, estimator: &Estimator) -> StateSpace {
+        let order = self.order();
+        StateSpace::of(order + Estimator::ORDER, |state, measured| {
+            let (own, estimate) = state.split_at_mut(order);
+            let told = estimator.update(estimate, measured);
+            let force = self.answer(own, told.e.0, told.moved.0);
+            estimator.command(estimate, force);
+            force
+        })
+    }
+}
+
+/// Phases of a law between which it changes, each linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phase {
+    /// What it is called in a certificate.
+    pub name: &'static str,
+    /// The phase.
+    pub law: LinearLaw,
+}
