@@ -85,10 +85,9 @@ impl Served for Spinning {
             let telemetry = self.knob.telemetry();
             let part = telemetry.measuring.map(|it| it.part);
             self.pulled |= part.is_some() && part == self.pulled_in;
-            if self.pulled
-                || self.decimation == 0
-                || telemetry.tick % u32::from(self.decimation) != 0
-            {
+            let due =
+                self.decimation > 0 && telemetry.tick.is_multiple_of(u32::from(self.decimation));
+            if self.pulled || !due {
                 continue;
             }
             let mut buffer = [0; FRAME_MAX];
