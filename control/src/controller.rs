@@ -310,14 +310,15 @@ impl<N: Number> Controller<N> {
         })
     }
 
-    /// This one in the place of another that ran before, for the next arming: all memory is new but the guard's account.
-    #[must_use]
-    pub fn resumed(self, before: &Self) -> Self {
-        let guard = match (self.guard, &before.guard) {
-            (Some(guard), Some(before)) => Some(guard.resumed(before)),
-            (guard, _) => guard,
-        };
-        Self { guard, ..self }
+    /// A law as it was made takes the place of this one, for the next arming: all memory is new but the guard's account.
+    ///
+    /// In place, since a law is some hundred bytes and a control interrupt has no time to carry them about.
+    pub fn resume(&mut self, fresh: &Self) {
+        let before = self.guard.as_ref().map(Guarded::account);
+        *self = *fresh;
+        if let (Some(guard), Some(account)) = (&mut self.guard, before) {
+            guard.resume(account);
+        }
     }
 
     /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.

@@ -352,7 +352,7 @@ impl Device {
             self.zero = count;
         }
         if after == State::Armed {
-            self.law = self.configs.now().law.resumed(&self.law);
+            self.law.resume(&self.configs.now().law);
             self.fade = 0;
             self.pushes = false;
         }
@@ -413,7 +413,7 @@ impl Device {
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
                 // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
-                self.law = self.configs.now().law.resumed(&self.law);
+                self.law.resume(&self.configs.now().law);
             }
         }
         let Driven {

@@ -68,7 +68,7 @@ impl Twin {
         }
         let was_armed = before.is_some_and(|(_, phase)| phase == Phase::Armed);
         if !was_armed || !follows {
-            self.law = self.config.law.resumed(&self.law);
+            self.law.resume(&self.config.law);
             self.pushes = false;
             let sees_it_armed = follows && !was_armed;
             self.fade = if sees_it_armed { 0 } else { u32::MAX };
@@ -123,7 +123,7 @@ impl Twin {
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
         let is_free = self.law.view().contact == Contact::Free;
         if self.law.tripped() && !pushed && is_free {
-            self.law = self.config.law.resumed(&self.law);
+            self.law.resume(&self.config.law);
         }
     }
 }

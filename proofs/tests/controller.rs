@@ -76,8 +76,10 @@ fn a_tick_is_the_law_and_then_the_guard() {
                 force = told;
             }
         }
-        let again = Controller::<Fixed32>::new(&settings).expect("it was accepted before");
-        let again = again.resumed(&wall);
+        let fresh = Controller::<Fixed32>::new(&settings).expect("it was accepted before");
+        let mut again = wall;
+        again.resume(&fresh);
+        assert_eq!((again.law, again.states), (fresh.law, fresh.states));
         assert!(!again.tripped());
         if let (Some(before), Some(after)) = (&wall.guard, &again.guard) {
             assert_eq!(after.state.account, before.state.account);

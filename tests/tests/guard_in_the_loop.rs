@@ -77,13 +77,15 @@ fn arming_again_does_not_fill_the_account() {
     }
     let left = used.guard.unwrap().account();
     assert!(left.to_f64() < 0.044, "{left:?}");
-    let again = fresh.resumed(&used);
+    let mut again = used;
+    again.resume(&fresh);
     assert_eq!(again.guard.unwrap().account(), left);
     // All other memory is that of a law which was never in a wall.
     assert_eq!(again.law, fresh.law);
     assert_eq!(again.states, fresh.states);
     // A smaller capacity caps what is taken over.
-    let smaller = wall(|s| s.guard.capacity = Si::lit("0.001")).resumed(&used);
+    let mut smaller = used;
+    smaller.resume(&wall(|s| s.guard.capacity = Si::lit("0.001")));
     assert!(smaller.guard.unwrap().account().to_f64() <= 0.001);
 }
 
@@ -99,7 +101,8 @@ fn overspeed_switches_off_until_the_next_arming() {
     for _ in 0..1_000 {
         assert_eq!(force(&mut wall, 0.09), 0.0);
     }
-    let mut again = fresh.resumed(&wall);
+    let mut again = wall;
+    again.resume(&fresh);
     assert!(!again.tripped());
     assert!(force(&mut again, 0.02) > 0.0);
 }

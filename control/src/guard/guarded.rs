@@ -34,14 +34,18 @@ impl<N: Number> Guarded<N> {
     /// With the account of another, whose force has ended: arming is no reason for a full one. What the hand did meanwhile
     /// cost nothing, and is not counted for it either.
     #[must_use]
-    pub fn resumed(self, before: &Self) -> Self {
-        Self {
-            state: GuardState {
-                account: before.state.account.min(self.guard.capacity),
-                ..GuardState::default()
-            },
-            ..self
-        }
+    pub fn resumed(mut self, before: &Self) -> Self {
+        self.resume(before.account());
+        self
+    }
+
+    /// The same for an account alone.
+    #[inline]
+    pub fn resume(&mut self, account: Energy<N>) {
+        self.state = GuardState {
+            account: account.min(self.guard.capacity),
+            ..GuardState::default()
+        };
     }
 
     /// One control period: the measured penetration, that at which the force changed since the last tick (where it is

@@ -386,7 +386,8 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
                 };
                 // A format that does not hold the other settings keeps the law that it has.
                 if let Ok(next) = Controller::<N>::new(&other) {
-                    (law, last) = (next.resumed(&law), (next, other));
+                    law.resume(&next);
+                    last = (next, other);
                 }
             }
             let count = (100.0 + 80.0 * (f64::from(tick) / 90.0).sin()).round() as i64;
