@@ -104,3 +104,23 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     // 0.001 in 32 bits is a little less, times 1 kHz: one step of a gain below 1.
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
+
+/// (2.14a): a tick inward moves the offset by `k_c/k_v - 1` of its displacement, and by nothing where that is below zero.
+#[test]
+fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
+    let gain = |damping: &str| {
+        let settings = Settings {
+            law: LawKind::Sfa,
+            device_damping: damping.parse().expect("a number"),
+            ..Settings::thesis()
+        };
+        match AnyLaw::<Fixed32>::new(&settings) {
+            Ok(AnyLaw::Sfa(law, _)) => law.gain.0.to_num::<f64>(),
+            other => panic!("{other:?}"),
+        }
+    };
+    // 2 c/T over 0.8 N·m/rad, at 1 kHz.
+    assert!((gain("0.0005") - 0.25).abs() < 1e-6);
+    assert!((gain("0.001") - 1.5).abs() < 1e-6);
+    assert!(gain("0.0001").abs() < 1e-12);
+}
