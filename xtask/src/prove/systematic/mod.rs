@@ -5,6 +5,8 @@
 //! that is no longer reached, nor by the time. What was found is written down at once, so that a run can be broken off and taken up
 //! again, and several can share the list (`--shard 1/8`). With `--proofs` what survived is asked of the checker.
 
+mod instrumented;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::OpenOptions;
 use std::io::{BufRead, BufReader, Write as _};
@@ -15,39 +17,14 @@ use std::time::Instant;
 use super::checker::{self, Which};
 use crate::outcome::Outcome;
 use crate::{changes, inspect, shell};
+use instrumented::{Listed, PARTS, binaries, built, folder};
 
 /// The committed list, with what became of each.
 const LIST: &str = "proofs/systematic.tsv";
 /// How many are asked again with the tests.
 const SAMPLE: usize = 16;
-/// What is built.
-const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
-/// What is asked, the quick ones first.
-const TESTED: [&str; 3] = [
-    "touchstone-proofs",
-    "touchstone-control",
-    "touchstone-protocol",
-];
 /// A program of tests that takes more processor time, in seconds, has no answer.
 const MOST_S: u32 = 60;
-/// Fewer samples than a release asks for, in the copy: where the code is right, the covers are reached far earlier.
-const SHORTENED: [(&str, &str, &str); 3] = [
-    (
-        "proofs/src/source.rs",
-        "TRIES: u64 = 20_000_000",
-        "TRIES: u64 = 300_000",
-    ),
-    (
-        "proofs/tests/spec_laws.rs",
-        "TICKS: u64 = 1_500_000",
-        "TICKS: u64 = 600_000",
-    ),
-    (
-        "proofs/tests/spec_guard.rs",
-        "ticks < 4_000_000",
-        "ticks < 1_000_000",
-    ),
-];
 /// Where the tests of a source are likely to be: those are asked first.
 const LIKELY: [(&str, &[&str]); 16] = [
     ("law/tdpa", &["tdpa"]),
@@ -86,18 +63,6 @@ impl Shard {
         };
         (shard.index >= 1 && shard.index <= shard.of).then_some(shard)
     }
-}
-
-/// One of the list.
-struct Listed {
-    number: usize,
-    /// It can be chosen when the program runs.
-    is_in: bool,
-    row: String,
-}
-
-fn folder() -> PathBuf {
-    shell::target("systematic")
 }
 
 /// The command.
@@ -198,135 +163,6 @@ fn asked(shard: Shard, proofs: bool) -> Result<(), String> {
         );
     }
     Ok(())
-}
-
-/// The copy with all changes in it that the compiler takes, built; and the list.
-fn built(folder: &Path) -> Result<(PathBuf, Vec<Listed>), String> {
-    std::fs::create_dir_all(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
-    let work = changes::copy(folder, &PARTS, &[])?;
-    for (file, find, replace) in SHORTENED {
-        let path = work.join(file);
-        let text = std::fs::read_to_string(&path).map_err(|why| format!("{file}: {why}"))?;
-        if text.matches(find).count() != 1 {
-            return Err(format!("{file}: `{find}` is not there once"));
-        }
-        std::fs::write(&path, text.replace(find, replace)).map_err(|why| why.to_string())?;
-    }
-    let (without, messages) = (folder.join("refused.txt"), folder.join("messages.json"));
-    let saved = folder.join("list.tsv");
-    for _ in 0..40 {
-        let words = [
-            "operators".as_ref(),
-            "instrument".as_ref(),
-            work.as_os_str(),
-            without.as_os_str(),
-        ];
-        let (lines, outcome) = inspect::ask(words);
-        if !matches!(outcome, Outcome::Ok(_)) {
-            return Err(outcome.reason().into());
-        }
-        // What was refused is so for these sources only.
-        let rows: String = listed(&lines)
-            .iter()
-            .map(|one| format!("{}\t{}\n", one.number, one.row))
-            .collect();
-        if std::fs::read_to_string(&saved).is_ok_and(|before| before != rows) {
-            let _ = std::fs::remove_file(&without);
-            let _ = std::fs::remove_file(&saved);
-            continue;
-        }
-        std::fs::write(&saved, &rows).map_err(|why| why.to_string())?;
-        if build(&work, &messages)? {
-            return Ok((work, listed(&lines)));
-        }
-        let words = [
-            "operators".as_ref(),
-            "refused".as_ref(),
-            work.as_os_str(),
-            messages.as_os_str(),
-        ];
-        let (lines, outcome) = inspect::ask(words);
-        if !matches!(outcome, Outcome::Ok(_)) || lines.is_empty() {
-            return Err(format!("the instrumented copy does not compile: {outcome}"));
-        }
-        eprintln!("{} changes are not Rust", lines.len());
-        let mut file = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(&without)
-            .map_err(|why| why.to_string())?;
-        writeln!(file, "{}", lines.join("\n")).map_err(|why| why.to_string())?;
-    }
-    Err("the instrumented copy still does not compile".into())
-}
-
-fn listed(lines: &[String]) -> Vec<Listed> {
-    let one = |line: &String| {
-        let mut words = line.splitn(3, '\t');
-        Some(Listed {
-            number: words.next()?.parse().ok()?,
-            is_in: words.next()? == "on",
-            row: words.next()?.to_owned(),
-        })
-    };
-    lines.iter().filter_map(one).collect()
-}
-
-/// Whether it compiles; the compiler's messages are left in a file.
-fn build(work: &Path, messages: &Path) -> Result<bool, String> {
-    let file = std::fs::File::create(messages).map_err(|why| why.to_string())?;
-    let mut cargo = shell::cargo("test");
-    cargo
-        .current_dir(work)
-        .env("CARGO_TARGET_DIR", folder().join("target"))
-        .args([
-            "-q",
-            "--no-run",
-            "--message-format=json",
-            "--lib",
-            "--tests",
-        ]);
-    for package in TESTED {
-        cargo.args(["-p", package]);
-    }
-    let status = cargo
-        .stdout(file)
-        .stderr(Stdio::null())
-        .status()
-        .map_err(|why| format!("cargo: {why}"))?;
-    Ok(status.success())
-}
-
-/// The programs of the tests, by the package's order; from the compiler's messages.
-fn binaries(work: &Path) -> Result<Vec<PathBuf>, String> {
-    let messages = work.with_file_name("messages.json");
-    let text = std::fs::read_to_string(&messages).map_err(|why| why.to_string())?;
-    let mut found = Vec::new();
-    for line in text.lines() {
-        let Some((_, rest)) = line.split_once("\"executable\":\"") else {
-            continue;
-        };
-        found.extend(rest.split_once('"').map(|(path, _)| PathBuf::from(path)));
-    }
-    if found.is_empty() {
-        return Err("no program of tests was built".into());
-    }
-    let rank = |path: &PathBuf| {
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let order = [
-            "touchstone_proofs",
-            "touchstone_control",
-            "touchstone_protocol",
-        ];
-        let at = order.iter().position(|of| name.starts_with(of));
-        (at.unwrap_or(order.len()), name)
-    };
-    found.sort_by_key(rank);
-    Ok(found)
 }
 
 /// Tests that fail where no change is on, as fewer samples do not reach all their covers: they refute nothing.
