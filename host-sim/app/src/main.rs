@@ -1,8 +1,9 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | scenes | setup | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
 mod board_page;
+mod boundary;
 mod browser;
 mod certify;
 mod check;
@@ -88,6 +89,8 @@ enum Command {
     Hard(hard::Options),
     /// Any two settings of a scene against any measure of its run: a map with the lines of theory, in parts and with pauses if need be.
     Sweep(sweep::Options),
+    /// Draws where a tuned wall ends, over damping and delay, from runs and from certificates: is the limit inertia or damping?
+    Boundary(boundary::Options),
     /// Compares laws by what a hand feels of a wall: one row a law, on the device as it is and as it may also be.
     Scorecard(scorecard::Options),
     /// Finds settings of a law for a device: the best worst figure of its scorecard.
@@ -185,6 +188,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Plan(options) => plan::main(options),
         Command::Accuracy(options) => accuracy::main(options),
         Command::Sweep(options) => sweep::main(options),
+        Command::Boundary(options) => boundary::main(options),
         Command::Scorecard(options) => scorecard::main(options),
         Command::Tune(options) => tune::main(options),
         Command::Scenes { json_schema: true } => {

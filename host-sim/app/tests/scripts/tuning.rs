@@ -82,3 +82,41 @@ fn tuned_settings_go_into_a_scene() {
     assert_eq!(scene["law"]["kind"], "fba");
     assert_eq!(scene["wall"]["k_desired_n_m_per_rad"], 1.0);
 }
+
+#[test]
+fn a_boundary_is_a_drawing_with_its_cells_and_goes_on() {
+    let folder = folder("boundary");
+    let small = [
+        "boundary",
+        "--law",
+        "spring",
+        "--columns",
+        "2",
+        "--rows",
+        "3",
+        "--delays",
+        "0,1",
+        "--out",
+        "b",
+        "--json",
+    ];
+    let found = run_in(&folder, &small).ended(0).json();
+    assert_eq!(found["cells"], 12);
+    assert_eq!(found["columns"].as_array().unwrap().len(), 4);
+    // The softest wall on the most damped device is below its critical stiffness, and a spring holds it.
+    assert!(found["columns"][1]["rests_up_to"].as_f64().unwrap() >= 0.1);
+    let place = folder.join("b");
+    assert_eq!(
+        names(&place),
+        ["boundary.svg", "cells.csv", "index.html", "results.json"]
+    );
+    let cells = std::fs::read(place.join("cells.csv")).unwrap();
+    assert_eq!(run_in(&folder, &small).ended(0).json(), found);
+    assert_eq!(std::fs::read(place.join("cells.csv")).unwrap(), cells);
+    run_in(
+        &folder,
+        &["boundary", "--set", "law.kind=fba", "--out", "c"],
+    )
+    .refused(&["law.kind=fba"]);
+    run_in(&folder, &["boundary", "--delays", "3", "--out", "c"]).refused(&["--delays"]);
+}

@@ -1,0 +1,128 @@
+//! `touchstone boundary`: where a tuned wall ends, over damping and delay.
+
+use super::out::{self, say, tell};
+use super::report_options::program;
+use super::scene_options::refuse_replaced;
+use super::{interrupt, progress};
+use std::path::PathBuf;
+use touchstone_lab::boundary::{BoundaryPlan, map};
+use touchstone_lab::report::{self, pages};
+use touchstone_lab::scorecard::rivals::{RIVALS, Rival};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
+
+/// Options of `boundary`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// Name of a shipped scene or path of a TOML file with a scene or only its device: inertia, rate, encoder, friction and press are its.
+    #[arg(default_value = "thesis-knob")]
+    scene: String,
+    /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Law that is tuned for every cell.
+    #[arg(long, value_name = "NAME", default_value = "spring-damper-estimated", value_parser = clap::builder::PossibleValuesParser::new(RIVALS.map(|rival| rival.name)))]
+    law: String,
+    /// Delays, ticks, with commas between; a panel each.
+    #[arg(
+        long,
+        value_name = "TICKS,…",
+        value_delimiter = ',',
+        default_value = "0,0.5,1"
+    )]
+    delays: Vec<f64>,
+    /// Columns: dampings b T/J from 0.0001 to 1.
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(2..=200))]
+    columns: u16,
+    /// Rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2.
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=200))]
+    rows: u16,
+    /// How long a search may look at a cell, simulated ticks.
+    #[arg(long, value_name = "TICKS", default_value_t = 1e6)]
+    ticks: f64,
+    /// Seed of the searches.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for the page, the drawing and the cells. One with a part of the cells goes on where it was ended.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Replaces what another command left in the folder.
+    #[arg(long)]
+    force: bool,
+}
+
+/// What the cells replace.
+const REPLACED: [(&str, &str); 6] = [
+    ("law.kind", "laws"),
+    ("operator.grip", "grips"),
+    ("operator.hand", "grips"),
+    ("device.damping_n_m_s_per_rad", "dampings"),
+    ("timing.computational_delay_s", "delays"),
+    ("wall.k_desired_n_m_per_rad", "stiffnesses"),
+];
+
+/// Where the cells are kept as they are done.
+const CELLS: &str = "cells.csv";
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<()> {
+    refuse_replaced("a boundary", &options.sets, &REPLACED)?;
+    let scene = Scene::load(&options.scene)?.with_overrides(&options.sets)?;
+    let size = [options.columns.into(), options.rows.into()];
+    let mut plan = BoundaryPlan::new(scene, Rival::named(&options.law)?, size);
+    if let Some(delay) = options
+        .delays
+        .iter()
+        .find(|delay| !(0.0..=2.0).contains(*delay))
+    {
+        return Err(Error::Option {
+            option: "--delays".to_owned(),
+            problem: format!("{delay} ticks are not within 0 and 2"),
+            fix: "give what an estimator predicts over: 0 to 2 ticks".to_owned(),
+        });
+    }
+    plan.delays.clone_from(&options.delays);
+    plan.ticks = options.ticks;
+    plan.seed = options.seed;
+    let command = super::command_line();
+    let folder = &options.out;
+    report::check_folder(folder, &command, options.force)?;
+    interrupt::clean_up_keeping("interrupted: what is done is kept; the same command goes on")?;
+    interrupt::sweep(folder);
+    let unwritable = |error: std::io::Error| Error::Io {
+        path: folder.clone(),
+        problem: error.to_string(),
+        fix: "choose another folder".to_owned(),
+    };
+    std::fs::create_dir_all(folder).map_err(unwritable)?;
+    let file = folder.join(CELLS);
+    if options.force && file.is_file() {
+        std::fs::remove_file(&file).map_err(unwritable)?;
+    }
+    let bar = progress::bar(plan.places().len() as u64, "cells");
+    let cells = plan.fill(&file, |done| bar.set_position(done))?;
+    bar.finish_and_clear();
+    let value = map::results(&plan, &cells);
+    let page = pages::Page {
+        title: "Where a tuned wall ends",
+        intro: "A law tuned for every cell, run in three grips, and certified: the stiffest wall over the device's damping and delay.",
+        command: &command,
+        program: program(),
+        sections: &map::sections(&plan, &cells),
+        results: ("boundary", &value),
+        files: &[("boundary.svg".to_owned(), map::picture(&plan, &cells))],
+        force: options.force,
+    };
+    let written = pages::write(&page, folder)?;
+    out::result(
+        || value.clone(),
+        || {
+            for line in map::words(&plan, &cells) {
+                say!("{line}");
+            }
+            Ok(())
+        },
+    )?;
+    tell!("page  {}", written.page.display());
+    Ok(())
+}
