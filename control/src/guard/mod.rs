@@ -100,7 +100,7 @@ impl<N: Number> Guard<N> {
     ///
     /// # Errors
     /// As [`Guard::tick`].
-    #[inline]
+    #[inline(always)]
     pub fn tick_with_change(
         &self,
         state: &mut GuardState<N>,
