@@ -19,6 +19,8 @@ const EXTI: u32 = 0x4001_0400;
 const RCC: u32 = 0x4002_1000;
 const FLASH: u32 = 0x4002_2000;
 const SPI3: u32 = 0x4000_3c00;
+const GPIOA: u32 = 0x4800_0000;
+const GPIOB: u32 = 0x4800_0400;
 
 /// On both chips.
 const ALL: &[Row] = &[
@@ -147,6 +149,54 @@ const NUCLEO_PINS: &[Function] = &[
     (0, 3, 12, "LPUART1_RX"),
 ];
 
+/// The X-NUCLEO-IHM16M1: the lower outputs are enables, held at their inactive level, which is high, while the main output is on.
+const IHM16M1: &[Row] = &[
+    (
+        TIM1 + 0x20,
+        0xfff,
+        0x999,
+        "TIM1_CCER: upper outputs on, lower ones off and inactive while high",
+    ),
+    (TIM1 + 0x04, 0x3f00, 0, "TIM1_CR2: idle levels low"),
+    (TIM1 + 0x44, 0xff, 0, "TIM1_BDTR.DTG: none, the driver's own"),
+    (TIM1 + 0x44, 1 << 13, 0, "TIM1_BDTR.BKP: active low"),
+    (
+        TIM1 + 0x44,
+        0xf_0000,
+        3 << 16,
+        "TIM1_BDTR.BKF: eight cycles",
+    ),
+    (
+        TIM1 + 0x60,
+        0x3ff,
+        1,
+        "TIM1_AF1: the pin BKIN alone, not inverted",
+    ),
+    // Ports: 1 is an output, 0 an input; pulls: 1 is up.
+    (GPIOA, 3 << 22, 0, "GPIOA_MODER: PA11 an input"),
+    (GPIOA + 0x0c, 3 << 22, 1 << 22, "GPIOA_PUPDR: PA11 pulled up"),
+    (GPIOB + 0x0c, 3 << 24, 1 << 24, "GPIOB_PUPDR: PB12 pulled up"),
+    (GPIOB, 3 << 8, 1 << 8, "GPIOB_MODER: PB4 an output"),
+    (GPIOB + 0x14, 1 << 4, 1 << 4, "GPIOB_ODR: PB4 high"),
+];
+
+const IHM16M1_PINS: &[Function] = &[
+    (0, 8, 6, "TIM1_CH1"),
+    (0, 9, 6, "TIM1_CH2"),
+    (0, 10, 6, "TIM1_CH3"),
+    (1, 13, 6, "TIM1_CH1N"),
+    (1, 14, 6, "TIM1_CH2N"),
+    (1, 15, 4, "TIM1_CH3N"),
+    (1, 12, 6, "TIM1_BKIN"),
+    (0, 15, 1, "TIM2_CH1"),
+    (1, 3, 1, "TIM2_CH2"),
+    (2, 10, 6, "SPI3_SCK"),
+    (2, 11, 6, "SPI3_MISO"),
+    (2, 12, 6, "SPI3_MOSI"),
+    (0, 2, 12, "LPUART1_TX"),
+    (0, 3, 12, "LPUART1_RX"),
+];
+
 const ESC1: &[Row] = &[
     (
         TIM1 + 0x20,
@@ -208,6 +258,7 @@ fn compared(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.run(20 * MS)?;
     let (rows, pins) = match setup.board.name {
         "nucleo-g474re" => (NUCLEO, NUCLEO_PINS),
+        "nucleo-g474re-ihm16m1" => (IHM16M1, IHM16M1_PINS),
         _ => (ESC1, ESC1_PINS),
     };
     let chip = bench.machine.chip_mut();

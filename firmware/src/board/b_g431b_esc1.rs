@@ -18,7 +18,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, peripherals, rcc};
 use static_cell::StaticCell;
 use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
 
-use crate::pwm::{Active, BreakInput, Bridge};
+use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
@@ -36,7 +36,7 @@ bind_interrupts!(struct Irqs {
 /// The gate drivers L6387 switch on what is high, and keep no dead time themselves. COMP1, COMP2 and COMP4 watch the three shunts.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 800,
-    low_sides: Active::High,
+    complement: Complement::ActiveHigh,
     break_input: BreakInput::Comparators(0b1011),
 };
 
@@ -166,3 +166,13 @@ pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
 pub fn is_stop_pressed() -> bool {
     false
 }
+
+/// The board has no line of its drivers.
+#[inline(always)]
+pub fn driver_complains() -> bool {
+    false
+}
+
+/// Nothing to forget.
+#[inline(always)]
+pub fn forget_driver() {}
