@@ -244,6 +244,18 @@ impl Board {
         }
     }
 
+    /// The amplifier inside the chip whose output a channel is, counted from 0 (RM0440, table of the converters' inputs). Off, it lets
+    /// its input float; the model takes 0 V.
+    #[must_use]
+    pub fn amplifier(&self, adc: usize, channel: u32) -> Option<usize> {
+        match (adc, channel) {
+            (0, 13) => Some(0),
+            (1, 16) => Some(1),
+            (1, 18) => Some(2),
+            _ => None,
+        }
+    }
+
     /// Volts at a converter's pin.
     #[must_use]
     pub fn analog(&self, adc: usize, channel: u32, world: &World) -> f64 {

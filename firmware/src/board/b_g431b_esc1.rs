@@ -10,7 +10,7 @@ use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
 use embassy_stm32::pac::comp::vals::{Hysteresis, Inm};
 use embassy_stm32::pac::dac::vals::Mode;
-use embassy_stm32::pac::{COMP1, COMP2, COMP4, DAC3, TIM4};
+use embassy_stm32::pac::{COMP1, COMP2, COMP4, DAC3, OPAMP1, OPAMP2, OPAMP3, TIM4};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, BufferedUart};
@@ -92,6 +92,10 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
             (p.PC4.degrade_adc(), sense::SLOW),
         ],
     );
+    // Who hands a converter the output of an amplifier has given it up, and the HAL switches off what was given up.
+    for amplifier in [OPAMP1, OPAMP2, OPAMP3] {
+        amplifier.csr().modify(|w| w.set_opampen(true));
+    }
     let serial = BufferedUart::new(
         p.USART2,
         p.PB4,
