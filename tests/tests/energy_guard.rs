@@ -80,6 +80,42 @@ fn a_search_finds_no_hand_that_gets_out_more() {
     }
 }
 
+/// Inwards for eight seconds, and to and fro for ten where the positions of 32 bits end, at 128 rad.
+fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> Outcome {
+    let path = |t: f64| {
+        let inwards = (centre_rad / 8.0 * t).min(centre_rad);
+        inwards + amplitude_rad * (TAU * hz * (t - 8.0).max(0.0)).sin()
+    };
+    port.play(&mut Imposed::new(path), 18_000)
+}
+
+/// What a search had found beyond the end of positions: with samples that stand still there the hand got 1.5 J out.
+#[test]
+fn no_motion_goes_uncounted_where_positions_end() {
+    let mut worst = 0.0_f64;
+    for delay in DELAYS {
+        let port = Port::new(SOFT, delay, true, true);
+        for (amplitude_rad, hz) in [(3.0, 2.0), (0.9, 9.0), (0.1, 50.0), (0.02, 100.0)] {
+            for centre_rad in [127.0, 127.88, 128.0, 128.8, 130.0] {
+                let outcome = beyond_the_end(&port, centre_rad, amplitude_rad, hz);
+                assert_eq!(outcome.ticks, 18_000);
+                worst = worst.max(outcome.above_refill_j);
+                assert!(
+                    outcome.above_refill_j <= CAPACITY_J + ENCODER_J,
+                    "delay {delay}, {amplitude_rad} rad at {hz} Hz about {centre_rad} rad: {} J",
+                    outcome.above_refill_j
+                );
+            }
+        }
+    }
+    println!(
+        "worst about the end of positions: {:.2} mJ above the refill",
+        1e3 * worst
+    );
+    // Something was to be had.
+    assert!(worst > 0.5 * CAPACITY_J, "{worst}");
+}
+
 /// The same where the position at the change of force is measured.
 #[test]
 fn measuring_the_change_of_force_holds_as_well() {
