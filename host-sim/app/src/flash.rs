@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use touchstone_protocol::Board;
 use touchstone_sim::error::{Error, Result};
 
 /// How to get probe-rs.
@@ -32,23 +33,24 @@ pub enum BoardName {
     /// B-G431B-ESC1.
     #[value(name = "b-g431b-esc1")]
     BG431bEsc1,
+    /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
+    #[value(name = "nucleo-g474re-ihm16m1")]
+    NucleoG474reIhm16m1,
 }
 
 impl BoardName {
-    /// Its name.
-    pub const fn name(self) -> &'static str {
+    /// As the device calls itself.
+    pub const fn board(self) -> Board {
         match self {
-            Self::NucleoG474re => "nucleo-g474re",
-            Self::BG431bEsc1 => "b-g431b-esc1",
+            Self::NucleoG474re => Board::NucleoG474re,
+            Self::BG431bEsc1 => Board::BG431bEsc1,
+            Self::NucleoG474reIhm16m1 => Board::NucleoG474reIhm16m1,
         }
     }
 
-    /// Its microcontroller, as probe-rs calls it.
-    const fn chip(self) -> &'static str {
-        match self {
-            Self::NucleoG474re => "STM32G474RETx",
-            Self::BG431bEsc1 => "STM32G431CBUx",
-        }
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        self.board().name()
     }
 
     /// Where `cargo xtask firmware` puts its program.
@@ -74,9 +76,9 @@ pub fn write(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Res
         board.name()
     );
     check(&program, &built)?;
-    tell!("{} into {}", program.display(), board.chip());
+    tell!("{} into {}", program.display(), board.board().chip());
     let probe: Vec<&str> = probe.iter().flat_map(|probe| ["--probe", probe]).collect();
-    let chip = ["--chip", board.chip()];
+    let chip = ["--chip", board.board().chip()];
     probe_rs(
         Command::new("probe-rs")
             .arg("download")
