@@ -2,7 +2,7 @@
 //! the refill, whatever the delay, whatever the law, whether it is looked for or not.
 
 use std::f64::consts::TAU;
-use touchstone_control::{ChangeOfForce, GuardSettings, Si};
+use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
 use touchstone_tests::adversary::Way;
 use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringDamper, wiggle};
 
@@ -54,6 +54,37 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
             1e3 * taken
         );
         assert!(taken > 1.2 * CAPACITY_J);
+    }
+}
+
+/// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop, of which its guard is told nothing, as it takes positions
+/// once a tick. The law that ships; the same hands where the guard is told, and the position taken when the force changes.
+#[test]
+fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
+    const LATE_TICKS: f64 = 0.365;
+    let shipped = GuardSettings::default();
+    let capacity_j = shipped.capacity.to_num::<f64>();
+    let told = GuardSettings {
+        delay: Si::from_num(LATE_TICKS * 1e-3),
+        change: ChangeOfForce::Measured,
+        ..shipped
+    };
+    for (settings, name) in [(shipped, "not told"), (told, "told, and measured")] {
+        let mut port = Port::new(Settings::default(), LATE_TICKS, true, true);
+        port.guard = Some(settings);
+        let (numbers, taken) = Way::Policy.worst(&port, 600, 500, 1);
+        let longer = Way::Policy.play(&port, &numbers, 10_000).above_refill_j;
+        println!(
+            "a board's delay, {name}: {:.1} mJ in half a second, {:.1} mJ in 10 s",
+            1e3 * taken,
+            1e3 * longer
+        );
+        if name == "not told" {
+            assert!(taken > 4.0 * capacity_j && longer > 20.0 * capacity_j);
+        } else {
+            // The force that 45 mJ allow is 0.75 N·m.
+            assert!(taken.max(longer) <= capacity_j + 0.76 * COUNT_RAD);
+        }
     }
 }
 
