@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use touchstone_protocol::Board;
 use touchstone_sim::error::{Error, Result};
 
 /// How to get probe-rs.
@@ -36,23 +37,24 @@ pub enum BoardName {
     /// B-G431B-ESC1.
     #[value(name = "b-g431b-esc1")]
     BG431bEsc1,
+    /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
+    #[value(name = "nucleo-g474re-ihm16m1")]
+    NucleoG474reIhm16m1,
 }
 
 impl BoardName {
-    /// Its name.
-    pub const fn name(self) -> &'static str {
+    /// As the device calls itself.
+    pub const fn board(self) -> Board {
         match self {
-            Self::NucleoG474re => "nucleo-g474re",
-            Self::BG431bEsc1 => "b-g431b-esc1",
+            Self::NucleoG474re => Board::NucleoG474re,
+            Self::BG431bEsc1 => Board::BG431bEsc1,
+            Self::NucleoG474reIhm16m1 => Board::NucleoG474reIhm16m1,
         }
     }
 
-    /// Its microcontroller, as probe-rs calls it.
-    const fn chip(self) -> &'static str {
-        match self {
-            Self::NucleoG474re => "STM32G474RETx",
-            Self::BG431bEsc1 => "STM32G431CBUx",
-        }
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        self.board().name()
     }
 
     /// Its program: the one that came with this one, else where `cargo xtask firmware` puts it.
@@ -88,7 +90,7 @@ pub fn main(options: &Options) -> Result<()> {
 /// Says what [`write`] would do.
 fn rehearse(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Result<()> {
     let program = checked(board, elf)?;
-    say!("{} into {}", program.display(), board.chip());
+    say!("{} into {}", program.display(), board.board().chip());
     for command in [download(board, &program, probe), restart(board, probe)] {
         let words: Vec<_> = std::iter::once(command.get_program())
             .chain(command.get_args())
@@ -103,7 +105,7 @@ fn rehearse(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Resu
 /// Writes a program, or what there is for the board.
 pub fn write(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Result<()> {
     let program = checked(board, elf)?;
-    tell!("{} into {}", program.display(), board.chip());
+    tell!("{} into {}", program.display(), board.board().chip());
     probe_rs(&mut download(board, &program, probe))?;
     probe_rs(&mut restart(board, probe))?;
     tell!("flashed, verified and started");
@@ -134,7 +136,7 @@ fn restart(board: BoardName, probe: Option<&str>) -> Command {
 /// One of its commands, for a board's chip and behind a probe.
 fn asked_of_probe(what: &str, board: BoardName, probe: Option<&str>) -> Command {
     let mut command = Command::new("probe-rs");
-    command.args([what, "--chip", board.chip()]);
+    command.args([what, "--chip", board.board().chip()]);
     if let Some(probe) = probe {
         command.args(["--probe", probe]);
     }

@@ -4,6 +4,7 @@
 use crate::{Said, folder, program, script};
 use std::path::Path;
 use std::process::Command;
+use touchstone_protocol::Board;
 
 /// The start of an ELF program for a 32-bit Arm.
 fn elf(path: &Path) {
@@ -93,7 +94,8 @@ fn what_is_missing_is_named() {
 fn the_programs_that_came_with_it_are_found_beside_it() {
     let here = folder("flash-archive");
     let archive = here.join("unpacked");
-    for board in ["nucleo-g474re", "b-g431b-esc1"] {
+    for board in Board::ALL {
+        let board = board.name();
         elf(&archive.join(format!("firmware/{board}/touchstone.elf")));
     }
     // What somebody built once, here: another version than the program that runs.
