@@ -36,6 +36,7 @@ fn the_same_hand_gives_the_same_forces() {
                 object,
                 k_desired_n_per_mm: 25.0,
                 approach,
+                mechanism: Mechanism::Cartesian,
             };
             let record = run(&cell).unwrap();
             let motion = ProbingMotion::of(object);
