@@ -2,7 +2,7 @@
 
 use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{
-    Approach, Cell, Object, ProbingMotion, RADIUS_MM, RATE_HZ, run, settings,
+    Approach, Cell, Mechanism, Object, ProbingMotion, RADIUS_MM, RATE_HZ, run, settings,
 };
 use touchstone_live::space_loop::{SPACE_ROW, SpaceChoice, SpaceLoop, SpaceObject};
 
