@@ -15,9 +15,7 @@ use crate::{
 };
 
 /// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
-// With a word of its own for the choice: hidden in a variant's spare values, it takes four instructions more to read.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(u8)]
 pub enum AnyLaw<N: Number> {
     /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
     Spring(Spring<N>, SpringState),
