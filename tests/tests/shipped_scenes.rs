@@ -78,7 +78,7 @@ fn the_small_knob_shows_its_wall_to_every_grip() {
         assert_eq!(run.verdict, Verdict::Passive, "{grip}");
         assert_close(run.k_displayed, 2.0, 0.05);
         assert!(run.peak_penetration_ratio.unwrap() < 1.1, "{grip}");
-        assert_eq!(run.guard_ticks, 0, "{grip}");
+        assert_eq!(run.guard_limited_ticks, Some(0), "{grip}");
     }
 }
 

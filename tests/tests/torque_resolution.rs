@@ -31,7 +31,12 @@ struct Found {
 }
 
 /// Somebody holds the shaft, 0.3 of the largest current is asked for, and each reading has Gaussian noise of `noise` codes rms.
-fn held(hardware: &Hardware, settings: &DeviceSettings, motor: MotorParameters, noise: f64) -> Found {
+fn held(
+    hardware: &Hardware,
+    settings: &DeviceSettings,
+    motor: MotorParameters,
+    noise: f64,
+) -> Found {
     let blocked = Device {
         inertia: 1e3,
         ..KNOB
@@ -45,9 +50,8 @@ fn held(hardware: &Hardware, settings: &DeviceSettings, motor: MotorParameters, 
     );
     let mut current = CurrentLoop::new(CurrentConfig::new(settings, hardware).unwrap());
     let amps_per_code: f64 = hardware.amps_per_code.to_num();
-    let shunts = [0.3, -0.2].map(|between| {
-        Shunt::bits12(amps_per_code, f64::from(hardware.offset_code) + between)
-    });
+    let shunts = [0.3, -0.2]
+        .map(|between| Shunt::bits12(amps_per_code, f64::from(hardware.offset_code) + between));
     let mut random = Random::new(7);
     let wanted_a = 0.3 * settings.motor.current_limit_a.to_num::<f64>();
     let mut command = CurrentCommand {
@@ -124,7 +128,9 @@ fn the_small_shield_is_ten_times_finer() {
         ("B-G431B-ESC1", B_G431B_ESC1),
     ];
     let mut ripples = Vec::new();
-    println!("board          motor    mN·m a code   ripple at 1 code rms   without noise   mean off by");
+    println!(
+        "board          motor    mN·m a code   ripple at 1 code rms   without noise   mean off by"
+    );
     for (motor, settings, parts) in [("kit", &small, KIT), ("0.25 N·m/A", &large, GIMBAL)] {
         for (name, hardware) in boards {
             if parts == GIMBAL && name == "IHM16M1" {

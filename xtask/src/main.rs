@@ -8,6 +8,7 @@ mod bench;
 mod changes;
 mod counted;
 mod cycles;
+mod dist;
 mod doc;
 mod emulator;
 mod fil;
@@ -156,6 +157,14 @@ const STEPS: &[Step] = &[
         in_test: true,
         quick: Quick::LeftOut,
         run: bench::run,
+    },
+    Step {
+        name: "dist",
+        about: "an archive with which a maker needs no compiler, in `target/dist`: program, every board's firmware, guide, licences, \
+                checksums; unpacked and tried",
+        in_test: false,
+        quick: Quick::LeftOut,
+        run: dist::run,
     },
     Step {
         name: "prove",

@@ -203,7 +203,7 @@ impl<N: Number> EnhancedSfa<N> {
     }
 
     /// Force on the HIP after the first contact; `None` once the wall has been left.
-    #[inline]
+    #[inline(always)]
     fn augmented_force(
         &self,
         state: &mut EnhancedState<N>,
@@ -298,7 +298,7 @@ impl<N: Number> EnhancedSfa<N> {
 impl<N: Number> Law<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
 
-    #[inline]
+    #[inline(always)]
     fn tick(&self, state: &mut EnhancedState<N>, sample: Sample<N>) -> Force<N> {
         let Sample { e, moved } = sample;
         if state.contact == Contact::Free && e > Position::zero() {
@@ -325,7 +325,8 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         match force {
             Some(force) => {
                 state.last = e;
-                state.force = force.within(self.limit);
+                // It never pulls.
+                state.force = force.min(self.limit);
                 state.force
             }
             None => {
