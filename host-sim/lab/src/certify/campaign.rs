@@ -26,6 +26,9 @@ use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict as Outcome;
 use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scene};
 
+/// Least `k_v` that the settings take, N·m/rad: a soft wall's share may be below it.
+const SOFTEST_N_M_PER_RAD: f64 = 0.01;
+
 /// The scene of a number: device, wall and law are drawn for every three, which differ in the grip.
 #[must_use]
 pub fn scene(seed: u64, index: u64) -> Scene {
@@ -103,7 +106,8 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
         _ => {
             // A stiff, damped coupling.
             law.kind = LawKind::EnhancedSfa;
-            law.k_soft_n_m_per_rad = stiffness * random.between(0.1, 0.95);
+            law.k_soft_n_m_per_rad =
+                (stiffness * random.between(0.1, 0.95)).max(SOFTEST_N_M_PER_RAD);
             law.step_of_ideal = random.between(0.02, 0.8);
             law.limit_of_penetration = random.between(0.02, 0.3);
             law.limit_of_force = random.between(0.02, 0.3);
