@@ -123,7 +123,7 @@ impl Noticed {
             let depth = &series.middle[contact.clone()];
             for wiggle in rhythms(depth, contact.start as u64, rate_hz, least) {
                 let mut response = Response::new(wiggle, 1.0 / rate_hz);
-                for i in contact.clone() {
+                for i in wiggle.window.0 as usize..wiggle.window.1 as usize {
                     response.record(i as u64, series.middle[i], series.out[i]);
                 }
                 figures.raise_moved(&response, stiffness.k_desired);
