@@ -15,9 +15,7 @@ use crate::{
 };
 
 /// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
-// With a word of its own for the choice: hidden in a variant's spare values, it takes four instructions more to read.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(u8)]
 pub enum AnyLaw<N: Number> {
     /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
     Spring(Spring<N>, SpringState),
@@ -235,7 +233,8 @@ impl<N: Number> AnyLaw<N> {
 
     /// One control period: where the HIP is and how it moves, to the force pushing out.
     // A law called from two places would be a call in both, and another fifteen instructions.
-    #[inline(always)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
             Self::Spring(law, state) => law.tick(state, e),

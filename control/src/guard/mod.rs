@@ -101,7 +101,8 @@ impl<N: Number> Guard<N> {
     ///
     /// # Errors
     /// As [`Guard::tick`].
-    #[inline(always)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn tick_with_change(
         &self,
         state: &mut GuardState<N>,

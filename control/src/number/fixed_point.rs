@@ -53,7 +53,13 @@ macro_rules! fixed_number {
             #[inline(always)]
             fn signed(magnitude: $word, negative: bool) -> $signal {
                 debug_assert!(magnitude <= <$word as Word>::MAX_SIGNED);
-                let bits = magnitude as $int;
+                // Said once more where it makes the program smaller.
+                let said = if cfg!(target_pointer_width = "32") {
+                    magnitude.min(<$word as Word>::MAX_SIGNED)
+                } else {
+                    magnitude
+                };
+                let bits = said as $int;
                 <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
             }
 

@@ -19,7 +19,7 @@ macro_rules! saturates {
             impl Saturates for $int {
                 #[inline(always)]
                 fn sum(self, other: Self) -> Self {
-                    if cfg!(target_pointer_width = "32") && Self::BITS <= 32 {
+                    if cfg!(target_pointer_width = "32") {
                         return self.saturating_add(other);
                     }
                     match self.checked_add(other) {
@@ -31,7 +31,7 @@ macro_rules! saturates {
                 }
                 #[inline(always)]
                 fn difference(self, other: Self) -> Self {
-                    if cfg!(target_pointer_width = "32") && Self::BITS <= 32 {
+                    if cfg!(target_pointer_width = "32") {
                         return self.saturating_sub(other);
                     }
                     match self.checked_sub(other) {

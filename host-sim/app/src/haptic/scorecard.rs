@@ -54,7 +54,7 @@ impl PressedGrip {
 
 /// Options of it.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Options {
+pub struct ScoreOptions {
     /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or the scorecard's programme.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -69,7 +69,7 @@ pub struct Options {
     pub grip: PressedGrip,
 }
 
-impl Options {
+impl ScoreOptions {
     /// Refuses what cannot be.
     pub fn check(&self, simulated: bool, seconds: Option<f64>) -> Result<()> {
         let wrong = |option: &str, problem: &str, fix: &str| {
