@@ -130,14 +130,14 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware",
-        about: "both boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
+        about: "all boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: firmware::run,
     },
     Step {
         name: "fil",
-        about: "both boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
+        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
                 their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`",
         in_test: true,
         quick: Quick::LeftOut,

@@ -31,6 +31,7 @@ mod scene_options;
 mod scorecard;
 mod setup;
 mod shell;
+mod space_scene;
 mod sweep;
 mod thesis;
 mod thesis_space;

@@ -38,7 +38,7 @@ pub fn measure(
     client.tell(&Request::Telemetry { decimation: 1 })?;
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     // A fault whose cause is still there comes back before anything turns.
-    calibrate.or_else(|refused| Err(fault(client).unwrap_or(refused)))?;
+    calibrate.map_err(|refused| fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
     let heard = listen(client, settings, stop);
     // Whatever came of it: off, and as it was.
