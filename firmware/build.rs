@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    let map = match std::env::var_os("CARGO_FEATURE_NUCLEO_G474RE") {
+    let map = match std::env::var_os("CARGO_FEATURE_G474RE") {
         Some(_) => "memory-g474re.x",
         None => "memory.x",
     };

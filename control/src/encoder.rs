@@ -1,5 +1,6 @@
 //! From encoder count to penetration: the first step of the tick, in integers on every machine.
 
+use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
 
 /// Fractional bits of the angle of one count. 48 keep a turn of 40,000 counts exact to 1.4e-10 rad.
@@ -50,7 +51,8 @@ impl CountScale {
     #[must_use]
     pub fn penetration<N: Number>(&self, count: i64) -> Position<N> {
         let angle = Si::from_bits(count.saturating_mul(self.step) >> (STEP_BITS - Si::FRAC_NBITS));
-        Position(N::saturating_signal(angle.saturating_sub(self.surface)))
+        let penetration = Si::from_bits(angle.to_bits().difference(self.surface.to_bits()));
+        Position(N::saturating_signal(penetration))
     }
 }
 

@@ -8,6 +8,7 @@
 
 use crate::division;
 use core::fmt::Debug;
+use core::hint::cold_path;
 
 /// A word and the double-width word that holds its products without loss.
 pub trait Word: Copy + Debug + Ord + 'static {
@@ -35,6 +36,8 @@ pub trait Word: Copy + Debug + Ord + 'static {
     fn divides_within(self, wide: Self::Wide) -> Option<(Self, Self::Wide)>;
     /// `wide` as a word if it fits below the signed limit, else that limit.
     fn narrow(wide: Self::Wide) -> Self;
+    /// The word if it is a signed word's magnitude, else the largest of these.
+    fn at_most_signed(self) -> Self;
     /// The word in the double width.
     fn widen(self) -> Self::Wide;
     /// The word with the bits of both.
@@ -95,6 +98,16 @@ macro_rules! word {
                 if wide <= <$wide>::from(Self::MAX_SIGNED) {
                     wide as $word
                 } else {
+                    cold_path();
+                    Self::MAX_SIGNED
+                }
+            }
+            #[inline(always)]
+            fn at_most_signed(self) -> Self {
+                if self <= Self::MAX_SIGNED {
+                    self
+                } else {
+                    cold_path();
                     Self::MAX_SIGNED
                 }
             }
@@ -278,5 +291,5 @@ pub fn scale<W: Word>(gain: W, x: W, bits: u32) -> W {
 pub fn quotient<W: Word>(wide: W::Wide, divisor: W) -> W {
     divisor
         .divides_within(wide)
-        .map_or(W::MAX_SIGNED, |(quotient, _)| quotient)
+        .map_or(W::MAX_SIGNED, |(quotient, _)| quotient.at_most_signed())
 }

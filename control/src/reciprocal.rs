@@ -65,8 +65,8 @@ macro_rules! reciprocal {
                 let scaled = dividend
                     .wrapping_mul(<$wide>::from(self.scale))
                     .wrapping_add(1);
-                // Below `2^(W-1)`: a word.
-                ($high(scaled, self.inverse) >> (Self::WORD - 1)) as $word
+                // Below `2^(W-1)`: a word, and what is said of its highest bit only the compiler did not know.
+                ($high(scaled, self.inverse) >> (Self::WORD - 1)) as $word & <$word>::MAX >> 1
             }
         }
     };

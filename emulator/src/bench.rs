@@ -30,10 +30,18 @@ pub struct Setup {
 
 impl Default for Setup {
     fn default() -> Self {
+        Self::on(Board::nucleo_g474re(Encoder::As5047p))
+    }
+}
+
+impl Setup {
+    /// On a board, with what is mounted there.
+    #[must_use]
+    pub fn on(board: Board) -> Self {
         Self {
-            board: Board::nucleo_g474re(Encoder::As5047p),
+            parts: board.parts,
             lsi_hz: 32_000,
-            parts: Parts::default(),
+            board,
         }
     }
 }
@@ -54,7 +62,10 @@ impl Bench {
     /// # Errors
     /// What the emulator refuses.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
-        let chip = Chip::new(setup.board.clone(), World::new(&setup.parts, 0.3), setup.lsi_hz);
+        let mut world = World::new(&setup.parts, 0.3);
+        world.bridge.bus_v = setup.board.supply_v;
+        world.break_a = setup.board.break_a;
+        let chip = Chip::new(setup.board.clone(), world, setup.lsi_hz);
         let mut machine = Machine::new(chip, program)?;
         machine.power_on(ResetCause::PowerOn);
         Ok(Self {

@@ -1,11 +1,12 @@
 //! What is soldered around the chip: which pin sees what, at which scale.
 
+use touchstone_control::Si;
 use touchstone_protocol::settings::EncoderKind;
 
 use crate::peripheral::encoder::{As5047p, Mt6701};
 use crate::peripheral::spi::Slave;
 use crate::peripheral::timer::gates::GateDriver;
-use crate::world::World;
+use crate::world::{Parts, World};
 
 /// Reference of the converters, V.
 const REFERENCE_V: f64 = 3.3;
@@ -63,7 +64,7 @@ pub enum Source {
 pub struct Wiring {
     /// A voltage at a pin instead of the right one.
     pub forced: [Option<(Source, f64)>; 2],
-    /// The gate driver pulls the break input.
+    /// The gate driver pulls the break input, or its own line where it has one.
     pub break_pulled: bool,
     /// Comparators that see too much current, as a mask: bit 0 is COMP1.
     pub comparators: u32,
@@ -103,8 +104,40 @@ pub struct Board {
     pub current: (f64, f64),
     /// Volts at the pin for a volt of the bus.
     pub bus_divider: f64,
+    /// The line of a driver that reports by it, and is enabled by it: port and pin that it is linked to. Open drain, and not pulled up on
+    /// the board.
+    pub driver_line: Option<(usize, usize)>,
+    /// Current at which the board's own protection acts, A.
+    pub break_a: f64,
+    /// The supply, V.
+    pub supply_v: f64,
+    /// Motor and knob that are mounted.
+    pub parts: Parts,
+    /// A press of a hand here, and a lean that the motor does not bear for ever, N·m.
+    pub press_n_m: f64,
+    /// See [`Board::press_n_m`].
+    pub lean_n_m: f64,
+    /// How fast the field may turn the shaft in a calibration, electrical turns a second: a small rotor swings around a fast field.
+    pub field_turns_per_s: Si,
+    /// Stiffnesses that are pressed, N·m/rad.
+    pub walls: [Si; 2],
     /// What is wrong.
     pub wiring: Wiring,
+}
+
+/// What is mounted and pressed on the boards for larger motors.
+const THESIS: ([Si; 2], f64, f64) = ([Si::lit("1"), Si::lit("5")], 0.1, 0.45);
+
+/// TIM1_BKIN's pin on the boards with a driver's line: port and pin.
+pub const BREAK_PIN: (usize, usize) = (1, 12);
+
+/// To which pin the X-NUCLEO-IHM16M1 links EN\FAULT: shields differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultLink {
+    /// R37: PB12.
+    R37,
+    /// R35: PA11.
+    R35,
 }
 
 impl Board {
@@ -134,7 +167,48 @@ impl Board {
             // 680 ohm from the shunt and 6.8 kohm from 3.3 V, then 1 + 4.7 kohm/1 kohm.
             current: (REFERENCE_V * 0.68 / 7.48 * 5.7, -0.01 * 6.8 / 7.48 * 5.7),
             bus_divider: 9.31 / (169.0 + 9.31),
+            driver_line: None,
+            break_a: 20.0,
+            supply_v: 24.0,
+            parts: Parts::default(),
+            field_turns_per_s: Si::lit("16"),
+            walls: THESIS.0,
+            press_n_m: THESIS.1,
+            lean_n_m: THESIS.2,
             wiring: Wiring::default(),
+        }
+    }
+
+    /// NUCLEO-G474RE with X-NUCLEO-IHM16M1 and the motor of its kit, at 12 V. From NuttX's page and an open bench; the shield's schematic
+    /// and the STSPIN830's data sheet were not read: when its own protection acts is an assumption.
+    #[must_use]
+    pub fn nucleo_g474re_ihm16m1(encoder: Encoder, link: FaultLink) -> Self {
+        Self {
+            name: "nucleo-g474re-ihm16m1",
+            // ADC1_IN12 is PB1, ADC1_IN1 PA0, ADC2_IN2 PA1, ADC2_IN5 PC4.
+            pins: &[
+                (0, 12, Source::Current(1)),
+                (0, 1, Source::Bus),
+                (1, 2, Source::Current(0)),
+                (1, 5, Source::Temperature),
+            ],
+            gates: GateDriver::Stspin830,
+            // 680 ohm from the shunt and 2.2 kohm from 3.3 V, then a gain of 2.
+            current: (REFERENCE_V * 0.68 / 2.88 * 2.0, -0.33 * 2.2 / 2.88 * 2.0),
+            bus_divider: 1.0 / 16.0,
+            driver_line: Some(match link {
+                FaultLink::R37 => BREAK_PIN,
+                FaultLink::R35 => (0, 11),
+            }),
+            break_a: 2.8,
+            supply_v: 12.0,
+            parts: Parts::gimbal_kit(),
+            field_turns_per_s: Si::lit("4"),
+            walls: [Si::lit("1"), Si::lit("2")],
+            press_n_m: 0.03,
+            lean_n_m: 0.06,
+            // The rest is the NUCLEO's.
+            ..Self::nucleo_g474re(encoder)
         }
     }
 
@@ -163,7 +237,27 @@ impl Board {
             gates: GateDriver::L6387,
             current: (16.0 * 0.9 / 7.0, -0.003 * 64.0 / 7.0),
             bus_divider: 1.0 / 10.39,
+            driver_line: None,
+            break_a: 20.0,
+            supply_v: 24.0,
+            parts: Parts::default(),
+            field_turns_per_s: Si::lit("16"),
+            walls: THESIS.0,
+            press_n_m: THESIS.1,
+            lean_n_m: THESIS.2,
             wiring: Wiring::default(),
+        }
+    }
+
+    /// The amplifier inside the chip whose output a channel is, counted from 0 (RM0440, table of the converters' inputs). Off, it lets
+    /// its input float; the model takes 0 V.
+    #[must_use]
+    pub fn amplifier(&self, adc: usize, channel: u32) -> Option<usize> {
+        match (adc, channel) {
+            (0, 13) => Some(0),
+            (1, 16) => Some(1),
+            (1, 18) => Some(2),
+            _ => None,
         }
     }
 
@@ -201,6 +295,12 @@ impl Board {
         };
         let count = (world.turns() * f64::from(counts)).floor() as i64;
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
+    }
+
+    /// Whether the driver pulls its own line: by itself, or made to.
+    #[must_use]
+    pub fn driver_pulls(&self, world: &World) -> bool {
+        self.wiring.break_pulled || world.hardware_over_current()
     }
 
     /// Level of the break pin, and the comparators that see too much current, as a mask: COMP1, COMP2 and COMP4 watch the

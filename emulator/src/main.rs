@@ -4,20 +4,20 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use touchstone_emulator::bench::Setup;
-use touchstone_emulator::board::Board;
+use touchstone_emulator::board::{Board, Encoder, FaultLink};
 use touchstone_emulator::cpu::elf::Program;
-use touchstone_emulator::fil::jobs::Programs;
+use touchstone_emulator::fil::jobs::{BOARDS, Programs};
 use touchstone_emulator::world::Parts;
 use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
-  fil [--nucleo-g474re ELF] [--b-g431b-esc1 ELF] [--only TEXT]...
-                              boot, calibrate, arm, press, and all fault injections, on one board or both; those with one
-                              of the TEXTs in `BOARD, ENCODER: INJECTION, STATE`
-  boot ELF [b-g431b-esc1]     boot, calibrate, arm, press; on the other board with its program
-  cycles [--nucleo-g474re ELF] [--b-g431b-esc1 ELF]
-                              instructions and table cycles of law, control interrupt, current loop; the stack
+  fil [--BOARD ELF]... [--only TEXT]...
+                              boot, calibrate, arm, press, and all fault injections, on the boards whose programs are named:
+                              nucleo-g474re, nucleo-g474re-ihm16m1, b-g431b-esc1; those with one of the TEXTs in
+                              `BOARD, ENCODER: INJECTION, STATE`
+  boot ELF [BOARD]            boot, calibrate, arm, press; nucleo-g474re if no other is named
+  cycles [--BOARD ELF]...     instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
                               the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
@@ -71,21 +71,16 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Vec<&'a str>), u8> {
     let mut programs = Programs::default();
     let mut only = Vec::new();
     while let [option, value, more @ ..] = options {
-        let place = match *option {
-            "--nucleo-g474re" => &mut programs.nucleo_g474re,
-            "--b-g431b-esc1" => &mut programs.b_g431b_esc1,
-            "--only" => {
-                only.push(*value);
-                options = more;
-                continue;
-            }
+        let name = option.strip_prefix("--");
+        let board = BOARDS.into_iter().find(|board| Some(*board) == name);
+        match (*option, board) {
+            ("--only", _) => only.push(*value),
+            (_, Some(board)) => programs.add(board, read(value)?),
             _ => return Err(usage()),
-        };
-        *place = Some(read(value)?);
+        }
         options = more;
     }
-    let is_none = programs.nucleo_g474re.is_none() && programs.b_g431b_esc1.is_none();
-    if !options.is_empty() || is_none {
+    if !options.is_empty() || programs.count() == 0 {
         return Err(usage());
     }
     Ok((programs, only))
@@ -105,12 +100,12 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     };
     match (command, words) {
         ("boot", []) => said(fil::report::boot(program, &Setup::default())),
+        ("boot", ["nucleo-g474re-ihm16m1"]) => {
+            let board = Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37);
+            said(fil::report::boot(program, &Setup::on(board)))
+        }
         ("boot", ["b-g431b-esc1"]) => {
-            let setup = Setup {
-                board: Board::b_g431b_esc1(),
-                ..Setup::default()
-            };
-            said(fil::report::boot(program, &setup))
+            said(fil::report::boot(program, &Setup::on(Board::b_g431b_esc1())))
         }
         ("serve", ["--tcp", address, more @ ..]) => {
             let wanted = match serve_options(more) {

@@ -119,7 +119,7 @@ impl Control {
             current: readings.report,
             command,
             hardware_break: readings.hardware_break,
-            gate_driver_error: false,
+            gate_driver_error: board::driver_complains(),
             stop_button: board::is_stop_pressed(),
             host_heard: heard(),
             timing: TickTiming {
@@ -195,6 +195,7 @@ impl Control {
         BROWN_OUT.store(false, Relaxed);
         self.brown_out_told = false;
         BREAK.store(false, Relaxed);
+        board::forget_driver();
         pwm::clear_break();
     }
 

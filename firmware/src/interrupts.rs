@@ -64,7 +64,10 @@ fn ADC1_2() {
     if let Some(config) = unsafe { CONFIG.take() } {
         current.reconfigure(config);
     }
-    let is_broken = pwm::is_broken() || BREAK.load(Relaxed) || BROWN_OUT.load(Relaxed);
+    let is_broken = board::driver_complains()
+        || pwm::is_broken()
+        || BREAK.load(Relaxed)
+        || BROWN_OUT.load(Relaxed);
     let output = current.tick(&CurrentSample {
         phase_a: readings.phase_a,
         phase_b: readings.phase_b,

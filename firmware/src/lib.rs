@@ -7,16 +7,22 @@
 // The log goes to the probe, if there is one; it is dropped where nobody reads it.
 use defmt_rtt as _;
 
-#[cfg(all(feature = "nucleo-g474re", feature = "b-g431b-esc1"))]
-compile_error!("one board a build: --no-default-features --features <board>");
-#[cfg(not(any(feature = "nucleo-g474re", feature = "b-g431b-esc1")))]
-compile_error!("which board? --features nucleo-g474re or --features b-g431b-esc1");
+#[cfg(not(any(
+    feature = "nucleo-g474re",
+    feature = "nucleo-g474re-ihm16m1",
+    feature = "b-g431b-esc1"
+)))]
+compile_error!("which board? --no-default-features --features <board>");
 
+// Two boards in one build would be two modules of one name.
 #[cfg(feature = "b-g431b-esc1")]
 #[path = "board/b_g431b_esc1.rs"]
 pub mod board;
 #[cfg(feature = "nucleo-g474re")]
 #[path = "board/nucleo_g474re.rs"]
+pub mod board;
+#[cfg(feature = "nucleo-g474re-ihm16m1")]
+#[path = "board/nucleo_g474re_ihm16m1.rs"]
 pub mod board;
 
 pub mod analogue;
@@ -28,7 +34,7 @@ pub mod cycles;
 pub mod encoder;
 pub mod exchange;
 pub mod interrupts;
-#[cfg(feature = "nucleo-g474re")]
+#[cfg(feature = "g474re")]
 pub mod magnetic;
 pub mod pwm;
 pub mod requests;

@@ -33,19 +33,21 @@ const SAMPLE_LEAD: u16 = 20;
 pub struct Bridge {
     /// Between one side off and the other on, ns.
     pub dead_time_ns: u32,
-    /// What the gate drivers take for "lower transistor on".
-    pub low_sides: Active,
+    /// What the complementary outputs are to the gate drivers.
+    pub complement: Complement,
     /// What switches the outputs off without the processor.
     pub break_input: BreakInput,
 }
 
-/// The level that switches a transistor on.
+/// What a gate driver makes of a complementary output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Active {
-    /// On while the pin is high.
-    High,
-    /// On while the pin is low.
-    Low,
+pub enum Complement {
+    /// The lower transistor is on while the pin is high.
+    ActiveHigh,
+    /// While it is low.
+    ActiveLow,
+    /// The phase is driven while the pin is high, by the level of the other input; while it is low, neither transistor is on.
+    Enable,
 }
 
 /// Where the hardware's over-current comes from.
@@ -110,7 +112,11 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         w.set_ckd(Ckd::DIV1);
         w.set_arpe(true);
     });
-    let inverted = bridge.low_sides == Active::Low;
+    let inverted = bridge.complement == Complement::ActiveLow;
+    // An output that is switched off by its enable bit is at its inactive level as long as the timer drives (OSSR), and at its idle
+    // level when it does not (RM0440, the table of the outputs' control bits): a line that says whether the bridge is on, without the
+    // processor.
+    let enables = bridge.complement == Complement::Enable;
     // Levels while the outputs are off, by the pin: upper sides low. And OC4REF triggers the converters.
     TIM1.cr2().write(|w| {
         w.set_mms2(Mms2::COMPARE_OC4);
@@ -143,8 +149,8 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     TIM1.ccer().write(|w| {
         for channel in 0..3 {
             w.set_cce(channel, true);
-            w.set_ccne(channel, true);
-            w.set_ccnp(channel, inverted);
+            w.set_ccne(channel, !enables);
+            w.set_ccnp(channel, inverted || enables);
         }
     });
     TIM1.af1().write(|w| match bridge.break_input {
@@ -226,6 +232,12 @@ pub fn is_before_bottom() -> bool {
 pub fn is_broken() -> bool {
     let status = TIM1.sr().read();
     status.bif(0) || status.sbif()
+}
+
+/// The same of the input alone.
+#[inline(always)]
+pub fn is_input_broken() -> bool {
+    TIM1.sr().read().bif(0)
 }
 
 /// No more interrupts of the break, whose flag stays. No other interrupt of this timer is ever on.

@@ -1,4 +1,4 @@
-//! What both boards do once their pins are set up.
+//! What all boards do once their pins are set up.
 
 use core::sync::atomic::Ordering::Relaxed;
 

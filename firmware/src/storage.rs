@@ -58,7 +58,7 @@ impl NorFlashError for StorageError {
 impl Storage {
     /// Takes the flash. The chip with two banks must be set to two banks, as it is delivered: with one, pages are twice as large.
     pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
-        #[cfg(feature = "nucleo-g474re")]
+        #[cfg(feature = "g474re")]
         if !embassy_stm32::pac::FLASH.optr().read().dbank() {
             defmt::error!("option byte DBANK is 0: settings cannot be kept");
             return Self(None);

@@ -1,9 +1,10 @@
-//! The guard as a stage of the controller (`control/src/guard/guarded.rs`): what it measures, that overspeed latches, and what is left of
-//! its memory when it is taken up again.
+//! The guard as a stage of the controller (`control/src/guard/guarded.rs`): what it measures, that no motion under a force goes
+//! uncounted where positions end, that overspeed latches, and what is left of its memory when it is taken up again.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
 //! Δ = e - e(n-1), none at the first sample   p9_stage_measures
+//! f acts => Δ = x - x(n-1), x without end    p9_no_way_uncounted
 //! resumed: B' = min(B, C'), f = 0            p7_stage_resumes
 //! ```
 
@@ -11,22 +12,38 @@ use crate::format::Format;
 use crate::source::Source;
 use crate::valid::Valid;
 use crate::{cover, property, such};
+use fixed::types::I1F7;
 use touchstone_control::{Energy, Fixed8, Force, Guard, GuardState, Guarded, Position};
 
 /// Any stage whose memory satisfies the guard's invariant.
 fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
-    Guarded {
-        guard: Guard::any(s),
-        state: <Guard<N> as Valid<N>>::any_state(s),
-        last: s.bool().then(|| N::any_position(s)),
-        limited: s.bool(),
-        tripped: s.bool(),
-    }
+    let mut stage = Guarded::new(Guard::any(s));
+    stage.state = <Guard<N> as Valid<N>>::any_state(s);
+    stage.last = s.bool().then(|| N::any_position(s));
+    stage.limited = s.bool();
+    stage.tripped = s.bool();
+    stage
+}
+
+/// Where the last sample was, a force that acts can end before a displacement reaches the end of what positions can say; without
+/// a last sample none acts.
+fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
+    let before_end = |displacements: i64| {
+        let furthest = N::of_signal(stage.guard.furthest.0);
+        let end = N::of_signal(N::HIGHEST) - displacements * furthest;
+        let last = stage.last.map(|e| N::of_signal(e.0).abs());
+        last.is_some_and(|last| last < end)
+    };
+    let still = |force: Force<N>| force == Force::zero();
+    (still(stage.state.force) || before_end(2)) && (still(stage.state.older) || before_end(1))
 }
 
 fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let still = stage.state.force == Force::zero();
-    stage.guard.valid() && stage.guard.holds(&stage.state) && (!stage.tripped || still)
+    stage.guard.valid()
+        && stage.guard.holds(&stage.state)
+        && (!stage.tripped || still)
+        && place_holds(stage)
 }
 
 /// At 8 bits.
@@ -58,8 +75,9 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9: the displacement that the guard is told is that since the last sample, and none at the first.
-        equation "(memory, f) = guard(memory, e - e(n-1), f_wanted); first sample: guard(memory, 0, f_wanted)"
+        /// P9: the displacement that the guard is told is that since the last sample, and none at the first; at the end of what positions
+        /// can say the same is booked, and the force is none.
+        equation "(memory, f) = guard(memory, e - e(n-1), f_wanted); first sample: guard(memory, 0, f_wanted); beyond the edge f = 0"
         over "valid configuration, memory in the invariant, sample, wanted force"
         by cadical fn p9_stage_measures(s) {
             let before = such!(s, any_stage::<N, S>(s), |it| stage_holds(&it) && !it.tripped, "Guard::new; invariant; case: tripped is p4_stage_latches");
@@ -68,12 +86,43 @@ pub mod w8 {
             let force = after.tick(e, None, wanted);
             let mut state = before.state;
             let moved = before.last.map_or(Position::zero(), |last| e - last);
+            let ends = wanted != Force::zero() && before.is_beyond_edge(e);
             match before.guard.tick(&mut state, moved, wanted) {
+                Ok(_) if ends => {
+                    let none = GuardState { force: Force::zero(), ..state };
+                    assert!(after.tripped && force == Force::zero() && after.state == none);
+                }
                 Ok(alone) => assert!(!after.tripped && alone == force && state == after.state),
                 Err(_) => assert!(after.tripped && state.account == after.state.account),
             }
             cover!(s, before.last.is_none() && force != Force::zero(), "the first sample");
             cover!(s, before.last.is_some_and(|last| last != e) && !after.tripped, "moved");
+            cover!(s, ends && after.state.older != Force::zero(), "a force ends there");
+        }
+    }
+    property! {
+        /// P9: while a force acts, or one is still on its way, what is counted is the true displacement, wherever the device goes: a
+        /// position beyond the format's end, which is measured as that end, is overspeed first.
+        equation "f or f(n-1) /= 0, |Δ| <= d  =>  e = x, |e(n-1)| < end, for every x; and f' /= 0 => |e| < end - 2 d"
+        over "valid configuration, memory in the invariant, true position of 16 bits, wanted force"
+        by cadical fn p9_no_way_uncounted(s) {
+            let before = such!(s, any_stage::<N, S>(s), |it| stage_holds(&it), "Guard::new; invariant, kept by p1_account_stays, p4_overspeed and here");
+            let wanted = N::any_force(s);
+            let x = if s.shortcut() { N::of_signal(N::any_position(s).0) as i16 } else { s.u16().cast_signed() };
+            let measured = x.clamp(i16::from(i8::MIN), i16::from(i8::MAX));
+            let e = Position(I1F7::from_bits(measured as i8));
+            let mut after = before;
+            let _ = after.tick(e, None, wanted);
+            assert!(place_holds(&after));
+            let acts = before.state.force != Force::zero() || before.state.older != Force::zero();
+            let moved = before.last.map_or(Position::zero(), |last| e - last).modulus();
+            if acts && moved <= before.guard.furthest {
+                let last = before.last.map(|last| N::of_signal(last.0));
+                assert!(measured == x && last.is_some_and(|last| last.abs() < N::of_signal(N::HIGHEST)));
+            }
+            cover!(s, acts && measured != x, "overspeed into the end");
+            cover!(s, after.tripped && !before.tripped && after.state.older != Force::zero(), "the last force is on its way");
+            cover!(s, before.state.older != Force::zero() && before.is_beyond_edge(e) && moved <= before.guard.furthest, "and ends");
         }
     }
     property! {

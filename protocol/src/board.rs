@@ -8,11 +8,17 @@ pub enum Board {
     NucleoG474re,
     /// B-G431B-ESC1.
     BG431bEsc1,
+    /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
+    NucleoG474reIhm16m1,
 }
 
 impl Board {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::NucleoG474re, Self::BG431bEsc1];
+    pub const ALL: [Self; 3] = [
+        Self::NucleoG474re,
+        Self::BG431bEsc1,
+        Self::NucleoG474reIhm16m1,
+    ];
 
     /// Its name on the command line and in file names.
     #[must_use]
@@ -20,6 +26,28 @@ impl Board {
         match self {
             Self::NucleoG474re => "nucleo-g474re",
             Self::BG431bEsc1 => "b-g431b-esc1",
+            Self::NucleoG474reIhm16m1 => "nucleo-g474re-ihm16m1",
         }
+    }
+
+    /// Its microcontroller, as `probe-rs` calls it.
+    #[must_use]
+    pub const fn chip(self) -> &'static str {
+        match self {
+            Self::NucleoG474re | Self::NucleoG474reIhm16m1 => "STM32G474RETx",
+            Self::BG431bEsc1 => "STM32G431CBUx",
+        }
+    }
+
+    /// Whether a magnetic encoder's bus is on its connectors.
+    #[must_use]
+    pub const fn has_bus(self) -> bool {
+        !matches!(self, Self::BG431bEsc1)
+    }
+
+    /// Whether an analogue output for an external amplifier is.
+    #[must_use]
+    pub const fn has_analogue(self) -> bool {
+        matches!(self, Self::NucleoG474re)
     }
 }

@@ -5,7 +5,7 @@
 //! what was measured.
 
 use touchstone_control::{
-    ChangeOfForce, Controller, Fixed32, Force, Guard, GuardSettings, GuardState, GuardedDevice,
+    ChangeOfForce, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice,
     Position, Reported, Settings, Si, Warning,
 };
 
@@ -17,9 +17,6 @@ pub const DAMPING_N_M_S_PER_RAD: f64 = 4e-4;
 pub const INERTIA_KG_M2: f64 = 1e-4;
 /// 40,000 counts a turn.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
-
-/// Where the positions of 32 bits end: some twenty turns.
-pub const LARGEST_RAD: f64 = 127.9;
 
 /// A spring with virtual damping: differences of the measured position.
 #[derive(Debug, Clone, Copy)]
@@ -134,7 +131,7 @@ pub struct Outcome {
     pub last_account_j: f64,
     /// Ticks in which the guard changed the force.
     pub changed_ticks: u32,
-    /// Ticks that were played: fewer than asked for after overspeed, or where positions end.
+    /// Ticks that were played: fewer than asked for after overspeed.
     pub ticks: u32,
     /// Sum of all changes of the commanded force, N·m.
     pub changes_n_m: f64,
@@ -191,15 +188,15 @@ impl Port {
     /// If guard or law refuse their settings.
     pub fn play(&self, hand: &mut impl Hand, ticks: u32) -> Outcome {
         let signal = |x: f64| <Fixed32 as Reported>::signal_from_f64(x);
-        let guard = self
+        let mut guard = self
             .guard
-            .map(|settings| Guard::<Fixed32>::new(&settings, &self.device()).unwrap());
+            .map(|settings| Guarded::new(Guard::new(&settings, &self.device()).unwrap()));
         let measured = self
             .guard
             .is_some_and(|settings| settings.change == ChangeOfForce::Measured);
         let refill_w = self.guard.map_or(0.0, |settings| settings.refill.to_num());
-        let mut state = guard.map_or_else(GuardState::default, |guard| guard.full());
-        let joules = |state: &GuardState<Fixed32>| Fixed32::energy_to_f64(state.account.0);
+        let joules =
+            |guard: &Option<Guarded<Fixed32>>| guard.map_or(0.0, |it| it.account().to_f64());
         let sample = |x: f64| {
             let x = if self.counts {
                 (x / COUNT_RAD).round() * COUNT_RAD
@@ -218,30 +215,32 @@ impl Port {
         let mut law = Working::of(&self.law, told, self.force_limit_n_m);
         let (mut out, mut lowest, mut lowest_above) = (0.0_f64, 0.0_f64, 0.0_f64);
         let mut outcome = Outcome {
-            lowest_account_j: joules(&state),
+            lowest_account_j: joules(&guard),
             ..Outcome::default()
         };
         for tick in 0..ticks {
             let now = sample(x);
-            // Where positions end the guard is blind, and promises nothing.
-            if x.abs() >= LARGEST_RAD {
-                break;
-            }
-            let moved = now - told;
-            let before_change = at_change - told;
+            let ways = [
+                now - told,
+                if measured {
+                    at_change - told
+                } else {
+                    Position::zero()
+                },
+            ];
             told = now;
             let wanted = law.wanted(now, self.force_limit_n_m);
-            let force = match &guard {
+            let force = match &mut guard {
                 None => wanted,
                 Some(guard) => {
-                    let answer = if measured {
-                        guard.tick_with_change(&mut state, moved, before_change, wanted)
-                    } else {
-                        guard.tick(&mut state, moved, wanted)
-                    };
-                    let Ok(force) = answer else { break };
-                    outcome.changed_ticks += u32::from(force != wanted);
-                    outcome.lowest_account_j = outcome.lowest_account_j.min(joules(&state));
+                    let force = guard.tick(now, measured.then_some(at_change), wanted);
+                    // What overspeed costs is a remainder of its own.
+                    if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
+                        break;
+                    }
+                    outcome.changed_ticks += u32::from(guard.limited);
+                    outcome.lowest_account_j =
+                        outcome.lowest_account_j.min(guard.account().to_f64());
                     force
                 }
             };
@@ -267,7 +266,7 @@ impl Port {
             acting = new;
             outcome.ticks += 1;
         }
-        outcome.last_account_j = joules(&state);
+        outcome.last_account_j = joules(&guard);
         outcome
     }
 }

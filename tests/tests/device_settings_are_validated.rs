@@ -1,7 +1,7 @@
 //! A device's settings: both sides of every bound, the bounds between settings, and what a refusal says.
 
 use touchstone_control::{LawKind, Regulate, Si};
-use touchstone_drive::wire::checked;
+use touchstone_drive::wire::{checked, hardware};
 use touchstone_protocol::settings::fields::{FIELDS, Field, Kind};
 use touchstone_protocol::settings::{
     DriveKind, EncoderKind, LawSettings, Reason, SettingsError, VALUE_MAX,
@@ -11,18 +11,14 @@ use touchstone_protocol::{Board, Decimal, DeviceSettings};
 /// Settings that leave every other as much room as there is.
 fn roomy(board: Board) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(board);
-    let largest = if board == Board::NucleoG474re {
-        "15"
-    } else {
-        "25"
-    };
+    let largest = hardware(board).current_max_a;
     settings.encoder.kind = EncoderKind::Incremental;
     settings.timing.rate_hz = 500;
     settings.law = LawSettings::thesis();
     settings.law.force_limit_n_m = Si::lit("0.000001");
     settings.motor.torque_constant_n_m_per_a = Si::lit("10");
-    settings.motor.current_limit_a = Si::lit(largest);
-    settings.limits.trip_current_a = Si::lit(largest);
+    settings.motor.current_limit_a = largest;
+    settings.limits.trip_current_a = largest;
     settings.limits.bus_min_v = Si::lit("10");
     settings.limits.bus_max_v = DeviceSettings::defaults(board).limits.bus_max_v;
     settings.limits.derate_from_celsius = Si::lit("20");
@@ -216,6 +212,15 @@ fn settings_are_checked_against_each_other_and_the_board() {
     assert_eq!(
         refusal(small, |s| s.drive.kind = DriveKind::Analogue),
         "drive.kind: this board has no connector for it"
+    );
+    let shield = Board::NucleoG474reIhm16m1;
+    assert_eq!(
+        refusal(shield, |s| s.drive.kind = DriveKind::Analogue),
+        "drive.kind: this board has no connector for it"
+    );
+    assert_eq!(
+        refusal(shield, |s| s.limits.trip_current_a = Si::lit("2.6")),
+        "limits.trip_current_a = 2.6 is outside 0.05 to 2.5 A"
     );
     let compensated = refusal(big, |s| {
         s.law.kind = LawKind::EnhancedSfa;

@@ -2,7 +2,7 @@
 //! calibrating and armed, no way from a fault to armed but through stop and calibration.
 
 use touchstone_drive::encoder::{Asked, Frames};
-use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1};
+use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1};
 use touchstone_drive::settings::DriveKind;
 use touchstone_drive::{
     BridgeCommand, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport,
@@ -242,7 +242,7 @@ fn a_million_ticks_keep_the_promises() {
 #[test]
 fn wild_commands_into_the_loop() {
     let mut random = Random::new(77);
-    for hardware in [IHM08M1, B_G431B_ESC1] {
+    for hardware in [IHM08M1, B_G431B_ESC1, IHM16M1] {
         let mut settings = DeviceSettings::default();
         // Both boards bear it.
         settings.limits.bus_max_v = Si::lit("25");

@@ -2,7 +2,7 @@
 //! the refill, whatever the delay, whatever the law, whether it is looked for or not.
 
 use std::f64::consts::TAU;
-use touchstone_control::{ChangeOfForce, GuardSettings, Si};
+use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
 use touchstone_tests::adversary::Way;
 use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringDamper, wiggle};
 
@@ -57,6 +57,37 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
+/// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop, of which its guard is told nothing, as it takes positions
+/// once a tick. The law that ships; the same hands where the guard is told, and the position taken when the force changes.
+#[test]
+fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
+    const LATE_TICKS: f64 = 0.365;
+    let shipped = GuardSettings::default();
+    let capacity_j = shipped.capacity.to_num::<f64>();
+    let told = GuardSettings {
+        delay: Si::from_num(LATE_TICKS * 1e-3),
+        change: ChangeOfForce::Measured,
+        ..shipped
+    };
+    for (settings, name) in [(shipped, "not told"), (told, "told, and measured")] {
+        let mut port = Port::new(Settings::default(), LATE_TICKS, true, true);
+        port.guard = Some(settings);
+        let (numbers, taken) = Way::Policy.worst(&port, 600, 500, 1);
+        let longer = Way::Policy.play(&port, &numbers, 10_000).above_refill_j;
+        println!(
+            "a board's delay, {name}: {:.1} mJ in half a second, {:.1} mJ in 10 s",
+            1e3 * taken,
+            1e3 * longer
+        );
+        if name == "not told" {
+            assert!(taken > 4.0 * capacity_j && longer > 20.0 * capacity_j);
+        } else {
+            // The force that 45 mJ allow is 0.75 N·m.
+            assert!(taken.max(longer) <= capacity_j + 0.76 * COUNT_RAD);
+        }
+    }
+}
+
 #[test]
 fn a_search_finds_no_hand_that_gets_out_more() {
     for (law, name) in [(SPRING, "spring 20"), (STIFF, "spring 20, damper 0.055")] {
@@ -78,6 +109,42 @@ fn a_search_finds_no_hand_that_gets_out_more() {
             }
         }
     }
+}
+
+/// Inwards for eight seconds, and to and fro for ten where the positions of 32 bits end, at 128 rad.
+fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> Outcome {
+    let path = |t: f64| {
+        let inwards = (centre_rad / 8.0 * t).min(centre_rad);
+        inwards + amplitude_rad * (TAU * hz * (t - 8.0).max(0.0)).sin()
+    };
+    port.play(&mut Imposed::new(path), 18_000)
+}
+
+/// What a search had found beyond the end of positions: with samples that stand still there the hand got 1.5 J out.
+#[test]
+fn no_motion_goes_uncounted_where_positions_end() {
+    let mut worst = 0.0_f64;
+    for delay in DELAYS {
+        let port = Port::new(SOFT, delay, true, true);
+        for (amplitude_rad, hz) in [(3.0, 2.0), (0.9, 9.0), (0.1, 50.0), (0.02, 100.0)] {
+            for centre_rad in [127.0, 127.88, 128.0, 128.8, 130.0] {
+                let outcome = beyond_the_end(&port, centre_rad, amplitude_rad, hz);
+                assert_eq!(outcome.ticks, 18_000);
+                worst = worst.max(outcome.above_refill_j);
+                assert!(
+                    outcome.above_refill_j <= CAPACITY_J + ENCODER_J,
+                    "delay {delay}, {amplitude_rad} rad at {hz} Hz about {centre_rad} rad: {} J",
+                    outcome.above_refill_j
+                );
+            }
+        }
+    }
+    println!(
+        "worst about the end of positions: {:.2} mJ above the refill",
+        1e3 * worst
+    );
+    // Something was to be had.
+    assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
 /// The same where the position at the change of force is measured.

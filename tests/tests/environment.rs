@@ -390,6 +390,41 @@ fn overspeed_between_two_walls_takes_the_force_away_for_good() {
     assert!(account(&again) < account(&fresh));
 }
 
+/// An angle, far from every wall.
+struct Far(Si);
+impl Reading<Fixed32> for Far {
+    fn angle(&self) -> Si {
+        self.0
+    }
+    fn penetration(&self, _: &Face) -> Position<Fixed32> {
+        Position::zero()
+    }
+}
+
+/// After 340 million turns angles end; a motion there would not be counted.
+#[test]
+fn no_force_where_angles_end() {
+    let mut settings = Settings::thesis();
+    settings.guard.on = true;
+    for side in [Si::ONE, -Si::ONE] {
+        let mut environment = built::<Fixed32>(&settings, &[], Some(&detents()));
+        let mut angle = si("2147481590");
+        let mut pushes = 0;
+        while angle < si("2147481600") {
+            pushes += u32::from(environment.tick(&Far(angle * side), None) != Force::zero());
+            assert!(!environment.tripped());
+            angle += si("0.01");
+        }
+        assert!(pushes > 900, "{pushes}");
+        for beyond in ["2147481600.01", "2147483647", "2147481000"] {
+            environment.tick(&Far(si(beyond) * side), None);
+            let force = environment.tick(&Far(si(beyond) * side), None);
+            assert_eq!(force, Force::zero());
+            assert!(environment.tripped());
+        }
+    }
+}
+
 #[test]
 fn a_knob_turns_on_without_end() {
     // 12,000 rad: beyond what a position of any format can hold.

@@ -1,7 +1,10 @@
 //! The guard where it stands, between law and motor: what scenes and devices do with it.
 
-use touchstone_control::{Controller, Fixed32, Force, Position, Settings, Si};
+use touchstone_control::{
+    Controller, CountScale, Fixed16, Fixed32, Force, LawKind, Position, Reported, Settings, Si,
+};
 use touchstone_sim::run::{self};
+use touchstone_tests::random::Random;
 use touchstone_tests::thesis;
 
 fn wall(change: impl Fn(&mut Settings)) -> Controller<Fixed32> {
@@ -105,6 +108,115 @@ fn overspeed_switches_off_until_the_next_arming() {
     again.resume(&fresh);
     assert!(!again.tripped());
     assert!(force(&mut again, 0.02) > 0.0);
+}
+
+/// A knob of 40,000 counts a turn, which counts on wherever positions end.
+const COUNTS_PER_REV: u32 = 40_000;
+const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS_PER_REV as f64;
+
+fn counted<N: Reported>(wall: &mut Controller<N>, count: i64) -> f64 {
+    let scale = CountScale::new(COUNTS_PER_REV, Si::ZERO).unwrap();
+    wall.tick(scale.penetration(count)).to_f64()
+}
+
+/// What a hand got out that wandered about the end of positions, J above the refill in the worst window, and how often it armed again.
+fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64, u32) {
+    let fresh = Controller::<N>::new(settings).unwrap();
+    let mut wall = fresh;
+    let mut random = Random::new(seed);
+    let guard = &settings.guard;
+    let trusted: f64 = (guard.share_of_damping * guard.damping).to_num::<f64>() * 1e3;
+    let refill_j = guard.refill.to_num::<f64>() * 1e-3;
+    let end = (end_rad / COUNT_RAD) as i64;
+    let (mut at, mut speed, mut left) = (end - 3_000, 0, 0);
+    let (mut out, mut least, mut most, mut force, mut armed) = (0.0_f64, 0.0, 0.0_f64, 0.0, 0);
+    for _ in 0..100_000 {
+        if left == 0 {
+            left = 1 + random.bits() % (1 << (random.bits() % 10));
+            speed = i64::from(random.whole(380)) >> (random.bits() % 6);
+            if (at - end).abs() > 20_000 {
+                speed = -speed.abs() * (at - end).signum();
+            }
+        }
+        left -= 1;
+        at += speed;
+        let moved = speed as f64 * COUNT_RAD;
+        out -= force * moved + trusted * moved * moved + refill_j;
+        most = most.max(out - least);
+        if wall.tripped() {
+            armed += 1;
+            wall.resume(&fresh);
+        }
+        force = counted(&mut wall, at);
+        least = f64::min(least, out);
+    }
+    (most, armed)
+}
+
+/// A hand that arms again whenever the guard has tripped, in every format: no motion under a force goes uncounted.
+#[test]
+fn no_way_across_the_end_of_positions_goes_uncounted() {
+    let mut settings = Settings::thesis();
+    settings.guard.on = true;
+    settings.law = LawKind::Spring;
+    let bound_j = settings.guard.capacity.to_num::<f64>() + 0.5 * COUNT_RAD;
+    for seed in 0..3 {
+        for (most, armed) in [
+            wandering::<Fixed32>(&settings, 128.0, seed),
+            wandering::<Fixed16>(&settings, 2.0, seed),
+            wandering::<f32>(&settings, 128.0, seed),
+            wandering::<f64>(&settings, 128.0, seed),
+        ] {
+            println!(
+                "{:.3} of {:.3} mJ, armed {armed} times",
+                1e3 * most,
+                1e3 * bound_j
+            );
+            assert!(most <= bound_j, "{most} J of {bound_j} J");
+            assert!(armed > 10_000 && most > 0.5 * bound_j);
+        }
+    }
+}
+
+#[test]
+fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
+    let fresh = wall(|_| ());
+    let at_rad = |rad: f64| (rad / COUNT_RAD) as i64;
+    // Two displacements of 60 rad/s before the end: 127.88 rad.
+    let mut inside = fresh;
+    for tick in 0..=450 {
+        let rad = 127.5 + 1.1e-3 * f64::from(tick);
+        let force = counted(&mut inside, at_rad(rad));
+        assert_eq!(inside.tripped(), rad > 127.88, "{rad} rad");
+        assert_eq!(force > 0.0, rad < 127.88, "{rad} rad");
+    }
+    // The encoder counts on, far beyond what the format holds, and comes back.
+    let left = inside.guard.unwrap().account();
+    for turns in [21, 30, 1_000, 100_000, 2_000_000, 40, 10] {
+        assert_eq!(counted(&mut inside, 40_000 * turns), 0.0);
+        assert!(inside.tripped());
+    }
+    // Armed again out there, there is no force either, and no new account.
+    let mut again = inside;
+    again.resume(&fresh);
+    assert!(!again.tripped() && again.guard.unwrap().account() <= left);
+    assert_eq!(counted(&mut again, at_rad(127.9)), 0.0);
+    assert!(again.tripped());
+    again.resume(&fresh);
+    assert!(counted(&mut again, at_rad(120.0)) > 0.0 && !again.tripped());
+}
+
+/// Twenty turns the other way nothing is to be pushed, and a knob that is turned back finds its wall.
+#[test]
+fn a_free_knob_beyond_the_end_of_positions_is_no_fault() {
+    let mut wall = wall(|_| ());
+    let far = -1_000_000;
+    let outwards = (0..=3_334).map(|tick| -300 * tick);
+    for count in outwards.clone().chain(outwards.map(|count| far - count)) {
+        counted(&mut wall, count);
+        assert!(!wall.tripped(), "{count}");
+    }
+    assert!(counted(&mut wall, 300) > 0.0);
 }
 
 #[test]

@@ -32,6 +32,7 @@ fn every_shipped_scene_is_judged_here() {
         names,
         [
             "free-release",
+            "gimbal-knob",
             "identify",
             "low-stiffness",
             "press-hold",
@@ -61,6 +62,23 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
         );
         assert_close(run.k_displayed, 5.0, 0.05);
         assert_close(run.rate_hardness, 5.0, HARDNESS);
+    }
+}
+
+/// The tuned law on the small motor, for every grip: the press of 30 mN·m comes to rest at the wall's stiffness, no deeper than the
+/// scorecard allows, and the guard is not needed.
+#[test]
+fn the_small_knob_shows_its_wall_to_every_grip() {
+    for grip in ["light", "medium", "firm"] {
+        let scene = scene::Scene::load("gimbal-knob").unwrap();
+        let scene = scene
+            .with_overrides(&[&format!("operator.grip={grip}")])
+            .unwrap();
+        let run = run::run(&scene, false).unwrap().summary;
+        assert_eq!(run.verdict, Verdict::Passive, "{grip}");
+        assert_close(run.k_displayed, 2.0, 0.05);
+        assert!(run.peak_penetration_ratio.unwrap() < 1.1, "{grip}");
+        assert_eq!(run.guard_limited_ticks, Some(0), "{grip}");
     }
 }
 

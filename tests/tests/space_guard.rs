@@ -102,6 +102,35 @@ fn overspeed_in_any_direction_switches_off() {
     );
 }
 
+/// Near the end of what a coordinate can say no force is shown, and what those of before moved is booked first.
+#[test]
+fn the_end_of_positions_in_any_direction_takes_the_force_away() {
+    let guard = guard();
+    let place = |[x, y, z]: [&str; 3]| {
+        Vector(vector(x, y, z).map(|x| Position::<Fixed32>::from_si(x).expect("fits")))
+    };
+    let force = Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits")));
+    let (still, none) = (Vector::default(), Vector::default());
+    // 0.1 cm is the furthest of a tick: the edge is two of them before 128 cm.
+    for (before, moved) in [
+        (["127.79", "0", "5"], ["0.02", "0", "0"]),
+        (["-3", "-127.79", "0"], ["0", "-0.02", "0"]),
+        (["0", "9", "127.79"], ["0", "-0.03", "0.02"]),
+    ] {
+        let (before, moved) = (place(before), place(moved));
+        let mut state = guard.full();
+        let answer = guard.tick_at(&mut state, before, still, force);
+        assert_eq!(answer, Ok(force));
+        let mut booked = state;
+        guard.tick(&mut booked, moved, none).expect("slow");
+        let there = before + moved;
+        assert!(guard.tick_at(&mut state, there, moved, force).is_err());
+        assert_eq!(state, booked);
+        // Without a wish there is nothing to refuse.
+        assert_eq!(guard.tick_at(&mut state, there, still, none), Ok(none));
+    }
+}
+
 /// Along one axis it is the guard of one axis, but for the counts of a vector.
 #[test]
 fn what_is_commanded_smaller_is_booked_smaller() {

@@ -1,5 +1,5 @@
 //! `cargo xtask cycles`: instructions and table cycles of the law, the control interrupt and the current loop, on the real programs
-//! of both boards in the emulator, worst over presses, taps and hard settings; and how deep the stack was.
+//! of all boards in the emulator, worst over presses, taps and hard settings; and how deep the stack was.
 
 use crate::emulator;
 use crate::outcome::Outcome;

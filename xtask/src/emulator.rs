@@ -11,8 +11,8 @@ const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
 
 /// Builds the firmware of all boards and the emulator, calls the emulator with a command and the programs; what it said last.
 pub fn call(command: &str, words: &[String]) -> Outcome {
-    let both = firmware_and_emulator(&firmware::BOARDS);
-    both.map_or_else(
+    let all = firmware_and_emulator(&firmware::BOARDS);
+    all.map_or_else(
         |outcome| outcome,
         |(emulator, programs)| {
             let mut call = shell::program(&emulator);

@@ -1,4 +1,4 @@
-//! `cargo xtask fil [--only TEXT]`: the firmware in the loop. The real programs of both boards, on an emulated chip with a
+//! `cargo xtask fil [--only TEXT]`: the firmware in the loop. The real programs of all boards, on an emulated chip with a
 //! simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the bit, and
 //! every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`].
 

@@ -1,4 +1,4 @@
-//! `cargo xtask firmware [--board BOARD]`: builds the firmware of both boards and looks at what came out.
+//! `cargo xtask firmware [--board BOARD]`: builds the firmware of all boards and looks at what came out.
 //!
 //! The program of a board ends up in `target/firmware/BOARD/touchstone.elf`, which is what the emulator runs and
 //! `touchstone flash` writes.
@@ -12,10 +12,11 @@ use crate::toolchain::{self, BOARD};
 use crate::{inspect, shell};
 
 /// The boards: each is the name of a binary and of a feature of `firmware/`.
-pub const BOARDS: [&str; 2] = ["nucleo-g474re", "b-g431b-esc1"];
+pub const BOARDS: [&str; 3] = ["nucleo-g474re", "nucleo-g474re-ihm16m1", "b-g431b-esc1"];
 
 /// What `cargo xtask firmware` takes.
-const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|b-g431b-esc1]";
+const USAGE: &str =
+    "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|b-g431b-esc1]";
 
 /// Where a board's program is, once built.
 pub fn program(board: &str) -> PathBuf {

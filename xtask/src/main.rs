@@ -8,6 +8,7 @@ mod bench;
 mod changes;
 mod counted;
 mod cycles;
+mod dist;
 mod doc;
 mod emulator;
 mod fil;
@@ -129,14 +130,14 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware",
-        about: "both boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
+        about: "all boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: firmware::run,
     },
     Step {
         name: "fil",
-        about: "both boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
+        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
                 their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`",
         in_test: true,
         quick: Quick::LeftOut,
@@ -156,6 +157,14 @@ const STEPS: &[Step] = &[
         in_test: true,
         quick: Quick::LeftOut,
         run: bench::run,
+    },
+    Step {
+        name: "dist",
+        about: "an archive with which a maker needs no compiler, in `target/dist`: program, every board's firmware, guide, licences, \
+                checksums; unpacked and tried",
+        in_test: false,
+        quick: Quick::LeftOut,
+        run: dist::run,
     },
     Step {
         name: "prove",

@@ -184,6 +184,13 @@ pub fn active_version() -> String {
     version.split_whitespace().nth(1).unwrap_or("").to_owned()
 }
 
+/// The machine that the compiler which runs this program makes code for, as it calls it.
+pub fn host() -> String {
+    let all = shell::capture(Origin::Active.rustc().arg("-vV")).unwrap_or_default();
+    let host = all.lines().find_map(|line| line.strip_prefix("host: "));
+    host.unwrap_or_default().to_owned()
+}
+
 /// Names of rustup's toolchains.
 fn toolchains() -> Vec<String> {
     let list = shell::capture(shell::program("rustup").args(["toolchain", "list"]));

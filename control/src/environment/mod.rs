@@ -33,6 +33,10 @@ use crate::{
 /// Walls that an environment has at most: two endstops and four between them.
 pub const MOST_WALLS: usize = 6;
 
+/// From such an angle on, to either side, no force is shown: twice the furthest that any guard answers for in a tick (1,000 rad/s, one tick
+/// a second), and some counts, before the end of [`Si`], where an angle stands still while the device moves on.
+const EDGE: Si = Si::lit("2147481600");
+
 /// A wall: where it is, and the stiffness that it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WallSettings {
@@ -171,6 +175,7 @@ impl<N: Number> Environment<N> {
         let since = |angle: Si| Position(N::saturating_signal(angle.saturating_sub(last)));
         let moved = since(now);
         let before_change = at_change.map_or(Position::zero(), |angle| since(on_step(angle)));
+        guard.tripped |= wanted != Force::zero() && angle.saturating_abs() >= EDGE;
         // By the force that acted, so that the mirror image of a motion has the mirror image of its roundings.
         let (force, older) = (guard.state.force, guard.state.older);
         if force < Force::zero() || (force == Force::zero() && older < Force::zero()) {

@@ -121,7 +121,8 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
 impl<N: Number> Estimator<N> {
     /// One control period: the measured penetration to penetration and displacement per tick at the time at which the command
     /// that follows will begin to act. [`Estimator::commanded`] must follow.
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn tick(&self, state: &mut EstimatorState<N>, measured: Position<N>) -> Sample<N> {
         let motion = state
             .motion

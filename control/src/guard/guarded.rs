@@ -1,9 +1,10 @@
 //! A guard at work: its coefficients beside its memory, the last position, and the trip.
 
 use super::{Guard, GuardState};
-use crate::{Energy, Force, Number, Position};
+use crate::{Energy, Force, Number, Position, Si};
 
-/// A guard with its memory. After overspeed it shows no force any more, until it is taken up again ([`Guarded::resumed`]).
+/// A guard with its memory. After overspeed, and where a force is wanted at the end of what positions can say, it shows no force any
+/// more, until it is taken up again ([`Guarded::resumed`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guarded<N: Number> {
     /// Coefficients.
@@ -14,20 +15,25 @@ pub struct Guarded<N: Number> {
     pub last: Option<Position<N>>,
     /// Whether the law got less than it wanted at the last tick.
     pub limited: bool,
-    /// Whether there was overspeed.
+    /// Whether there was overspeed, or a force was wanted beyond the edge.
     pub tripped: bool,
+    /// From here on, to either side, no force is shown: two furthest displacements before the format's end. A position beyond that end
+    /// is measured as that end, so that a motion there would not be counted.
+    edge: Position<N>,
 }
 
 impl<N: Number> Guarded<N> {
     /// At power-up: a full account.
     #[must_use]
     pub fn new(guard: Guard<N>) -> Self {
+        let end = Position(N::saturating_signal(Si::MAX));
         Self {
             guard,
             state: guard.full(),
             last: None,
             limited: false,
             tripped: false,
+            edge: end - guard.furthest - guard.furthest,
         }
     }
 
@@ -50,6 +56,11 @@ impl<N: Number> Guarded<N> {
 
     /// One control period: the measured penetration, that at which the force changed since the last tick (where it is
     /// measured), and the force that the law wants, to the force that it may have.
+    ///
+    /// While a force acts every displacement is the true one: the last sample was before the edge, so the next one, if it is not
+    /// overspeed, is a displacement beyond it at most; the force on its way then, if there still is one, ends with the sample after
+    /// that, at most at the format's end. Beyond the edge a motion costs nothing, as no force acts, and what is measured of it is not
+    /// more than it was.
     #[inline]
     pub fn tick(
         &mut self,
@@ -59,7 +70,15 @@ impl<N: Number> Guarded<N> {
     ) -> Force<N> {
         let last = self.last.replace(e).unwrap_or(e);
         let before_change = at_change.map_or(Position::zero(), |x| x - last);
+        self.tripped |= wanted != Force::zero() && self.is_beyond_edge(e);
         self.moved(e - last, before_change, wanted)
+    }
+
+    /// Whether a position is too near the format's end for a force.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_beyond_edge(&self, e: Position<N>) -> bool {
+        e >= self.edge || e <= -self.edge
     }
 
     /// The same for a displacement since the last tick, and the part of it before the force changed.

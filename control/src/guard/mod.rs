@@ -66,7 +66,8 @@ pub struct GuardState<N: Number> {
     pub older: Force<N>,
 }
 
-/// The device moved further in a tick than the account answers for. No force may follow; the caller has to switch off.
+/// The device moved further in a tick than the account answers for, or, of a stage that knows where it is, to where positions end. No
+/// force may follow; the caller has to switch off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Overspeed;
 
@@ -100,7 +101,8 @@ impl<N: Number> Guard<N> {
     ///
     /// # Errors
     /// As [`Guard::tick`].
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn tick_with_change(
         &self,
         state: &mut GuardState<N>,

@@ -151,7 +151,8 @@ impl<N: Number> EnhancedSfa<N> {
     }
 
     /// Lines 3–13: the new offset, never negative (a negative one would end the contact inside the wall, §3.1).
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
         let held = &state.augmented;
         let due = match self.update {
@@ -178,7 +179,8 @@ impl<N: Number> EnhancedSfa<N> {
     }
 
     /// Chooses the force on the mass and moves it, so that the energy stays non-negative. Returns the force.
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn move_mass(
         &self,
         state: &mut EnhancedState<N>,
@@ -203,7 +205,8 @@ impl<N: Number> EnhancedSfa<N> {
     }
 
     /// Force on the HIP after the first contact; `None` once the wall has been left.
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     fn augmented_force(
         &self,
         state: &mut EnhancedState<N>,
@@ -266,7 +269,8 @@ impl<N: Number> EnhancedSfa<N> {
     }
 
     /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn affordable_move(
         &self,
         from: Position<N>,
@@ -298,7 +302,8 @@ impl<N: Number> EnhancedSfa<N> {
 impl<N: Number> Law<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
 
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     fn tick(&self, state: &mut EnhancedState<N>, sample: Sample<N>) -> Force<N> {
         let Sample { e, moved } = sample;
         if state.contact == Contact::Free && e > Position::zero() {
@@ -325,7 +330,8 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         match force {
             Some(force) => {
                 state.last = e;
-                state.force = force.within(self.limit);
+                // It never pulls.
+                state.force = force.min(self.limit);
                 state.force
             }
             None => {

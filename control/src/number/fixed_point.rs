@@ -1,9 +1,11 @@
 //! The fixed-point formats: signed edges around the magnitudes of [`crate::magnitude`].
 
+use super::saturating::Saturates as _;
 use super::{Number, Wide64};
 use crate::Si;
 use crate::magnitude::{self, Word};
 use crate::reciprocal::Reciprocal32;
+use core::hint::cold_path;
 use fixed::types::{I1F7, I2F14, I4F28, I5F3, I8F24, I10F6, I16F48, I20F12};
 
 /// 32-bit formats: what the firmware runs.
@@ -50,7 +52,14 @@ macro_rules! fixed_number {
             /// A magnitude of at most `MAX_SIGNED` with its sign.
             #[inline(always)]
             fn signed(magnitude: $word, negative: bool) -> $signal {
-                let bits = magnitude.min(<$word as Word>::MAX_SIGNED) as $int;
+                debug_assert!(magnitude <= <$word as Word>::MAX_SIGNED);
+                // Said once more where it makes the program smaller.
+                let said = if cfg!(target_pointer_width = "32") {
+                    magnitude.min(<$word as Word>::MAX_SIGNED)
+                } else {
+                    magnitude
+                };
+                let bits = said as $int;
                 <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
             }
 
@@ -60,6 +69,18 @@ macro_rules! fixed_number {
                 let shifted = wide >> bits;
                 debug_assert!(<$int>::try_from(shifted).is_ok(), "{shifted} does not fit");
                 <$signal>::from_bits(shifted as $int)
+            }
+
+            /// The bits of a signal, or of the end that they are beyond.
+            #[inline(always)]
+            fn ended(bits: i64) -> $signal {
+                <$signal>::from_bits(match <$int>::try_from(bits) {
+                    Ok(bits) => bits,
+                    Err(_) => {
+                        cold_path();
+                        if bits < 0 { <$int>::MIN } else { <$int>::MAX }
+                    }
+                })
             }
 
             #[inline(always)]
@@ -109,9 +130,11 @@ macro_rules! fixed_number {
             }
             #[inline]
             fn saturating_signal(si: Si) -> $signal {
-                let limit = i64::from(<$int>::MAX);
-                let bits = Self::from_si(si, Self::SIGNAL_BITS).clamp(-limit - 1, limit);
-                <$signal>::from_bits(bits as $int)
+                // Towards zero: a shift floors, and a negative number is first raised by what it may lose.
+                let down = const { Si::FRAC_NBITS - Self::SIGNAL_BITS };
+                let lost = (1_i64 << down) - 1;
+                let bits = si.to_bits();
+                Self::ended(bits.wrapping_add(bits >> (i64::BITS - 1) & lost) >> down)
             }
             fn gain(si: Si) -> Option<$gain> {
                 if si.is_negative() {
@@ -138,20 +161,20 @@ macro_rules! fixed_number {
 
             #[inline(always)]
             fn add(a: $signal, b: $signal) -> $signal {
-                a.saturating_add(b)
+                <$signal>::from_bits(a.to_bits().sum(b.to_bits()))
             }
             #[inline(always)]
             fn sub(a: $signal, b: $signal) -> $signal {
-                a.saturating_sub(b)
+                <$signal>::from_bits(a.to_bits().difference(b.to_bits()))
             }
             #[inline(always)]
             fn neg(a: $signal) -> $signal {
-                a.saturating_neg()
+                <$signal>::from_bits(a.to_bits().opposite())
             }
             #[inline(always)]
             fn modulus(a: $signal) -> $signal {
                 // Of the magnitude, so that the compiler knows the sign of what comes out.
-                Self::signed(Self::magnitude(a), false)
+                Self::signed(Self::magnitude(a).at_most_signed(), false)
             }
             #[inline(always)]
             fn scale(r: $signal, x: $signal) -> $signal {
@@ -173,11 +196,11 @@ macro_rules! fixed_number {
             }
             #[inline(always)]
             fn add_product(a: $wide, b: $wide) -> $wide {
-                a.saturating_add(b)
+                a.sum(b)
             }
             #[inline(always)]
             fn sub_product(a: $wide, b: $wide) -> $wide {
-                a.saturating_sub(b)
+                a.difference(b)
             }
             #[inline(always)]
             fn add_fitting(a: $wide, b: $wide) -> $wide {
@@ -246,12 +269,15 @@ macro_rules! fixed_number {
             fn narrow(x: Wide64) -> $signal {
                 let down = Wide64::FRACTION.wrapping_sub(Self::SIGNAL_BITS);
                 let half = 1_i64.wrapping_shl(down.wrapping_sub(1));
-                let bits = x.0.saturating_add(half) >> down;
-                <$signal>::from_bits(<$int>::try_from(bits).unwrap_or(if bits < 0 {
-                    <$int>::MIN
-                } else {
-                    <$int>::MAX
-                }))
+                // It wraps beyond the range only, and there the state says on which side.
+                let sum = x.0.wrapping_add(half);
+                // Of the upper word, which is all that a machine of words needs to look at.
+                let (high, limit) = ((sum >> 32) as i32, const { 1_i32 << (<$int>::BITS - 1 + Wide64::FRACTION - Self::SIGNAL_BITS - 32) });
+                if high >= -limit && high < limit {
+                    return <$signal>::from_bits((sum >> down) as $int);
+                }
+                cold_path();
+                if x.0 < 0 { <$signal>::MIN } else { <$signal>::MAX }
             }
 
             #[inline(always)]
@@ -262,11 +288,11 @@ macro_rules! fixed_number {
             }
             #[inline(always)]
             fn add_energy(a: $energy, b: $energy) -> $energy {
-                a.saturating_add(b)
+                <$energy>::from_bits(a.to_bits().sum(b.to_bits()))
             }
             #[inline(always)]
             fn sub_energy(a: $energy, b: $energy) -> $energy {
-                a.saturating_sub(b)
+                <$energy>::from_bits(a.to_bits().difference(b.to_bits()))
             }
             #[inline(always)]
             fn add_energy_fitting(a: $energy, b: $energy) -> $energy {
@@ -315,10 +341,8 @@ macro_rules! fixed_number {
                 if e.is_negative() {
                     return <$signal>::ZERO;
                 }
-                Self::signed(
-                    magnitude::root::<$word>(e.to_bits().unsigned_abs()).root,
-                    false,
-                )
+                let root = magnitude::root::<$word>(e.to_bits().unsigned_abs()).root;
+                Self::signed(root.at_most_signed(), false)
             }
             fn root_of_four(k: $gain) -> $gain {
                 // sqrt(4 k 2^-b) = sqrt(k 2^(2+b)) 2^-b; the root of a word is far below the signed limit.

@@ -25,7 +25,8 @@ macro_rules! float_number {
                 Some(si.to_num())
             }
             fn saturating_signal(si: Si) -> $float {
-                si.to_num()
+                let x: $float = si.to_num();
+                x.clamp(-LARGEST as $float, LARGEST as $float)
             }
             fn gain(si: Si) -> Option<$float> {
                 if si.is_negative() {

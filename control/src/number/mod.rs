@@ -15,11 +15,13 @@ mod fixed_point;
 mod float;
 #[cfg(feature = "float")]
 mod reported;
+mod saturating;
 mod wide;
 
 pub use fixed_point::{Fixed8, Fixed16, Fixed32};
 #[cfg(feature = "float")]
 pub use reported::Reported;
+pub(crate) use saturating::Saturates;
 pub use wide::{Exact, Wide, Wide64};
 
 use crate::Si;

@@ -62,6 +62,9 @@ impl Wide64 {
             "{} is no part",
             self.0
         );
+        if cfg!(target_pointer_width = "64") {
+            return (self.0 >> down) as i32;
+        }
         // Of the two words, so that the compiler sees a word and multiplies words.
         let (high, low) = ((self.0 >> 32) as u32, self.0 as u32);
         let up = 32_u32.wrapping_sub(down);

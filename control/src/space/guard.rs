@@ -85,6 +85,30 @@ impl<N: Spatial> VectorGuard<N> {
         self.tick_with_change(state, moved, Vector::default(), wanted)
     }
 
+    /// The same at a measured place. From two furthest displacements before the format's end on, in any coordinate, no force is shown:
+    /// beyond that end a motion would not be counted ([`crate::Guarded::tick`]).
+    ///
+    /// # Errors
+    /// As [`VectorGuard::tick`], and where a force is wanted there.
+    #[inline]
+    pub fn tick_at(
+        &self,
+        state: &mut VectorGuardState<N>,
+        at: Vector<Position<N>>,
+        moved: Vector<Position<N>>,
+        wanted: Vector<Force<N>>,
+    ) -> Result<Vector<Force<N>>, Overspeed> {
+        let furthest = self.of_length.furthest;
+        let edge = Position(N::saturating_signal(Si::MAX)) - furthest - furthest;
+        let is_beyond = at.0.into_iter().any(|x| x >= edge || x <= -edge);
+        if !is_beyond || wanted == Vector::default() {
+            return self.tick(state, moved, wanted);
+        }
+        // The forces that acted are booked before none follows.
+        self.tick(state, moved, Vector::default())?;
+        Err(Overspeed)
+    }
+
     /// One control period where the position was also taken when the force changed: `before_change` is the part of `moved` that
     /// came before.
     ///

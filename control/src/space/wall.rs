@@ -82,7 +82,8 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
     /// If a later stage changes that force, [`SpaceWall::commanded`] must follow.
     ///
     /// # Errors
-    /// Overspeed, of a guard: the force is 0, and the caller has to switch off.
+    /// Overspeed, of a guard, or a force that is wanted at the end of what positions can say: the force is 0, and the caller has to
+    /// switch off.
     #[inline]
     pub fn tick(&mut self, at: Vector<Position<N>>) -> Result<Vector<Force<N>>, Overspeed> {
         let touch = match &mut self.estimator {
@@ -106,7 +107,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
         let guarded = match &mut self.guard {
-            Some((guard, state)) => guard.tick(state, moved, force),
+            Some((guard, state)) => guard.tick_at(state, at, moved, force),
             None => Ok(force),
         };
         self.commanded = guarded.unwrap_or_default();

@@ -2,9 +2,11 @@
 
 mod b_g431b_esc1;
 mod ihm08m1;
+mod ihm16m1;
 
 pub use b_g431b_esc1::B_G431B_ESC1;
 pub use ihm08m1::IHM08M1;
+pub use ihm16m1::IHM16M1;
 
 use crate::modulation::Modulator;
 use crate::thermistor::Thermistor;

@@ -239,10 +239,11 @@ fn cycles(cycles: u32) -> i32 {
 }
 
 fn break_fault(input: &ControlInput) -> Option<Found> {
-    if input.hardware_break {
-        Some((FaultCode::HardwareBreak, 0))
-    } else if input.gate_driver_error {
+    // A driver with a line for it pulls the break by it: its own word is the nearer one.
+    if input.gate_driver_error {
         Some((FaultCode::GateDriver, 0))
+    } else if input.hardware_break {
+        Some((FaultCode::HardwareBreak, 0))
     } else {
         None
     }

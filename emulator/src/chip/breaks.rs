@@ -2,6 +2,7 @@
 //! supply's detector and an error in flash hold, each where SYSCFG_CFGR2 lets it (RM0440, 10.2.5).
 
 use super::Chip;
+use crate::board::BREAK_PIN;
 
 /// Offset of the register that connects the system's errors to the breaks of the timers.
 const SYSCFG_CFGR2: u32 = 0x1c;
@@ -37,7 +38,14 @@ impl Chip {
 
     /// The break inputs as the board drives them now. A comparator that the program has not switched on says nothing.
     pub fn update_break(&mut self, now: u64) {
-        let (pin, over) = self.board.break_input(&self.world);
+        let (mut pin, over) = self.board.break_input(&self.world);
+        if let Some((port, at)) = self.board.driver_line {
+            let pulls = self.board.driver_pulls(&self.world);
+            self.ports[port].drive(at, pulls.then_some(false));
+            self.bridge.set_stage_off(!self.ports[port].level(at), now);
+            let (port, at) = BREAK_PIN;
+            pin = self.ports[port].level(at);
+        }
         let mut comparators = 0;
         for (bit, offset) in COMP_CSR.into_iter().enumerate() {
             comparators |= (self.plain[2].get(offset) & COMP_EN) << bit;

@@ -3,6 +3,7 @@
 use super::Chip;
 use super::map::{Block, MAP};
 use crate::peripheral::Peripheral;
+use crate::peripheral::rcc::Rcc;
 
 impl Chip {
     fn peripheral(&mut self, block: Block) -> &mut dyn Peripheral {
@@ -29,17 +30,41 @@ impl Chip {
         }
     }
 
-    fn find(&mut self, address: u32) -> (Block, u32) {
-        let found = MAP
+    /// An amplifier is on, with its output led to the converter inside (RM0440, OPAMPx_CSR).
+    pub(super) fn amplifies(&self, amplifier: usize) -> bool {
+        const ON_AND_INSIDE: u32 = 1 | 1 << 8;
+        self.plain[3].get(4 * amplifier as u32) & ON_AND_INSIDE == ON_AND_INSIDE
+    }
+
+    /// The block, its register, and whether the block is clocked.
+    fn find(&mut self, address: u32) -> (Block, u32, bool) {
+        let at = MAP
             .iter()
-            .find(|(base, size, _)| (*base..base + size).contains(&address));
-        match found {
-            Some((base, _, block)) => (*block, address - base),
+            .position(|(base, size, ..)| (*base..base + size).contains(&address));
+        match at {
+            Some(at) => {
+                let (base, _, block, _) = MAP[at];
+                (block, address - base, self.clocked >> at & 1 != 0)
+            }
             None => {
                 self.unknown.insert(address);
-                (Block::Other, address)
+                (Block::Other, address, true)
             }
         }
+    }
+
+    /// Which rows of the map are clocked, as RCC says now.
+    pub(super) fn clocked(rcc: &Rcc) -> u64 {
+        let clocked = |(.., clock): &(u32, u32, Block, Option<(u32, u32)>)| {
+            clock.is_none_or(|(register, bit)| rcc.gives(register, bit))
+        };
+        (MAP.iter().enumerate()).fold(0, |all, (at, row)| all | u64::from(clocked(row)) << at)
+    }
+
+    /// What a register holds, clocked or not.
+    pub fn peek(&mut self, address: u32) -> u32 {
+        let (now, (block, offset, _)) = (self.core.now, self.find(address));
+        self.peripheral(block).read(offset, now)
     }
 
     /// A read by the program.
@@ -49,11 +74,15 @@ impl Chip {
             system if system >= 0xe000_0000 => self.read_system(system),
             rom @ 0x1fff_7000..0x1fff_8000 => self.board.system_memory(rom),
             register => {
-                let (block, offset) = self.find(register);
-                let value = self.peripheral(block).read(offset, now);
-                let value = self.board.read_back(register, value);
-                self.refresh();
-                value
+                let (block, offset, clocked) = self.find(register);
+                if clocked {
+                    let value = self.peripheral(block).read(offset, now);
+                    let value = self.board.read_back(register, value);
+                    self.refresh();
+                    value
+                } else {
+                    0
+                }
             }
         };
         let shifted = word >> (8 * (address & 3));
@@ -70,15 +99,18 @@ impl Chip {
         if address >= 0xe000_0000 {
             self.write_system(address, value, size);
         } else {
-            let (block, offset) = self.find(address & !3);
+            let (block, offset, clocked) = self.find(address & !3);
+            self.written.insert(address & !3);
             let shift = 8 * (address & 3);
             if block == Block::Tim1 {
                 // What changes the bridge changes it from now on.
                 self.drive_world();
             }
-            self.peripheral(block)
-                .write(offset & !3, value << shift, now);
-            self.after_write(block);
+            if clocked {
+                self.peripheral(block)
+                    .write(offset & !3, value << shift, now);
+                self.after_write(block);
+            }
         }
         self.refresh();
         self.core.limit = self.core.limit.min(self.next_event());
@@ -99,7 +131,10 @@ impl Chip {
             }
             Block::Pwr | Block::Syscfg | Block::Flash => self.update_break(self.core.now),
             Block::Tim1 => self.drive_world(),
-            Block::Rcc => self.wwdg.set_clock(self.rcc.wwdg_hz(), self.core.now),
+            Block::Rcc => {
+                self.wwdg.set_clock(self.rcc.wwdg_hz(), self.core.now);
+                self.clocked = Self::clocked(&self.rcc);
+            }
             _ => {}
         }
         if self.flash.busy_until() > self.core.now {

@@ -58,6 +58,8 @@ pub struct Chip {
     /// The flash controller.
     pub flash: Flash,
     rcc: Rcc,
+    /// Which rows of the map are clocked.
+    clocked: u64,
     /// The supply.
     pub pwr: Pwr,
     exti: Exti,
@@ -79,6 +81,8 @@ pub struct Chip {
     pub faults: Vec<String>,
     /// Registers that were used and are not modelled: addresses.
     pub unknown: std::collections::BTreeSet<u32>,
+    /// Registers that the program has written since the power came on: addresses.
+    pub written: std::collections::BTreeSet<u32>,
     /// Frequency of the watchdog's oscillator, Hz.
     lsi_hz: u64,
     /// An interrupt that is raised again and again by something that the program does not know: (number, period, next time).
@@ -104,6 +108,7 @@ impl Chip {
             wwdg: Wwdg::default(),
             flash: Flash::new(board.option_bytes),
             rcc: Rcc::new(ResetCause::PowerOn, None),
+            clocked: 0,
             pwr: Pwr::new(3.3),
             exti: Exti::default(),
             plain: Default::default(),
@@ -117,9 +122,11 @@ impl Chip {
             reset_request: None,
             faults: Vec::new(),
             unknown: Default::default(),
+            written: Default::default(),
             lsi_hz,
             storm: None,
         };
+        chip.clocked = Self::clocked(&chip.rcc);
         chip.spi3.slave = chip.board.encoder.slave();
         chip.bridge.gates = chip.board.gates;
         chip
@@ -158,6 +165,7 @@ impl Chip {
         self.flash.reset(self.board.option_bytes);
         self.locked_up = false;
         self.rcc = Rcc::new(cause, Some(&self.rcc));
+        self.clocked = Self::clocked(&self.rcc);
         self.pwr = Pwr::new(self.pwr.supply_v);
         self.exti = Exti::default();
         self.plain = Default::default();

@@ -89,10 +89,14 @@ impl Chip {
             if next > until {
                 return;
             }
+            let amplifies = [0, 1, 2].map(|amplifier| self.amplifies(amplifier));
             for (index, adc) in self.adcs.iter_mut().enumerate() {
                 if let Some(channel) = adc.wants(next) {
                     self.world.advance(next);
-                    let volts = self.board.analog(index, channel, &self.world);
+                    let volts = match self.board.amplifier(index, channel) {
+                        Some(amplifier) if !amplifies[amplifier] => 0.0,
+                        _ => self.board.analog(index, channel, &self.world),
+                    };
                     adc.sample(crate::board::code(volts));
                 }
                 adc.advance(next);

@@ -40,10 +40,10 @@ impl Campaign {
         let kind = setup.board.encoder.kind();
         bench.configure(|settings| {
             settings.encoder.kind = kind;
-            settings.calibration.electrical_turns_per_s = Si::lit("16");
+            settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
             settings.wall.surface_rad = Si::lit("0.3");
-            // A person calibrates once; here it is every few seconds, with 1 A.
-            settings.motor.continuous_current_a = Si::lit("1");
+            // A person calibrates once; here it is every few seconds.
+            settings.motor.continuous_current_a = settings.calibration.current_a;
         })?;
         bench.demand(Request::Save)?;
         Ok(Self { bench, fresh: true })
@@ -116,7 +116,8 @@ impl Campaign {
         bench.wait_for(Phase::Armed, 100 * MS)?;
         bench.run(250 * MS)?;
         if when == When::Pressed {
-            bench.press(&MEDIUM, 0.1, 0.4, 100.0)?;
+            let torque = bench.machine.chip().board.press_n_m;
+            bench.press(&MEDIUM, torque, 0.4, 100.0)?;
             bench.run(500 * MS)?;
             if bench
                 .link

@@ -1,6 +1,5 @@
 //! What is checked beside the injections: the thesis' press, settings in flash, noise on the line, and that two runs are the same.
 
-use touchstone_control::Si;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
@@ -41,14 +40,14 @@ fn presses(program: &Program, setup: &Setup, tally: &mut Tally) {
     };
     let boot = bench.boot().map(|identity| format!("{identity:?}"));
     tally.check("boot", boot);
-    for k in [Si::lit("1"), Si::lit("5")] {
+    for k in setup.board.walls {
         let pressed = press::press(&mut bench, k).map(|press| {
             format!(
                 "{} ticks equal to the bit, {} in contact; at most {:.3} N·m; shows {:.3} N·m/rad, moves {} counts in the hold",
                 press.compared, press.in_contact, press.max_force, press.shown, press.moves
             )
         });
-        tally.check(&format!("thesis' press into {} N·m/rad", k), pressed);
+        tally.check(&format!("press of {} N·m into {k} N·m/rad", setup.board.press_n_m), pressed);
     }
     let used = program.symbol("_stack_start").map(|top| {
         let bottom = program.symbol("_stack_end").unwrap_or(top);

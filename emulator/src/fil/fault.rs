@@ -211,7 +211,7 @@ impl Fault {
         let now = bench.now();
         let chip = bench.machine.chip_mut();
         chip.board.wiring = Default::default();
-        chip.world.bridge.bus_v = 24.0;
+        chip.world.bridge.bus_v = chip.board.supply_v;
         chip.world.temperature_c = 25.0;
         chip.spi3.set_hangs(false, now);
         if let Some(slave) = &mut chip.spi3.slave {

@@ -3,12 +3,12 @@
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
 use super::list::{
-    ASKED_FOR, BESIDE, Injection, ON_ESC1, POWER, PROCESSOR, SECOND, WITH_AS5047P, WITH_MT6701,
-    WITH_TRACKS,
+    ASKED_FOR, BESIDE, Injection, ON_ESC1, ON_IHM16M1, POWER, PROCESSOR, SECOND, WITH_AS5047P,
+    WITH_LINK_R35, WITH_MT6701, WITH_TRACKS,
 };
 use super::tally::Tally;
 use crate::bench::Setup;
-use crate::board::{Board, Encoder};
+use crate::board::{Board, Encoder, FaultLink};
 use crate::cpu::elf::Program;
 
 /// The slowest and the fastest clock that the watchdog may have, Hz.
@@ -18,13 +18,31 @@ const FAST_LSI: u64 = 34_000;
 /// Injections of a piece: so many that starting a device and telling it its settings does not count.
 const PIECE: usize = 12;
 
+/// The boards that there is a model of, by name.
+pub const BOARDS: [&str; 3] = ["nucleo-g474re", "nucleo-g474re-ihm16m1", "b-g431b-esc1"];
+
 /// The boards' programs; what has none is left out.
 #[derive(Debug, Default)]
-pub struct Programs {
-    /// Of the NUCLEO-G474RE with the X-NUCLEO-IHM08M1.
-    pub nucleo_g474re: Option<Program>,
-    /// Of the B-G431B-ESC1.
-    pub b_g431b_esc1: Option<Program>,
+pub struct Programs(Vec<(&'static str, Program)>);
+
+impl Programs {
+    /// Adds a board's.
+    pub fn add(&mut self, board: &'static str, program: Program) {
+        self.0.push((board, program));
+    }
+
+    /// A board's.
+    #[must_use]
+    pub fn of(&self, board: &Board) -> Option<&Program> {
+        let found = self.0.iter().find(|(name, _)| *name == board.name);
+        found.map(|(_, program)| program)
+    }
+
+    /// Of how many boards.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
 }
 
 enum Work {
@@ -46,34 +64,37 @@ pub struct Job<'a> {
 /// Everything, or what has one of `only` in its name.
 #[must_use]
 pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
-    let g474 = |encoder, lsi_hz, lists: &[&[Injection]]| {
-        (
-            programs.nucleo_g474re.as_ref(),
-            Setup {
-                board: Board::nucleo_g474re(encoder),
-                lsi_hz,
-                ..Setup::default()
-            },
-            lists.concat(),
-        )
+    let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
+        let setup = Setup {
+            lsi_hz,
+            ..Setup::on(board)
+        };
+        (programs.of(&setup.board), setup, lists.concat())
     };
+    let tracks = Encoder::Incremental(16_384);
     let sets = [
-        g474(
-            Encoder::As5047p,
+        on(
+            Board::nucleo_g474re(Encoder::As5047p),
             SLOW_LSI,
             &[POWER, WITH_AS5047P, PROCESSOR, ASKED_FOR, BESIDE, SECOND],
         ),
-        g474(Encoder::Mt6701, FAST_LSI, &[WITH_MT6701]),
-        g474(Encoder::Incremental(16_384), FAST_LSI, &[WITH_TRACKS]),
-        (
-            programs.b_g431b_esc1.as_ref(),
-            Setup {
-                board: Board::b_g431b_esc1(),
-                lsi_hz: SLOW_LSI,
-                ..Setup::default()
-            },
-            ON_ESC1.to_vec(),
+        on(
+            Board::nucleo_g474re(Encoder::Mt6701),
+            FAST_LSI,
+            &[WITH_MT6701],
         ),
+        on(Board::nucleo_g474re(tracks), FAST_LSI, &[WITH_TRACKS]),
+        on(
+            Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37),
+            SLOW_LSI,
+            &[ON_IHM16M1, BESIDE],
+        ),
+        on(
+            Board::nucleo_g474re_ihm16m1(Encoder::Mt6701, FaultLink::R35),
+            FAST_LSI,
+            &[WITH_LINK_R35],
+        ),
+        on(Board::b_g431b_esc1(), SLOW_LSI, &[ON_ESC1]),
     ];
     let mut jobs = Vec::new();
     let mut checked = Vec::new();

@@ -42,7 +42,7 @@ fn prepared(program: &Program, setup: &Setup, silence: &str) -> Result<Bench, St
         settings.limits.host_silence_s = silence;
         settings.motor.heating_time_s = Si::from_num(HEATING_TIME_S);
         // The calibration's current may be held for ever: this is not about it.
-        settings.motor.continuous_current_a = Si::lit("1");
+        settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     Ok(bench)
 }
@@ -112,7 +112,8 @@ pub fn weak_motor(program: &Program, setup: &Setup, tally: &mut Tally) {
 
 fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = prepared(program, setup, "0")?;
-    bench.configure(|settings| settings.motor.continuous_current_a = Si::lit("0.5"))?;
+    let bears = number(bench.settings()?.calibration.current_a) / 2.0;
+    bench.configure(|settings| settings.motor.continuous_current_a = Si::from_num(bears))?;
     bench.demand(Request::Command(DeviceCommand::Calibrate))?;
     bench.run_until("the outputs on", 400 * MS, |bench| bench.is_on())?;
     let mut windings = Windings::default();
@@ -122,8 +123,8 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     });
     off?;
     bench.run(5 * MS)?;
-    // Of the square of 0.5 A: where it is a fault, and what the shunts leave of it.
-    let times = windings.hottest / 0.25;
+    // Where it is a fault, and what the shunts leave of it.
+    let times = windings.hottest / bears.powi(2);
     match bench.fault()?.and_then(|fault| fault.known()) {
         Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
             "off at {times:.3} times the mean square that it bears, MotorHot"
@@ -146,7 +147,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
         stiffness: 40.0,
         ..touchstone_world::plant::MEDIUM
     };
-    bench.press(&hand, 0.45, 0.4, 100.0)?;
+    bench.press(&hand, setup.board.lean_n_m, 0.4, 100.0)?;
     let mut windings = Windings::default();
     for _ in 0..60_000 {
         bench.run(100 * US)?;

@@ -39,7 +39,8 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     bench.demand(Request::Command(DeviceCommand::Arm))?;
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
-    bench.press(&MEDIUM, 0.1, 0.6, 0.8)?;
+    let torque = bench.machine.chip().board.press_n_m;
+    bench.press(&MEDIUM, torque, 0.6, 0.8)?;
     bench.run(2_200 * MS)?;
     let status = bench.status()?;
     if status.phase != Phase::Armed {

@@ -1,201 +1,22 @@
 //! What the program leaves in the registers after its start, against what the manuals say should stand there.
 //!
-//! The rows are a second witness for the wiring, written from the register descriptions and the pins' tables and not from the
-//! firmware: an alternate function that is another timer's, a break with the wrong polarity, a filter of another length would make no
-//! difference to the emulator's models, which do not look at them. Sections are those of RM0440, tables those of DS12288; both were
-//! written down from memory of them and of the vendor's register description, **the pages were not opened**.
+//! A second witness for the wiring: `registers.tsv` and `pins.tsv` say what each register should hold and why, from the reference
+//! manual (RM0440), the boards' schematics and what is connected; where a field is, and which number a pin's function has, comes from
+//! the vendor's own description (`vendor.tsv`, written by `vendor.py`). Nothing in them is read from the firmware. Every register that
+//! the program writes has to be in the tables, with every bit that it changes: a register that nobody looked at is an error.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup};
+use crate::chip::Chip;
 use crate::cpu::elf::Program;
 
-/// Bits that are looked at, what they should be, and why.
-type Row = (u32, u32, u32, &'static str);
+const REGISTERS: &str = include_str!("../../registers/registers.tsv");
+const PINS: &str = include_str!("../../registers/pins.tsv");
+const VENDOR: &str = include_str!("../../registers/vendor.tsv");
 
-const TIM1: u32 = 0x4001_2c00;
-const SYSCFG: u32 = 0x4001_0000;
-const PWR: u32 = 0x4000_7000;
-const EXTI: u32 = 0x4001_0400;
-const RCC: u32 = 0x4002_1000;
-const FLASH: u32 = 0x4002_2000;
-const SPI3: u32 = 0x4000_3c00;
-
-/// On both chips.
-const ALL: &[Row] = &[
-    (TIM1, 0xef, 0xa1, "TIM1_CR1: on, centre-aligned 1, preload"),
-    (TIM1 + 0x04, 0xf0_0000, 7 << 20, "TIM1_CR2.MMS2: OC4REF"),
-    (
-        TIM1 + 0x0c,
-        0xffff,
-        1 << 7,
-        "TIM1_DIER: the break's interrupt alone",
-    ),
-    (
-        TIM1 + 0x18,
-        0xffff,
-        0x6868,
-        "TIM1_CCMR1: PWM mode 1, preload, twice",
-    ),
-    (
-        TIM1 + 0x1c,
-        0xffff,
-        0x7868,
-        "TIM1_CCMR2: PWM mode 1 and 2, preload",
-    ),
-    (TIM1 + 0x28, 0xffff, 0, "TIM1_PSC: none"),
-    (
-        TIM1 + 0x2c,
-        0xffff,
-        4_250,
-        "TIM1_ARR: 170 MHz / (2 · 20 kHz)",
-    ),
-    (TIM1 + 0x30, 0xffff, 0, "TIM1_RCR: an update at each end"),
-    (
-        TIM1 + 0x44,
-        0xdf00,
-        0x1e00,
-        "TIM1_BDTR: lock level 2, OSSI, OSSR, break on, not by itself on again, off",
-    ),
-    (
-        SYSCFG + 0x1c,
-        0xf,
-        0b1101,
-        "SYSCFG_CFGR2: lockup, supply and ECC to the break; no parity",
-    ),
-    (
-        PWR + 0x04,
-        0xf,
-        0b1101,
-        "PWR_CR2: detector on, its highest level",
-    ),
-    (EXTI, 1 << 16, 1 << 16, "EXTI_IMR1: the detector's line"),
-    (
-        EXTI + 0x08,
-        1 << 16,
-        1 << 16,
-        "EXTI_RTSR1: when the supply falls",
-    ),
-    (
-        FLASH,
-        0xf,
-        4,
-        "FLASH_ACR: four wait states for 170 MHz at 1.28 V (3.3.3)",
-    ),
-    (RCC + 0x08, 0xc, 0xc, "RCC_CFGR: the PLL is the clock"),
-];
-
-/// Alternate function of a pin: port, pin, number, what it is (DS12288, table 13).
-type Function = (u32, u32, u32, &'static str);
-
-const NUCLEO: &[Row] = &[
-    (TIM1 + 0x20, 0x555, 0x555, "TIM1_CCER: all six outputs on"),
-    (
-        TIM1 + 0x20,
-        0x888,
-        0x888,
-        "TIM1_CCER: low sides inverted, for the L6398",
-    ),
-    (
-        TIM1 + 0x04,
-        0x3f00,
-        0x2a00,
-        "TIM1_CR2: low sides' idle level high",
-    ),
-    (TIM1 + 0x44, 0xff, 85, "TIM1_BDTR.DTG: 500 ns of 5.88 ns"),
-    (TIM1 + 0x44, 1 << 13, 0, "TIM1_BDTR.BKP: active low"),
-    (
-        TIM1 + 0x44,
-        0xf_0000,
-        3 << 16,
-        "TIM1_BDTR.BKF: eight cycles",
-    ),
-    (
-        TIM1 + 0x60,
-        0x3ff,
-        1,
-        "TIM1_AF1: the pin BKIN alone, not inverted",
-    ),
-    (
-        SPI3,
-        0x3,
-        1,
-        "SPI3_CR1: idle low, the second edge (AS5047P: mode 1)",
-    ),
-    (SPI3, 0x7c, 0x64, "SPI3_CR1: master, on, a 32nd of 170 MHz"),
-    (
-        SPI3 + 0x04,
-        0x1f00,
-        0xf00,
-        "SPI3_CR2: 16 bits, none of them early",
-    ),
-];
-
-const NUCLEO_PINS: &[Function] = &[
-    (0, 8, 6, "TIM1_CH1"),
-    (0, 9, 6, "TIM1_CH2"),
-    (0, 10, 6, "TIM1_CH3"),
-    (0, 7, 6, "TIM1_CH1N"),
-    (1, 0, 6, "TIM1_CH2N"),
-    (1, 1, 6, "TIM1_CH3N"),
-    (0, 6, 6, "TIM1_BKIN"),
-    (0, 15, 1, "TIM2_CH1"),
-    (1, 3, 1, "TIM2_CH2"),
-    (2, 10, 6, "SPI3_SCK"),
-    (2, 11, 6, "SPI3_MISO"),
-    (2, 12, 6, "SPI3_MOSI"),
-    (0, 2, 12, "LPUART1_TX"),
-    (0, 3, 12, "LPUART1_RX"),
-];
-
-const ESC1: &[Row] = &[
-    (
-        TIM1 + 0x20,
-        0xfff,
-        0x555,
-        "TIM1_CCER: all six outputs on, none inverted, for the L6387",
-    ),
-    (TIM1 + 0x04, 0x3f00, 0, "TIM1_CR2: idle levels low"),
-    (
-        TIM1 + 0x44,
-        0xff,
-        0x84,
-        "TIM1_BDTR.DTG: 800 ns in steps of two",
-    ),
-    (
-        TIM1 + 0x44,
-        1 << 13,
-        1 << 13,
-        "TIM1_BDTR.BKP: active high, for comparators",
-    ),
-    (
-        TIM1 + 0x44,
-        0xf_0000,
-        15 << 16,
-        "TIM1_BDTR.BKF: eight times 32 cycles",
-    ),
-    (
-        TIM1 + 0x60,
-        0x3ff,
-        0b1_0110,
-        "TIM1_AF1: COMP1, COMP2, COMP4, no pin",
-    ),
-    (SYSCFG + 0x200, 0x1, 1, "COMP1_CSR: on"),
-    (SYSCFG + 0x204, 0x1, 1, "COMP2_CSR: on"),
-    (SYSCFG + 0x20c, 0x1, 1, "COMP4_CSR: on"),
-];
-
-const ESC1_PINS: &[Function] = &[
-    (0, 8, 6, "TIM1_CH1"),
-    (0, 9, 6, "TIM1_CH2"),
-    (0, 10, 6, "TIM1_CH3"),
-    (2, 13, 4, "TIM1_CH1N"),
-    (0, 12, 6, "TIM1_CH2N"),
-    (1, 15, 4, "TIM1_CH3N"),
-    (1, 6, 2, "TIM4_CH1"),
-    (1, 7, 2, "TIM4_CH2"),
-    (1, 3, 7, "USART2_TX"),
-    (1, 4, 7, "USART2_RX"),
-];
+const PORTS: std::ops::Range<u32> = 0x4800_0000..0x4800_1c00;
 
 /// The check.
 pub fn registers(program: &Program, setup: &Setup, tally: &mut Tally) {
@@ -206,35 +27,199 @@ fn compared(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
     bench.run(20 * MS)?;
-    let (rows, pins) = match setup.board.name {
-        "nucleo-g474re" => (NUCLEO, NUCLEO_PINS),
-        _ => (ESC1, ESC1_PINS),
-    };
-    let chip = bench.machine.chip_mut();
+    let mut fresh = Bench::new(program, setup)?;
+    let vendor = Vendor::of(setup.board.name);
+    let written = bench.machine.chip().written.clone();
+    let (chip, at_reset) = (bench.machine.chip_mut(), fresh.machine.chip_mut());
+
     let mut wrong = Vec::new();
-    for (address, bits, value, why) in ALL.iter().chain(rows) {
-        let is = chip.read(*address, 4) & bits;
-        if is != *value {
-            wrong.push(format!("{why}: {is:#x} instead of {value:#x}"));
+    let mut seen = BTreeMap::<u32, u32>::new();
+    let mut fields = 0;
+    for row in lines(REGISTERS) {
+        let [on, register, settings, why] = row[..] else {
+            return Err(format!("registers.tsv: {row:?}"));
+        };
+        if on != "all" && !on.split(' ').any(|on| on == setup.board.name) {
+            continue;
+        }
+        let address = vendor.address(register)?;
+        let is = chip.peek(address);
+        let covered = seen.entry(address).or_default();
+        for setting in settings.split(' ') {
+            let Some((field, wanted)) = setting.split_once('=') else {
+                *covered = u32::MAX;
+                continue;
+            };
+            let mask = vendor.mask(register, field)?;
+            *covered |= mask;
+            if wanted == "*" {
+                continue;
+            }
+            fields += 1;
+            let wanted = number(wanted)?;
+            let found = (is & mask) >> mask.trailing_zeros();
+            if found != wanted {
+                wrong.push(format!(
+                    "{register}.{field}: {found:#x} instead of {wanted:#x} ({why})"
+                ));
+            }
         }
     }
-    for (port, pin, function, why) in pins {
-        let base = 0x4800_0000 + 0x400 * port;
-        let mode = chip.read(base, 4) >> (2 * pin) & 3;
-        let is = chip.read(base + 0x20 + 4 * (pin / 8), 4) >> (4 * (pin % 8)) & 15;
-        if (mode, is) != (2, *function) {
-            wrong.push(format!(
-                "{why} at P{}{pin}: mode {mode}, function {is} instead of {function}",
-                ['A', 'B', 'C'][*port as usize]
-            ));
+    for address in written.iter().filter(|at| !PORTS.contains(*at)) {
+        let name = vendor.name(*address);
+        let Some(covered) = seen.get(address) else {
+            wrong.push(format!("{name}: written, and in no table"));
+            continue;
+        };
+        let changed = (chip.peek(*address) ^ at_reset.peek(*address)) & !covered;
+        if changed != 0 {
+            wrong.push(format!("{name}: changed in {changed:#x}, which no table has"));
         }
     }
+    let pins = pins(chip, at_reset, &vendor, setup.board.name, &mut wrong)?;
     match wrong.as_slice() {
         [] => Ok(format!(
-            "{} fields of registers and {} pins as the manuals want them",
-            ALL.len() + rows.len(),
-            pins.len()
+            "{} registers with {fields} fields and {pins} pins as the manuals want them; no other was written",
+            seen.len()
         )),
         _ => Err(wrong.join("; ")),
     }
+}
+
+/// The pins in use are as the table wants them, and all others as a reset leaves them; how many are in use.
+fn pins(
+    chip: &mut Chip,
+    at_reset: &mut Chip,
+    vendor: &Vendor,
+    board: &str,
+    wrong: &mut Vec<String>,
+) -> Result<usize, String> {
+    let mut used = BTreeSet::new();
+    for row in lines(PINS) {
+        let [on, pin, signal, mode, speed, pull, why] = row[..] else {
+            return Err(format!("pins.tsv: {row:?}"));
+        };
+        if !on.split(' ').any(|on| on == board) {
+            continue;
+        }
+        let at = Pin::named(pin)?;
+        used.insert(at);
+        let mut expect = |what: &str, is: u32, wanted: u32| {
+            if is != wanted {
+                wrong.push(format!(
+                    "{signal} at {pin}: {what} {is} instead of {wanted} ({why})"
+                ));
+            }
+        };
+        let wanted = ["input", "output", "function", "analogue"];
+        let wanted = wanted.iter().position(|name| *name == mode);
+        let wanted = wanted.ok_or(format!("{pin}: no mode {mode}"))?;
+        expect("mode", at.mode(chip), wanted as u32);
+        if mode == "function" {
+            let function = vendor.function(pin, signal)?;
+            expect("function", at.function(chip), function);
+        }
+        if speed != "*" {
+            expect("speed", at.field(chip, 0x08), number(speed)?);
+        }
+        if let Some(wanted) = ["none", "up", "down"].iter().position(|name| *name == pull) {
+            expect("pull", at.field(chip, 0x0c), wanted as u32);
+        }
+        expect("open drain", chip.peek(at.base() + 0x04) >> at.number & 1, 0);
+    }
+    for port in 0..7 {
+        for pin in (0..16).map(|number| Pin { port, number }) {
+            let (is, was) = (pin.mode(chip), pin.mode(at_reset));
+            if is != was && !used.contains(&pin) {
+                wrong.push(format!(
+                    "P{}{}: mode {is} instead of {was}, and in no table",
+                    char::from(b'A' + port as u8),
+                    pin.number
+                ));
+            }
+        }
+    }
+    Ok(used.len())
+}
+
+/// A pin of the chip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Pin {
+    port: u32,
+    number: u32,
+}
+
+impl Pin {
+    /// `PA8`.
+    fn named(name: &str) -> Result<Self, String> {
+        let port = name.bytes().nth(1).map(|letter| u32::from(letter - b'A'));
+        let number = name.get(2..).and_then(|digits| digits.parse().ok());
+        let pin = port.zip(number).map(|(port, number)| Self { port, number });
+        pin.ok_or(format!("{name} is no pin"))
+    }
+
+    fn base(self) -> u32 {
+        PORTS.start + 0x400 * self.port
+    }
+
+    fn field(self, chip: &mut Chip, register: u32) -> u32 {
+        chip.peek(self.base() + register) >> (2 * self.number) & 3
+    }
+
+    fn mode(self, chip: &mut Chip) -> u32 {
+        self.field(chip, 0)
+    }
+
+    fn function(self, chip: &mut Chip) -> u32 {
+        chip.peek(self.base() + 0x20 + 4 * (self.number / 8)) >> (4 * (self.number % 8)) & 15
+    }
+}
+
+/// Where the vendor says that things are: (register or pin, field or signal or nothing) to an address, a mask or a number.
+struct Vendor(BTreeMap<(&'static str, &'static str), u32>);
+
+impl Vendor {
+    fn of(board: &str) -> Self {
+        let rows = lines(VENDOR).filter(|row| row[0] == board);
+        let known = rows.filter_map(|row| Some(((row[1], row[2]), number(row[3]).ok()?)));
+        Self(known.collect())
+    }
+
+    fn get(&self, name: &str, part: &str) -> Result<u32, String> {
+        let found = self.0.get(&(name, part)).copied();
+        found.ok_or(format!("vendor.tsv has no {name} {part}: run vendor.py"))
+    }
+
+    fn address(&self, register: &str) -> Result<u32, String> {
+        self.get(register, "")
+    }
+
+    /// Without a name, the whole register.
+    fn mask(&self, register: &str, field: &str) -> Result<u32, String> {
+        match field {
+            "" => Ok(u32::MAX),
+            _ => self.get(register, field),
+        }
+    }
+
+    fn function(&self, pin: &str, signal: &str) -> Result<u32, String> {
+        self.get(pin, signal)
+    }
+
+    fn name(&self, address: u32) -> String {
+        let found = self.0.iter().find(|((_, part), at)| part.is_empty() && **at == address);
+        found.map_or(format!("{address:#010x}"), |((name, _), _)| (*name).to_owned())
+    }
+}
+
+fn lines(text: &'static str) -> impl Iterator<Item = Vec<&'static str>> {
+    text.lines().map(|line| line.split('\t').collect())
+}
+
+fn number(text: &str) -> Result<u32, String> {
+    let parsed = match text.strip_prefix("0x") {
+        Some(digits) => u32::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    parsed.map_err(|why| format!("{text}: {why}"))
 }

@@ -4,6 +4,7 @@ use super::Peripheral;
 use super::plain::Plain;
 
 const MODER: u32 = 0x00;
+const OSPEEDR: u32 = 0x08;
 const PUPDR: u32 = 0x0c;
 const IDR: u32 = 0x10;
 const ODR: u32 = 0x14;
@@ -20,16 +21,19 @@ pub struct Port {
 }
 
 impl Port {
-    /// After a reset; port A and B keep the debugger's pins.
+    /// After a reset; port A and B keep the debugger's pins (RM0440, 9.4.1, 9.4.3, 9.4.4).
     #[must_use]
     pub fn new(index: usize) -> Self {
-        let modes = match index {
-            0 => 0xabff_ffff,
-            1 => 0xffff_febf,
-            _ => 0xffff_ffff,
+        let (modes, speeds, pulls) = match index {
+            0 => (0xabff_ffff, 0x0c00_0000, 0x6400_0000),
+            1 => (0xffff_febf, 0x0000_00c0, 0x0000_0100),
+            _ => (0xffff_ffff, 0, 0),
         };
         Self {
-            registers: Plain::default().with(MODER, modes),
+            registers: Plain::default()
+                .with(MODER, modes)
+                .with(OSPEEDR, speeds)
+                .with(PUPDR, pulls),
             out: 0,
             driven: [None; 16],
         }

@@ -105,6 +105,12 @@ impl Rcc {
         self.registers.get(&offset).copied().unwrap_or(0)
     }
 
+    /// Whether a bit of an enable register is set.
+    #[must_use]
+    pub fn gives(&self, register: u32, bit: u32) -> bool {
+        self.get(register) >> bit & 1 != 0
+    }
+
     /// SYSCLK, Hz.
     #[must_use]
     pub fn sysclk_hz(&self) -> u64 {

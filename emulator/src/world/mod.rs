@@ -38,6 +38,26 @@ const KNOB: Device = Device {
     }),
 };
 
+/// The GBM2804H-100T by NuttX's table of motors, with half of the driver's 1 ohm and half of a shunt of 0.33 ohm in each phase.
+const KIT_MOTOR: MotorParameters = MotorParameters {
+    resistance_ohm: 5.29 + 0.5 + 0.165,
+    inductance_h: 1.05e-3,
+    flux_linkage_wb: 5.38e-3,
+    pole_pairs: 7,
+    electrical_zero_rad: 1.0,
+    reversed: false,
+};
+
+/// Its rotor with a light knob: the scene `gimbal-knob`.
+const KIT_KNOB: Device = Device {
+    inertia: 3e-5,
+    damping: 9e-6,
+    friction: Some(Coulomb {
+        kinetic: 5e-4,
+        breakaway: 5e-4,
+    }),
+};
+
 /// What is on the shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
@@ -57,6 +77,15 @@ impl Default for Parts {
 }
 
 impl Parts {
+    /// The small motor that the X-NUCLEO-IHM16M1 is sold with.
+    #[must_use]
+    pub fn gimbal_kit() -> Self {
+        Self {
+            motor: KIT_MOTOR,
+            knob: KIT_KNOB,
+        }
+    }
+
     /// The usual ones, each by a factor: resistance, inductance, flux, inertia, damping, friction.
     #[must_use]
     pub fn scaled([resistance, inductance, flux, inertia, damping, friction]: [f64; 6]) -> Self {

@@ -10,7 +10,7 @@ use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
 use embassy_stm32::pac::comp::vals::{Hysteresis, Inm};
 use embassy_stm32::pac::dac::vals::Mode;
-use embassy_stm32::pac::{COMP1, COMP2, COMP4, DAC3, TIM4};
+use embassy_stm32::pac::{COMP1, COMP2, COMP4, DAC3, OPAMP1, OPAMP2, OPAMP3, TIM4};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, BufferedUart};
@@ -18,7 +18,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, peripherals, rcc};
 use static_cell::StaticCell;
 use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
 
-use crate::pwm::{Active, BreakInput, Bridge};
+use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
@@ -36,7 +36,7 @@ bind_interrupts!(struct Irqs {
 /// The gate drivers L6387 switch on what is high, and keep no dead time themselves. COMP1, COMP2 and COMP4 watch the three shunts.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 800,
-    low_sides: Active::High,
+    complement: Complement::ActiveHigh,
     break_input: BreakInput::Comparators(0b1011),
 };
 
@@ -92,6 +92,10 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
             (p.PC4.degrade_adc(), sense::SLOW),
         ],
     );
+    // Who hands a converter the output of an amplifier has given it up, and the HAL switches off what was given up.
+    for amplifier in [OPAMP1, OPAMP2, OPAMP3] {
+        amplifier.csr().modify(|w| w.set_opampen(true));
+    }
     let serial = BufferedUart::new(
         p.USART2,
         p.PB4,
@@ -166,3 +170,13 @@ pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
 pub fn is_stop_pressed() -> bool {
     false
 }
+
+/// The board has no line of its drivers.
+#[inline(always)]
+pub fn driver_complains() -> bool {
+    false
+}
+
+/// Nothing to forget.
+#[inline(always)]
+pub fn forget_driver() {}

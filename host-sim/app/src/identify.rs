@@ -3,7 +3,7 @@
 use super::SceneOptions;
 use super::number;
 use super::out::{json, print, quiet, say, tell};
-use touchstone_lab::identify::swing::{self, NotFound};
+use touchstone_lab::identify::swing::{self, NotFound, Torques};
 use touchstone_lab::identify::{Bracket, Estimate, Mechanics, Search, Swings, identify};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
@@ -148,7 +148,7 @@ fn swings(scene: &Scene, options: &Options) -> Result<Mechanics> {
         fix: "push harder (--push, N·m), or see that the device turns freely".to_owned(),
     };
     let done = swing::swing(scene, &swings)?.map_err(refused)?;
-    swing::mechanics(&done, scene.timing.period_s()).map_err(refused)
+    swing::mechanics(&done, scene.timing.period_s(), Torques::Exact).map_err(refused)
 }
 
 /// A bracket that says nothing.

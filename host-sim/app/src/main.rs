@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | compare | flash | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
@@ -7,6 +7,7 @@ mod boundary;
 mod browser;
 mod certify;
 mod check;
+mod compare;
 mod complain;
 mod config;
 mod device;
@@ -31,6 +32,7 @@ mod scene_options;
 mod scorecard;
 mod setup;
 mod shell;
+mod space_scene;
 mod sweep;
 mod thesis;
 mod thesis_space;
@@ -103,6 +105,8 @@ enum Command {
     },
     /// From a connected board to a tuned wall: measures motor and knob, tunes, keeps; goes on where it was interrupted. THE SHAFT SPINS.
     Setup(setup::Options),
+    /// Puts a recording of a device beside its simulation: where they part, and what of the knob would explain it.
+    Compare(compare::Options),
     /// Writes the firmware into a board, through the program probe-rs.
     Flash(flash::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
@@ -182,6 +186,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Run(options) => return run::main(options),
         Command::Doctor(options) => return Ok(doctor::main(options)),
         Command::Hard(options) => return hard::main(options),
+        Command::Compare(options) => return compare::main(options),
         Command::Live(options) => live::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),

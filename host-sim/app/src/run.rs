@@ -3,7 +3,7 @@
 use super::expect::{self, Expectations};
 use super::out::{json, note, print, say, tell};
 use super::report_options::{ReportOptions, program};
-use super::{EXIT_CODES, SceneOptions, interrupt};
+use super::{EXIT_CODES, SceneOptions, interrupt, space_scene};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::report::{self, Colour, ReportInput, table};
@@ -34,6 +34,16 @@ pub struct Options {
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let strict = options.changes.strict_passive();
+    if let Some(scene) = space_scene::read(&options.scene)? {
+        let asked = space_scene::RunOfSpace {
+            print: options.print,
+            out: options.out.as_deref(),
+            report: &options.report,
+            lost: options.changes.first_given(),
+            expectations: &options.expectations,
+        };
+        return space_scene::main(&scene, &asked);
+    }
     options.expectations.validate(strict)?;
     let (scene, warnings) = options.changes.load(&options.scene)?;
     if options.print {

@@ -67,6 +67,22 @@ impl SceneOptions {
         self.strict_passive
     }
 
+    /// The first option that was given, of those that change a scene.
+    pub fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            ("--law", self.law.is_some()),
+            ("--k-desired", self.k_desired.is_some()),
+            ("--integrator", self.integrator.is_some()),
+            ("--preset", self.preset != Preset::default()),
+            ("--settings", self.settings.is_some()),
+            ("--set", !self.sets.is_empty()),
+            ("--operator-motion", self.operator_motion.is_some()),
+            ("--strict-passive", self.strict_passive),
+        ];
+        let first = given.into_iter().find(|(_, given)| *given);
+        first.map(|(option, _)| option)
+    }
+
     /// Refuses a change of what the command itself replaces, see [`refuse_replaced`].
     pub fn refuse_replaced(&self, command: &str, replaced: &[(&str, &str)]) -> Result<()> {
         refuse_replaced(command, &self.sets, replaced)?;

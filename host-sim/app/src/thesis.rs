@@ -3,6 +3,7 @@
 use super::expect::{self, Expectations};
 use super::out::{json, print, quiet, tell};
 use super::report_options::{ReportOptions, program};
+use super::thesis_space::SpaceOptions;
 use super::{EXIT_CODES, interrupt};
 use crate::scene_options::{check, refuse_replaced};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -29,6 +30,8 @@ pub struct Options {
     /// whose settings are its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     dof: u8,
+    #[command(flatten)]
+    space: SpaceOptions,
     /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
     /// encoder, which the comparison itself varies. TDPA keeps the thesis' observer whatever law.observer says.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -47,6 +50,7 @@ impl Default for Options {
             out: PathBuf::from("touchstone-report"),
             report: ReportOptions::default(),
             dof: 1,
+            space: SpaceOptions::default(),
             sets: Vec::new(),
             strict_passive: false,
             expectations: Expectations::default(),
@@ -57,7 +61,15 @@ impl Default for Options {
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
     match options.dof {
-        1 => {}
+        1 => {
+            if let Some(option) = options.space.any() {
+                return Err(Error::Option {
+                    option: option.to_owned(),
+                    problem: "has no meaning with one degree of freedom".to_owned(),
+                    fix: "add --dof 3, or leave it out".to_owned(),
+                });
+            }
+        }
         3 => return space(options),
         other => {
             return Err(Error::Option {
@@ -166,7 +178,7 @@ fn space(options: &Options) -> Result<ExitCode> {
     if quiet() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
     }
-    super::thesis_space::main(&options.out, &options.report, &bar)
+    super::thesis_space::main(&options.out, &options.report, &options.space, &bar)
 }
 
 /// A claim for programs.

@@ -7,16 +7,49 @@ use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_lab::report::{self, space as page};
 use touchstone_lab::scorecard::measure::Measure;
-use touchstone_lab::thesis::space;
+use touchstone_lab::thesis::space::held_out::{DRAWS, HeldOut};
+use touchstone_lab::thesis::space::{self, Mechanism};
 use touchstone_sim::error::{Error, Result};
 
+/// What of it is chosen.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct SpaceOptions {
+    /// With --dof 3: cartesian, an omega.3 as three equal axes (default), or delta, a mechanism of a Falcon's lengths.
+    #[arg(long, value_name = "KIND", value_parser = mechanism)]
+    pub mechanism: Option<Mechanism>,
+    /// With --dof 3: also plays the tuned law on 200 walls, hands and devices of a seed that its setting was not chosen on.
+    #[arg(long, value_name = "SEED")]
+    pub held_out: Option<u64>,
+}
+
+impl SpaceOptions {
+    /// The first that was given.
+    pub fn any(&self) -> Option<&'static str> {
+        let mechanism = self.mechanism.map(|_| "--mechanism");
+        mechanism.or(self.held_out.map(|_| "--held-out"))
+    }
+}
+
+fn mechanism(word: &str) -> std::result::Result<Mechanism, String> {
+    let found = Mechanism::ALL.iter().find(|it| it.word() == word);
+    found
+        .copied()
+        .ok_or_else(|| format!("\"{word}\" is no mechanism; give cartesian or delta"))
+}
+
 /// Runs it: claims on the terminal, the report in a folder.
-pub fn main(out: &Path, options: &ReportOptions, bar: &indicatif::ProgressBar) -> Result<ExitCode> {
+pub fn main(
+    out: &Path,
+    options: &ReportOptions,
+    chosen: &SpaceOptions,
+    bar: &indicatif::ProgressBar,
+) -> Result<ExitCode> {
     let started = Instant::now();
     let command = super::command_line();
     let files = options.files();
     report::check_folder(out, &command, files.force)?;
-    let cells = space::cells();
+    let mechanism = chosen.mechanism.unwrap_or_default();
+    let cells = space::cells(mechanism);
     super::interrupt::clean_up()?;
     super::interrupt::sweep(out);
     bar.set_length(cells.len() as u64 + 2);
@@ -28,15 +61,21 @@ pub fn main(out: &Path, options: &ReportOptions, bar: &indicatif::ProgressBar) -
     };
     let runs = space::run_all(&cells, || bar.inc(1)).map_err(refused)?;
     bar.set_message("every direction");
-    let cards = space::tuned::cards(&space::tuned::NORMALS).map_err(refused)?;
+    let cards = space::tuned::cards(mechanism, &space::tuned::NORMALS).map_err(refused)?;
     bar.inc(1);
     bar.set_message("checking claims");
-    let claims = space::claims::check(&runs, &cards).map_err(refused)?;
+    let mut claims = space::claims::check(mechanism, &runs, &cards).map_err(refused)?;
+    let held_out = match chosen.held_out {
+        Some(seed) => Some(HeldOut::played(seed, DRAWS).map_err(refused)?),
+        None => None,
+    };
+    claims.extend(held_out.as_ref().map(HeldOut::claim));
     bar.inc(1);
     bar.finish_and_clear();
     tell!(
-        "What the thesis claims in three degrees of freedom ({} claims):",
-        claims.len()
+        "What the thesis claims in three degrees of freedom ({} claims), on {}:",
+        claims.len(),
+        mechanism.about()
     );
     for claim in &claims {
         tell!(
@@ -47,7 +86,10 @@ pub fn main(out: &Path, options: &ReportOptions, bar: &indicatif::ProgressBar) -
         );
     }
     tell!("");
-    tell!("The tuned law at 25 N/mm, in each direction the worst of nine devices in three hands:");
+    tell!(
+        "The tuned law at 25 N/mm, in each direction the worst of {} devices in three hands:",
+        cards.first().map_or(0, |card| card.cells.len())
+    );
     tell!(
         "  {:20} {:>6} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8}",
         "direction",
@@ -76,7 +118,13 @@ pub fn main(out: &Path, options: &ReportOptions, bar: &indicatif::ProgressBar) -
             get(Measure::RippleRmsNM)
         );
     }
+    if let Some(held_out) = &held_out {
+        tell!("");
+        tell!("{}", page::held_out_text(held_out).trim_end());
+    }
     let input = page::Input {
+        mechanism,
+        held_out: held_out.as_ref(),
         command: &command,
         program: program(),
         files,

@@ -17,6 +17,10 @@ const UNIT: LengthUnit = LengthUnit::Centimetre;
 /// Of the law's unit in a metre.
 const PER_METRE: f64 = 100.0;
 
+fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
+    Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)))
+}
+
 /// What a wall on a device is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSettings {
@@ -46,6 +50,14 @@ impl<'m> Obstacle<'m> {
     #[must_use]
     pub fn of(mesh: &'m Mesh) -> Self {
         Self::Mesh(MeshSurface::new(mesh, UNIT))
+    }
+
+    /// How deep a place is below the surface, m, and the normal there; `side` is the normal of the tick before, and becomes this one's.
+    pub fn beneath(&self, position_m: [f64; 3], side: &mut Direction<N>) -> (f64, [f64; 3]) {
+        let nearest = self.nearest(place(position_m), side);
+        *side = nearest.normal;
+        let depth_m = nearest.depth.to_f64() / PER_METRE;
+        (depth_m, nearest.normal.0.map(N::signal_to_f64))
     }
 }
 
@@ -132,8 +144,10 @@ impl<'m> DeviceWall<'m> {
 
 impl ForceLaw for DeviceWall<'_> {
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault> {
-        let at = Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)));
-        let force = self.wall.tick(at).map_err(|_| HapticFault::Overspeed)?;
+        let force = self
+            .wall
+            .tick(place(position_m))
+            .map_err(|_| HapticFault::Overspeed)?;
         if let Some((_, state)) = &self.wall.guard {
             let account = N::energy_to_f64(state.account.0) / PER_METRE;
             self.least_account = Some(self.least_account.map_or(account, |e| e.min(account)));

@@ -1,141 +1,14 @@
 //! The Inverse3 against a service of the tests' own, which speaks both generations of messages around the simulated plant.
 
-use std::io::{Read, Write};
-use std::net::{TcpListener, TcpStream};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread;
-use std::time::Duration;
-use touchstone_device::haptic::{DeviceTwin, HapticDevice, HapticFault, SimulatedArm};
+mod haply_mock;
+
+use haply_mock::{Service, Wrong};
+use std::net::TcpListener;
+use touchstone_device::Inverse3;
+use touchstone_device::haptic::{HapticDevice, HapticFault};
 use touchstone_device::servo::{
     DevicePace, Ending, ForceLaw, ServoLimits, ServoReport, ServoTick, play,
 };
-use touchstone_device::{Inverse3, haptic};
-use tungstenite::{Message, accept};
-
-/// What goes wrong at a state.
-#[derive(Clone, Copy, PartialEq)]
-enum Wrong {
-    Nothing,
-    Gone,
-    Silent,
-    Unlisted,
-    NoNumber,
-    NotReady,
-    Uncalibrated,
-}
-
-/// What a service saw until its end.
-#[derive(Debug, Default, Clone)]
-struct Saw {
-    longest_n: f64,
-    last_n: f64,
-    commands: u32,
-    refused: u32,
-}
-
-struct Service {
-    address: String,
-    saw: Receiver<Saw>,
-}
-
-/// Where its own frame has the handle.
-const BASE_M: [f64; 3] = [0.05, -0.2, 0.1];
-
-impl Service {
-    fn new(version: &'static str, wrong: Wrong, at: u32) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = listener.local_addr().unwrap().to_string();
-        let (told, saw) = channel();
-        thread::spawn(move || {
-            for stream in listener.incoming() {
-                let stream = stream.unwrap();
-                let mut begin = [0; 12];
-                while stream.peek(&mut begin).unwrap() < begin.len() {
-                    thread::sleep(Duration::from_millis(1));
-                }
-                match begin.starts_with(b"GET /version") {
-                    true => say_version(stream, version),
-                    false => return served(stream, version, wrong, at, &told),
-                }
-            }
-        });
-        Self { address, saw }
-    }
-
-    fn saw(&self) -> Saw {
-        self.saw
-            .recv_timeout(Duration::from_secs(10))
-            .expect("the service ends")
-    }
-}
-
-fn say_version(mut stream: TcpStream, version: &str) {
-    let _ = stream.read(&mut [0; 1024]);
-    let body = format!("{{\"version\":\"{version}\"}}");
-    let length = body.len();
-    let _ = write!(
-        stream,
-        "HTTP/1.1 200 OK\r\nContent-Length: {length}\r\n\r\n{body}"
-    );
-}
-
-fn served(stream: TcpStream, version: &str, wrong: Wrong, at: u32, told: &Sender<Saw>) {
-    let mut socket = accept(stream).unwrap();
-    let rest = |t: f64| [0.0, 0.0, -0.015 * (t / 0.3).min(1.0)];
-    let mut arm = SimulatedArm::new(DeviceTwin::default(), 1000, Box::new(rest)).unwrap();
-    arm.engage().unwrap();
-    let mut saw = Saw::default();
-    for number in 0.. {
-        let now = if number >= at { wrong } else { Wrong::Nothing };
-        let [x, y, z] =
-            std::array::from_fn(|axis| arm.sense().unwrap().position_m[axis] + BASE_M[axis]);
-        let id = if now == Wrong::Unlisted {
-            "XXXX"
-        } else {
-            "049D"
-        };
-        let x = if now == Wrong::NoNumber {
-            serde_json::Value::Null
-        } else {
-            x.into()
-        };
-        let state = serde_json::json!({ "session_id": 1, "inverse3": [{
-            "device_id": id,
-            "state": { "cursor_position": { "x": x, "y": y, "z": z }, "mode": "idle" },
-            "status": { "calibrated": now != Wrong::Uncalibrated, "ready": now != Wrong::NotReady, "power_supply": true },
-        }] });
-        match now {
-            Wrong::Gone => break,
-            Wrong::Silent => thread::sleep(Duration::from_millis(700)),
-            _ => {}
-        }
-        if socket.send(Message::text(state.to_string())).is_err() {
-            break;
-        }
-        // Its own pace, a state a millisecond at most.
-        thread::sleep(Duration::from_micros(900));
-        let Ok(Message::Text(text)) = socket.read() else {
-            break;
-        };
-        let command: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let key = if version.starts_with("3.1") {
-            "values"
-        } else {
-            "vector"
-        };
-        let force = &command["inverse3"][0]["commands"]["set_cursor_force"][key];
-        saw.commands += 1;
-        match ["x", "y", "z"].map(|axis| force[axis].as_f64()) {
-            [Some(x), Some(y), Some(z)] => {
-                saw.last_n = haptic::length([x, y, z]);
-                saw.longest_n = saw.longest_n.max(saw.last_n);
-                arm.command([x, y, z]).unwrap();
-            }
-            _ => saw.refused += 1,
-        }
-    }
-    told.send(saw).unwrap();
-}
 
 struct Floor;
 

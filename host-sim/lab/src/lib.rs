@@ -1,6 +1,7 @@
 //! Experiments over runs, and what a person reads of them: the thesis' comparison, Algorithm 2.1 as an instrument, reports.
 
 pub mod accuracy;
+pub mod beside;
 pub mod boundary;
 pub mod certify;
 pub mod hard;

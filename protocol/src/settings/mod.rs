@@ -11,6 +11,7 @@
 mod access;
 pub(crate) mod decimal;
 pub mod fields;
+mod gimbal_kit;
 #[cfg(feature = "wire")]
 mod leaf;
 mod table;
@@ -132,7 +133,8 @@ impl LawSettings {
 }
 
 impl DeviceSettings {
-    /// The thesis' wall on a gimbal-type motor, at 24 V: valid on the board, but no motor's data sheet.
+    /// The thesis' wall on a gimbal-type motor, at 24 V: valid on the board, but no motor's data sheet. With the X-NUCLEO-IHM16M1 a
+    /// small wall on the motor of its kit, at 12 V.
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();
@@ -144,6 +146,7 @@ impl DeviceSettings {
                 // The board is for six lithium cells.
                 settings.limits.bus_max_v = const { law::Si::lit("26") };
             }
+            Board::NucleoG474reIhm16m1 => gimbal_kit::fit(&mut settings),
         }
         settings
     }

@@ -152,15 +152,12 @@ impl DeviceSettings {
         fields::check(self)
     }
 
-    /// The smaller board has neither SPI nor a DAC on its connectors.
+    /// Not every board has an encoder's bus and an analogue output on its connectors.
     fn check_board(&self, board: Board) -> Result<(), SettingsError> {
-        if board == Board::NucleoG474re {
-            return Ok(());
-        }
         let (encoder, drive) = (self.encoder.kind, self.drive.kind);
-        let (path, number) = if encoder != EncoderKind::Incremental {
+        let (path, number) = if encoder != EncoderKind::Incremental && !board.has_bus() {
             ("encoder.kind", encoder.number())
-        } else if drive != DriveKind::ThreePhase {
+        } else if drive == DriveKind::Analogue && !board.has_analogue() {
             ("drive.kind", drive.number())
         } else {
             return Ok(());

@@ -16,8 +16,9 @@ struct Room {
 }
 
 /// Each board's.
-const ROOMS: [(&str, Room); 2] = [
+const ROOMS: [(&str, Room); 3] = [
     ("nucleo-g474re", room(240, 128)),
+    ("nucleo-g474re-ihm16m1", room(240, 128)),
     ("b-g431b-esc1", room(112, 32)),
 ];
 

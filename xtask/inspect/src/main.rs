@@ -10,6 +10,7 @@ mod answer;
 mod budgets;
 mod changes;
 mod cortex;
+mod dist;
 mod firmware;
 mod floats;
 mod operators;
@@ -24,6 +25,7 @@ use answer::Answer;
 use cortex::ProgramCode;
 
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
+                     dist FOLDER NAME SECONDS VERSION PROGRAM BOARD=ELF... metadata=FILE... | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
                      proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | \
                      operators instrument WORK WITHOUT | operators refused WORK MESSAGES | operators alone NUMBER WORK | operators table OUTCOMES; \
@@ -42,6 +44,10 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
         ["float-code", architecture, release, krate, example] => {
             floats::in_code(architecture, path(release), krate, example)
         }
+        ["dist", rest @ ..] => match dist::Parts::named(rest) {
+            Some(parts) => dist::pack(&parts),
+            None => Ok(Answer::Usage(USAGE.into())),
+        },
         ["changes", list] => changes::print(&text(list)?).map_err(|why| format!("{list}: {why}")),
         ["proofs", report, usage, memory, rest @ ..] => {
             let run = proofs::Run {

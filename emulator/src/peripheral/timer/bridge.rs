@@ -3,7 +3,7 @@
 
 use super::super::plain::Plain;
 use super::super::{NEVER, Peripheral};
-use super::gates::GateDriver;
+use super::gates::{GateDriver, Leg};
 use super::{
     AF1, ARR, BDTR, CCER, CCMR1, CCMR2, CCR1, CEN, CNT, CR1, CR2, DIER, EGR, PSC, RCR, SR,
 };
@@ -57,6 +57,8 @@ pub struct BridgeTimer {
     system: bool,
     /// The drivers behind the outputs.
     pub gates: GateDriver,
+    /// The drivers have switched themselves off, whatever their inputs say.
+    stage_off: bool,
     is_on: bool,
     /// Each change of [`BridgeTimer::is_on`]: when, and whether on.
     pub changes: Vec<(u64, bool)>,
@@ -79,6 +81,7 @@ impl Default for BridgeTimer {
             comparators: 0,
             system: false,
             gates: GateDriver::L6387,
+            stage_off: false,
             is_on: false,
             changes: Vec::new(),
         }
@@ -98,25 +101,33 @@ impl BridgeTimer {
         [0, 1, 2].map(|phase| {
             let compare = f64::from(self.compare[phase]) / self.reload.max(1) as f64;
             // OC1REF to OC3REF are high while the counter is below the compare value.
-            let first = self.gates.leg(self.levels(phase, true));
-            let second = self.gates.leg(self.levels(phase, false));
+            let leg = |reference| match self.stage_off {
+                true => Leg::Open,
+                false => self.gates.leg(self.levels(phase, reference)),
+            };
+            let (first, second) = (leg(true), leg(false));
             GateDriver::share(first, second, compare.min(1.0))
         })
     }
 
     /// Levels of a phase's two outputs while its reference is high or low (reference manual RM0440, table 265); `None` where the
-    /// timer does not drive the pins.
+    /// timer does not drive both pins.
     fn levels(&self, phase: usize, reference: bool) -> Option<(bool, bool)> {
         let outputs = self.registers.get(CCER) >> (4 * phase);
+        let bdtr = self.registers.get(BDTR);
+        // What an output is while it is not active: its polarity's bit.
+        let inactive = (outputs & 2 != 0, outputs & 8 != 0);
         if self.main_output {
-            // One of the two alone is not modelled.
-            (outputs & 5 == 5).then_some((
-                reference != (outputs & 2 != 0),
-                reference == (outputs & 8 != 0),
-            ))
+            match outputs & 5 {
+                5 => Some((reference != inactive.0, reference == inactive.1)),
+                // Off by its enable bit, and held at its inactive level.
+                1 if bdtr & OSSR != 0 => Some((reference != inactive.0, inactive.1)),
+                4 if bdtr & OSSR != 0 => Some((inactive.0, reference != inactive.1)),
+                _ => None,
+            }
         } else {
             let idle = self.registers.get(CR2) >> (8 + 2 * phase);
-            let drives = self.registers.get(BDTR) & OSSI != 0 && outputs & 5 == 5;
+            let drives = bdtr & OSSI != 0 && outputs & 5 != 0;
             drives.then_some((idle & 1 != 0, idle & 2 != 0))
         }
     }
@@ -136,6 +147,12 @@ impl BridgeTimer {
         self.break_pin = pin;
         self.comparators = comparators;
         self.look_at_break(now);
+    }
+
+    /// Whether the drivers have switched themselves off.
+    pub fn set_stage_off(&mut self, off: bool, now: u64) {
+        self.stage_off = off;
+        self.note(now);
     }
 
     /// Whether a source inside of the chip holds the system's break, those that SYSCFG_CFGR2 lets through: it needs no BKE and

@@ -20,18 +20,28 @@ pub enum GateDriver {
     L6387,
     /// HIN switches on when high, LIN when low; both at once is refused.
     L6398,
+    /// An input and an enable a phase: while the enable is high, the input chooses between the two; both transistors are off while it is
+    /// low, and all six while the line EN\FAULT is.
+    Stspin830,
 }
 
 impl GateDriver {
     /// What a pair does by the levels of its two inputs, upper and lower; `None` where nothing drives the pin.
     #[must_use]
     pub fn leg(self, levels: Option<(bool, bool)>) -> Leg {
-        let Some((upper, lower)) = levels else {
+        let Some((upper, second)) = levels else {
             return Leg::Open;
         };
         let lower = match self {
-            Self::L6387 => lower,
-            Self::L6398 => !lower,
+            Self::L6387 => second,
+            Self::L6398 => !second,
+            Self::Stspin830 => {
+                return match (second, upper) {
+                    (false, _) => Leg::Open,
+                    (true, true) => Leg::Upper,
+                    (true, false) => Leg::Lower,
+                };
+            }
         };
         match (upper, lower) {
             (true, false) => Leg::Upper,

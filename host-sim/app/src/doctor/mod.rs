@@ -139,6 +139,12 @@ fn probe_rs() -> Found {
 }
 
 fn rust_target() -> Found {
+    if BoardName::value_variants()
+        .iter()
+        .all(|board| board.shipped().is_some())
+    {
+        return Skipped("not needed: every board's program came with this one".into());
+    }
     let Some(sysroot) = first_line("rustc", &["--print", "sysroot"]) else {
         return missing("no rustc on the PATH", "install Rust: https://rustup.rs");
     };

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use touchstone_device::haptic::{FALCON_RATE_HZ, HapticDevice, Rest, SimulatedArm, SimulatedDelta};
 use touchstone_device::{Inverse3, Omega3, SERVICE, Survey};
 use touchstone_dhd::{Dhd, LibrarySearch};
+use touchstone_lab::scorecard::in_turn::DeedsInTurn;
 use touchstone_lab::thesis::space::{Object, ProbingMotion, SLIDE_MM_PER_S};
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, OMEGA3};
@@ -92,11 +93,18 @@ pub enum SimulatedHand {
     Still,
     /// It moves around an object, over and over; at this rate, Hz.
     Moves(Object, u32),
+    /// It comes to an object where it is probed, and does what a scorecard asks of it.
+    InTurn(Object, DeedsInTurn),
 }
 
 impl SimulatedHand {
-    fn firm(self) -> Option<Hand> {
-        (!matches!(self, Self::Nobody(_))).then_some(FIRM_TRANSLATION)
+    /// The hand itself.
+    fn hand(self) -> Option<Hand> {
+        match self {
+            Self::Nobody(_) => None,
+            Self::InTurn(_, turn) => Some(turn.hand),
+            Self::Still | Self::Moves(..) => Some(FIRM_TRANSLATION),
+        }
     }
 }
 
@@ -104,6 +112,14 @@ impl SimulatedHand {
 fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
     let (object, rate_hz) = match hand {
         SimulatedHand::Nobody(rate_hz) => return (Box::new(|_| [0.0; 3]), rate_hz),
+        SimulatedHand::InTurn(object, turn) => {
+            let rate_hz = turn.approach.rate_hz;
+            let rest = move |time_s: f64| {
+                let tick = (time_s * f64::from(rate_hz)).round() as u64;
+                object.at_depth_m(turn.rest_depth_m(tick))
+            };
+            return (Box::new(rest), rate_hz);
+        }
         SimulatedHand::Still => (Object::Horizontal, 1000),
         SimulatedHand::Moves(object, rate_hz) => (object, rate_hz),
     };
@@ -118,7 +134,7 @@ fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
 fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
     // 80 mm of workspace instead of 160.
     let (rest, rate_hz) = rest(hand, 20.0);
-    let at = hand.firm();
+    let at = hand.hand();
     SimulatedDelta::falcon(at.as_ref(), rate_hz, rest).map_err(|fault| fault.at("simulated-delta"))
 }
 
@@ -242,7 +258,7 @@ impl WhichDevice {
         };
         let (rest, rate_hz) = rest(hand, SLIDE_MM_PER_S);
         let twin = touchstone_device::haptic::DeviceTwin {
-            hand: hand.firm(),
+            hand: hand.hand(),
             ..twin
         };
         let arm = SimulatedArm::new(twin, rate_hz, rest).map_err(|fault| fault.at("simulated"))?;

@@ -1,8 +1,10 @@
 //! `touchstone device list`, `info`, `run`, `identify` and `survey`: haptic devices that have no law of their own.
 
+mod account;
 mod choice;
 mod identify;
 mod run;
+mod scorecard;
 mod survey;
 mod trace;
 

@@ -1,8 +1,10 @@
 //! `touchstone device run`: a wall on a haptic device, in real time.
 
+use super::account::Account;
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
+use super::scorecard::{self, HandProgramme, PressedGrip};
 use super::trace::DeviceTrace;
-use crate::out::{json, print, say, tell};
+use crate::out::tell;
 use crate::{interrupt, number};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt;
@@ -16,11 +18,11 @@ use touchstone_control::{
 };
 use touchstone_device::haptic::{DataSheet, HapticDevice};
 use touchstone_device::servo::{
-    DevicePace, Ending, Pace, Priority, RealTime, ServoLimits, ServoReport, ServoTick,
-    SimulatedPace, play, real_time,
+    DevicePace, Ending, Pace, RealTime, ServoLimits, ServoTick, SimulatedPace, play, real_time,
 };
 use touchstone_device::{DeviceWall, Obstacle, WallSettings};
 use touchstone_lab::identify::lever::Lever;
+use touchstone_lab::report;
 use touchstone_lab::thesis::space::{self, Object};
 use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
@@ -75,6 +77,8 @@ pub struct Options {
     stl_unit_m: f64,
     #[command(flatten)]
     which: WhichDevice,
+    #[command(flatten)]
+    scored: scorecard::ScoreOptions,
     /// The law along the normal.
     #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: LawKind,
@@ -108,6 +112,9 @@ pub struct Options {
     /// Plays a simulated device as fast as it goes, instead of in real time.
     #[arg(long)]
     fast: bool,
+    /// A force that is held for longer by a late tick ends the run, ms. More than the default is for a library without a device, on a machine that stalls.
+    #[arg(long, value_name = "MS", default_value_t = 10.0, allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of milliseconds"))]
+    late_limit_ms: f64,
 }
 
 /// Of a word that was found among them.
@@ -199,47 +206,93 @@ fn wall(
     })
 }
 
+/// What is played at what rate, and with how long a force.
+struct ChosenWall {
+    rate_hz: u32,
+    force_n: f64,
+    settings: WallSettings,
+}
+
+impl ChosenWall {
+    fn of(options: &Options, sheet: &DataSheet) -> Result<Self> {
+        let rate_hz = options.rate_hz.unwrap_or(sheet.rates_hz.1);
+        let (slowest, fastest) = sheet.rates_hz;
+        if !(slowest..=fastest).contains(&rate_hz) {
+            return Err(Error::Option {
+                option: "--rate-hz".into(),
+                problem: format!(
+                    "{} does {slowest} to {fastest} Hz, not {rate_hz}",
+                    sheet.name
+                ),
+                fix: "give one of these".into(),
+            });
+        }
+        let force_n = options
+            .force_limit_n
+            .unwrap_or(sheet.force_n)
+            .min(sheet.force_n);
+        Ok(Self {
+            rate_hz,
+            force_n,
+            settings: wall(options, sheet, rate_hz, force_n)?,
+        })
+    }
+}
+
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let kind = options.which.model();
-    if options.fast && !kind.is_some_and(HapticKind::is_simulated) {
+    let simulated = kind.is_some_and(HapticKind::is_simulated);
+    if options.fast && !simulated {
         return Err(Error::Option {
             option: "--fast".into(),
             problem: "a real device has its own time".into(),
             fix: "give --device simulated, or leave it out".into(),
         });
     }
+    let command = crate::command_line();
+    options.scored.check(simulated, options.seconds)?;
+    if let Some(folder) = &options.scored.out {
+        report::check_folder(folder, &command, options.scored.force)?;
+    }
     let mesh = options.object.mesh(options.stl_unit_m)?;
+    let object = options.object.object();
     // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
     let stop = interrupt::noted()?;
     let simulated_hz = options
         .rate_hz
         .unwrap_or(kind.map_or(OMEGA3.rates_hz.1, HapticKind::own_rate_hz));
-    let hand = SimulatedHand::Moves(options.object.object(), simulated_hz);
+    let turn = match options.scored.programme {
+        HandProgramme::Explore => None,
+        HandProgramme::Scorecard => {
+            let sheet = options.which.open(SimulatedHand::Still)?.sheet().clone();
+            let played = ChosenWall::of(options, &sheet)?;
+            let grip: PressedGrip = options.scored.grip;
+            Some(scorecard::turn(
+                &sheet,
+                &played.settings,
+                played.force_n,
+                object,
+                grip,
+            ))
+        }
+    };
+    let hand = match turn {
+        None => SimulatedHand::Moves(object, simulated_hz),
+        Some(turn) => SimulatedHand::InTurn(object, turn),
+    };
     let mut device = options.which.open(hand)?;
     let sheet = device.sheet().clone();
-    let rate_hz = options.rate_hz.unwrap_or(sheet.rates_hz.1);
-    let (slowest, fastest) = sheet.rates_hz;
-    if !(slowest..=fastest).contains(&rate_hz) {
-        return Err(Error::Option {
-            option: "--rate-hz".into(),
-            problem: format!(
-                "{} does {slowest} to {fastest} Hz, not {rate_hz}",
-                sheet.name
-            ),
-            fix: "give one of these".into(),
-        });
-    }
-    let force_n = options
-        .force_limit_n
-        .unwrap_or(sheet.force_n)
-        .min(sheet.force_n);
-    let settings = wall(options, &sheet, rate_hz, force_n)?;
-    let obstacle = mesh.as_ref().map_or_else(
-        || Obstacle::Shape(options.object.object().shape()),
-        Obstacle::of,
-    );
-    let mut wall = DeviceWall::new(&settings, obstacle).map_err(|why| Error::Option {
+    let ChosenWall {
+        rate_hz,
+        force_n,
+        settings,
+    } = ChosenWall::of(options, &sheet)?;
+    let obstacle = || {
+        mesh.as_ref()
+            .map_or_else(|| Obstacle::Shape(object.shape()), Obstacle::of)
+    };
+    let mut wall = DeviceWall::new(&settings, obstacle()).map_err(|why| Error::Option {
         option: "device run".into(),
         problem: why.to_string(),
         fix: "change --law, --k-desired, --rate-hz or --force-limit-n".into(),
@@ -257,7 +310,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         "wall      {}, {} {} N/mm at {rate_hz} Hz, up to {force_n} N, {}",
         options.object,
         settings.law.law.word(),
-        1e-3 * settings.law.k_desired.to_num::<f64>(),
+        // A stiffness that came over a lever has more digits than anybody gave it.
+        settings.law.k_desired.to_num::<f64>().round() / 1e3,
         if options.no_guard {
             "no guard"
         } else {
@@ -266,6 +320,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     );
     let limits = ServoLimits {
         force_n,
+        late_s: 1e-3 * options.late_limit_ms,
         ..ServoLimits::of(&sheet)
     };
     let mut pace: Box<dyn Pace> = match (options.fast, sheet.sets_the_pace) {
@@ -274,15 +329,18 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         (false, false) => Box::new(RealTime::new(rate_hz)),
     };
     // By time, and in simulated time by ticks.
-    let most = options
+    let programme = turn.map(|turn| turn.ticks());
+    let seconds = options
         .seconds
-        .map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
-    let mut trace = DeviceTrace::for_ticks(most.filter(|_| options.csv.is_some()).unwrap_or(0));
+        .or(programme.map(|ticks| ticks as f64 / f64::from(rate_hz)));
+    let most = seconds.map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
+    let kept = options.csv.is_some() || options.scored.out.is_some() || turn.is_some();
+    let mut trace = DeviceTrace::for_ticks(most.filter(|_| kept).unwrap_or(0));
     let priority = (!options.fast).then(real_time);
     let begun = Instant::now();
     let more = |tick: &ServoTick| {
         trace.keep(tick);
-        let over = match (options.fast, options.seconds, most) {
+        let over = match (options.fast, seconds, most) {
             (false, Some(seconds), _) => begun.elapsed().as_secs_f64() >= seconds,
             (true, _, Some(most)) => tick.number + 1 >= most,
             _ => false,
@@ -293,8 +351,29 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if let Some(file) = &options.csv {
         trace.write(file, rate_hz)?;
     }
+    let card = kept.then(|| {
+        let run = scorecard::PlayedOnDevice {
+            sheet: &sheet,
+            settings: &settings,
+            limits: &limits,
+            turn,
+        };
+        run.card(trace.ticks(), &obstacle())
+    });
+    let account = Account {
+        sheet: &sheet,
+        settings: &settings,
+        wall: &wall,
+        limits: &limits,
+        priority: priority.as_ref(),
+        report: &report,
+        card: card.as_ref(),
+    };
     let interrupted = stop.load(Ordering::Relaxed) && options.seconds.is_some();
-    told(&sheet, &settings, &wall, priority.as_ref(), &report)?;
+    account.tell()?;
+    if let (Some(folder), Some(card)) = (&options.scored.out, &card) {
+        scorecard::write(&account, card, &command, folder, options.scored.force)?;
+    }
     if let Ending::Fault(fault) = &report.ending {
         return Err(fault.at(&sheet.name));
     }
@@ -303,112 +382,4 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         true => ExitCode::from(interrupt::INTERRUPTED as u8),
         false => ExitCode::SUCCESS,
     })
-}
-
-/// What was got of real time, in words.
-fn words(got: &std::result::Result<(), String>) -> String {
-    match got {
-        Ok(()) => "yes".to_owned(),
-        Err(why) => format!("no ({why})"),
-    }
-}
-
-fn told(
-    sheet: &DataSheet,
-    settings: &WallSettings,
-    wall: &DeviceWall<'_>,
-    priority: Option<&Priority>,
-    report: &ServoReport,
-) -> Result<()> {
-    let fault = match &report.ending {
-        Ending::Asked => None,
-        Ending::Fault(fault) => Some(fault.to_string()),
-    };
-    let released = report.release.as_ref().err().map(ToString::to_string);
-    if json() {
-        let classes = report
-            .lateness
-            .classes()
-            .map(|class| serde_json::json!({ "up_to_us": class.up_to_us, "ticks": class.ticks }));
-        let value = serde_json::json!({
-            "device": sheet.name,
-            "rate_hz": settings.law.rate_hz,
-            "ticks": report.ticks,
-            "missed_ticks": report.missed_ticks,
-            "lateness": classes.collect::<Vec<_>>(),
-            "lateness_max_us": report.lateness.worst_s() * 1e6,
-            "stale_ticks": report.stale_ticks,
-            "saturated_ticks": report.saturated_ticks,
-            "outside_ticks": report.outside_ticks,
-            "force_max_n": report.force_max_n,
-            "speed_max_m_per_s": report.speed_max_m_per_s,
-            "guard_account_min_j": wall.least_account_j(),
-            "real_time_priority": priority.map(|got| got.first.is_ok()),
-            "memory_locked": priority.map(|got| got.locked.is_ok()),
-            "fault": fault,
-            "release_failed": released,
-        });
-        return print(format_args!("{value:#}\n"));
-    }
-    tell!(
-        "ticks     {}, {} missed, {} with an old position, {} saturated, {} outside the workspace",
-        report.ticks,
-        report.missed_ticks,
-        report.stale_ticks,
-        report.saturated_ticks,
-        report.outside_ticks
-    );
-    tell!(
-        "most      {:.2} N, {:.0} mm/s",
-        report.force_max_n,
-        1e3 * report.speed_max_m_per_s
-    );
-    if let Some(account) = wall.least_account_j() {
-        tell!(
-            "guard     at least {:.2} mJ left of 40; of ticks in time, and if damping and delay are as assumed",
-            1e3 * account
-        );
-    }
-    if let Some(got) = priority {
-        tell!(
-            "real time first among threads: {}; memory locked: {}",
-            words(&got.first),
-            words(&got.locked)
-        );
-        histogram(report)?;
-    }
-    if let Some(fault) = fault {
-        tell!("fault     {fault}");
-    }
-    tell!(
-        "released  {}",
-        released.map_or("yes".to_owned(), |why| format!("not all of it: {why}"))
-    );
-    Ok(())
-}
-
-/// How late ticks began: a line a class, up to the last that has any.
-fn histogram(report: &ServoReport) -> Result<()> {
-    let classes: Vec<_> = report.lateness.classes().collect();
-    let last = classes
-        .iter()
-        .rposition(|class| class.ticks > 0)
-        .unwrap_or(0);
-    tell!("lateness  latest {:.0} µs", report.lateness.worst_s() * 1e6);
-    if crate::out::quiet() {
-        return Ok(());
-    }
-    for class in &classes[..=last] {
-        let share = class.ticks as f64 / report.ticks.max(1) as f64;
-        let end = class
-            .up_to_us
-            .map_or("longer".to_owned(), |us| format!("{us} µs"));
-        let bar = "#".repeat((40.0 * share).round() as usize);
-        say!(
-            "{end:>9}  {:>9}  {:>7.3} %  {bar}",
-            class.ticks,
-            100.0 * share
-        );
-    }
-    Ok(())
 }

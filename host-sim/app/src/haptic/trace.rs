@@ -35,6 +35,11 @@ impl DeviceTrace {
         }
     }
 
+    /// All of them.
+    pub fn ticks(&self) -> &[ServoTick] {
+        &self.ticks
+    }
+
     /// Writes it. Ticks that were missed are not in it, but their time is: times of neighbours are then further apart.
     pub fn write(&self, path: &Path, rate_hz: u32) -> Result<()> {
         let wrong = |error: csv::Error| Error::Io {

@@ -3,6 +3,8 @@
 
 use crate::{Said, folder, program, script};
 use std::path::Path;
+use std::process::Command;
+use touchstone_protocol::Board;
 
 /// The start of an ELF program for a 32-bit Arm.
 fn elf(path: &Path) {
@@ -85,4 +87,54 @@ fn what_is_missing_is_named() {
     let said = run(&here, &["flash", "own.elf", "--board", "uno"]);
     assert_eq!(said.code, Some(2));
     assert!(said.err.contains("b-g431b-esc1"), "{}", said.err);
+}
+
+/// As an archive of `cargo xtask dist` has it: no compiler, no probe-rs, nothing on the PATH, another folder to work in.
+#[test]
+fn the_programs_that_came_with_it_are_found_beside_it() {
+    let here = folder("flash-archive");
+    let archive = here.join("unpacked");
+    for board in Board::ALL {
+        let board = board.name();
+        elf(&archive.join(format!("firmware/{board}/touchstone.elf")));
+    }
+    // What somebody built once, here: another version than the program that runs.
+    elf(&here.join("target/firmware/nucleo-g474re/touchstone.elf"));
+    let touchstone = archive.join("touchstone");
+    std::fs::hard_link(env!("CARGO_BIN_EXE_touchstone"), &touchstone)
+        .or_else(|_| std::fs::copy(env!("CARGO_BIN_EXE_touchstone"), &touchstone).map(drop))
+        .unwrap();
+    let asked = |arguments: &[&str]| -> Said {
+        let mut command = Command::new(&touchstone);
+        command.args(arguments).current_dir(&here).env("PATH", "");
+        command
+            .env_remove("CARGO_TARGET_DIR")
+            .output()
+            .unwrap()
+            .into()
+    };
+    let said = asked(&["flash", "--board", "nucleo-g474re", "--dry-run"]).done();
+    let program = archive.canonicalize().unwrap();
+    let program = program.join("firmware/nucleo-g474re/touchstone.elf");
+    let program = program.display();
+    assert_eq!(
+        said,
+        format!(
+            "{program} into STM32G474RETx\n\
+             probe-rs download --chip STM32G474RETx --verify {program}\n\
+             probe-rs reset --chip STM32G474RETx\n\
+             nothing was written\n"
+        )
+    );
+    asked(&["flash", "--board", "nucleo-g474re"]).failed(1, &["probe-rs: is not on the PATH"]);
+    let doctor = asked(&["doctor", "--port", "tcp:127.0.0.1:1"]).out;
+    assert!(
+        doctor.contains("every board's program came with this one")
+            && doctor.contains(&format!("nucleo-g474re: {program}")),
+        "{doctor}"
+    );
+    // A file that is broken is found before it is needed.
+    std::fs::write(archive.join("firmware/b-g431b-esc1/touchstone.elf"), "cut").unwrap();
+    asked(&["flash", "--board", "b-g431b-esc1", "--dry-run"])
+        .failed(2, &["is no ELF program", "from one archive"]);
 }

@@ -230,7 +230,8 @@ mod tests {
         let swings = swing::swing(&scene, &swing::Swings::default())
             .unwrap()
             .unwrap();
-        let mechanics = swing::mechanics(&swings, scene.timing.period_s()).unwrap();
+        let mechanics =
+            swing::mechanics(&swings, scene.timing.period_s(), swing::Torques::Exact).unwrap();
         identify(&scene, search, Some(&mechanics), |_| ()).unwrap()
     }
 

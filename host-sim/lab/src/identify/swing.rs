@@ -4,7 +4,7 @@
 //! friction. What the pushes add is the scale, since their torque is known. The fit compares whole motions, predicted by the exact
 //! plant, with the counts that were read: no differentiation, and so no noise of one.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
@@ -151,8 +151,14 @@ fn tick(
     plant.step(state, torque, 0.0);
 }
 
-/// The angles that a device with these parameters goes through in a swing from rest, less their mean.
-fn predicted(parameters: &Vector3<f64>, swing: &Swing, period_s: f64) -> Option<Vec<f64>> {
+/// The angles that a device with these parameters goes through in a swing from rest, less their mean; its torque is so many times the
+/// one that was told.
+fn predicted(
+    parameters: &DVector<f64>,
+    swing: &Swing,
+    torques: f64,
+    period_s: f64,
+) -> Option<Vec<f64>> {
     let device = Device {
         inertia: parameters[0],
         damping: parameters[1],
@@ -166,7 +172,7 @@ fn predicted(parameters: &Vector3<f64>, swing: &Swing, period_s: f64) -> Option<
     let mut angles = Vec::with_capacity(swing.torque_n_m.len());
     for torque in &swing.torque_n_m {
         angles.push(state.position());
-        plant.step(&mut state, *torque, 0.0);
+        plant.step(&mut state, torques * torque, 0.0);
     }
     centre(&mut angles);
     Some(angles)
@@ -181,11 +187,17 @@ fn centre(angles: &mut [f64]) {
 /// A fit by Gauss–Newton steps, halved while they make things worse.
 struct Fit {
     parameters: Vector3<f64>,
-    covariance: Matrix3<f64>,
+    /// Of the parameters' own variances.
+    variance: Vector3<f64>,
     residual_rms: f64,
+    /// By which share the torques differ from what was told, rms.
+    torques_apart: f64,
 }
 
-fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>) -> Option<Fit> {
+/// Inertia, damping, friction; where the torques are unsure, behind them by how many times each swing's was another than was told, but for
+/// the last: their mean is 1. The pushes' mean is then the scale of all, and their differences do not bend the coasts, which alone tell
+/// damping from friction.
+fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -> Option<Fit> {
     let measured: Vec<Vec<f64>> = swings
         .iter()
         .map(|swing| {
@@ -194,88 +206,114 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>) -> Option<Fit> {
             angles
         })
         .collect();
-    let residuals = |parameters: &Vector3<f64>| -> Option<Vec<f64>> {
+    let own = match torques {
+        Torques::Exact => 0,
+        Torques::Unsure => swings.len().saturating_sub(1),
+    };
+    let residuals = |parameters: &DVector<f64>| -> Option<Vec<f64>> {
         let mut all = Vec::new();
-        for (swing, measured) in swings.iter().zip(&measured) {
-            let model = predicted(parameters, swing, period_s)?;
+        for (index, (swing, measured)) in swings.iter().zip(&measured).enumerate() {
+            let model = predicted(parameters, swing, times(parameters, index), period_s)?;
             all.extend(measured.iter().zip(model).map(|(y, x)| y - x));
         }
         Some(all)
     };
     let cost = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
-    let mut at = start;
+    let whole = |three: Vector3<f64>, rest: f64| {
+        DVector::from_fn(3 + own, |i, _| if i < 3 { three[i] } else { rest })
+    };
+    let smallest = whole(start * 1e-6, 1.0);
+    let least = whole(Vector3::new(start[0] * 1e-3, 0.0, 0.0), 0.0);
+    let mut at = whole(start, 1.0);
     let mut r = residuals(&at)?;
-    let mut normal = Matrix3::identity();
+    let mut normal = DMatrix::identity(3 + own, 3 + own);
     // Quadratic near the end; forty steps are far more than any device has needed.
     for _ in 0..40 {
-        let mut columns = Vec::with_capacity(3);
-        let scale = at.abs().sup(&(start * 1e-6));
-        for index in 0..3 {
+        let scale = at.abs().sup(&smallest);
+        let mut columns = Vec::with_capacity(3 + own);
+        for index in 0..3 + own {
             let step = 1e-5 * scale[index];
-            let mut ahead = at;
+            let mut ahead = at.clone();
             ahead[index] += step;
             let moved = residuals(&ahead)?;
-            columns.push(
-                moved
-                    .iter()
-                    .zip(&r)
-                    .map(|(m, r)| (r - m) / step * scale[index])
-                    .collect::<Vec<_>>(),
-            );
+            let slopes = moved
+                .iter()
+                .zip(&r)
+                .map(|(m, r)| (r - m) / step * scale[index]);
+            columns.push(slopes.collect::<Vec<_>>());
         }
         // In parameters of size one, so that kg·m² and N·m weigh the same.
-        normal =
-            Matrix3::from_fn(|i, j| columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum());
-        let gradient =
-            Vector3::from_fn(|i, _| columns[i].iter().zip(&r).map(|(a, b)| a * b).sum::<f64>());
-        let step = normal.try_inverse()? * gradient;
-        let step = step.component_mul(&scale);
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        normal = DMatrix::from_fn(3 + own, 3 + own, |i, j| product(&columns[i], &columns[j]));
+        let gradient = DVector::from_fn(3 + own, |i, _| product(&columns[i], &r));
+        let step = (normal.clone().try_inverse()? * gradient).component_mul(&scale);
         let mut share = 1.0;
         let (next, after) = loop {
-            let tried = (at + step * share).sup(&Vector3::new(start[0] * 1e-3, 0.0, 0.0));
+            let tried = (&at + &step * share).sup(&least);
             let after = residuals(&tried)?;
             if cost(&after) <= cost(&r) || share < 1e-6 {
                 break (tried, after);
             }
             share *= 0.5;
         };
-        let moved = (next - at).component_div(&scale).amax();
+        let moved = (&next - &at).component_div(&scale).amax();
         (at, r) = (next, after);
-        if moved < 1e-9 || share < 1e-6 {
-            let scale = Matrix3::from_diagonal(&scale);
-            normal = scale.try_inverse()? * normal * scale.try_inverse()?;
-            break;
-        }
-        if share == 1.0 && moved < 1e-6 {
-            let scale = Matrix3::from_diagonal(&scale);
-            normal = scale.try_inverse()? * normal * scale.try_inverse()?;
+        if moved < 1e-9 || share < 1e-6 || (share == 1.0 && moved < 1e-6) {
+            let back = DMatrix::from_diagonal(&scale).try_inverse()?;
+            normal = &back * normal * &back;
             break;
         }
     }
     let residual_rms = (cost(&r) / r.len() as f64).sqrt();
+    let variance = (normal.try_inverse()? * residual_rms * residual_rms).diagonal();
+    let apart = (0..swings.len()).map(|index| (times(&at, index) - 1.0).powi(2));
     Some(Fit {
-        parameters: at,
-        covariance: normal.try_inverse()? * residual_rms * residual_rms,
+        torques_apart: (apart.sum::<f64>() / swings.len() as f64).sqrt(),
+        parameters: Vector3::new(at[0], at[1], at[2]),
+        variance: Vector3::new(variance[0], variance[1], variance[2]),
         residual_rms,
     })
+}
+
+/// By how many times the torque of a swing is another than was told, of a fit's parameters.
+fn times(parameters: &DVector<f64>, index: usize) -> f64 {
+    let own = parameters.len() - 3;
+    match parameters.get(3 + index) {
+        Some(times) => *times,
+        None if own == 0 => 1.0,
+        None => own as f64 + 1.0 - parameters.rows(3, own).sum(),
+    }
+}
+
+/// How well the torques of swings are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Torques {
+    /// As they are told.
+    Exact,
+    /// In the mean over all swings; each alone may be another by some percent.
+    Unsure,
 }
 
 /// Fits inertia, damping and friction to swings.
 ///
 /// # Errors
 /// [`NotFound`].
-pub fn mechanics(swings: &[Swing], period_s: f64) -> std::result::Result<Mechanics, NotFound> {
+pub fn mechanics(
+    swings: &[Swing],
+    period_s: f64,
+    torques: Torques,
+) -> std::result::Result<Mechanics, NotFound> {
     let none = NotFound::NoFit {
         residual_rad: f64::NAN,
     };
     let start = guess(swings, period_s).ok_or(none.clone())?;
-    let all = fit(swings, period_s, start).ok_or(none.clone())?;
+    let all = fit(swings, period_s, start, torques).ok_or(none.clone())?;
     // Each speed with its way back: what differs between them is what the model does not know.
     let half = swings.len() / 2;
     let parts: Vec<Vector3<f64>> = (0..half)
         .filter_map(|index| {
             let pair = [swings[index].clone(), swings[index + half].clone()];
-            fit(&pair, period_s, all.parameters).map(|fit| fit.parameters)
+            fit(&pair, period_s, all.parameters, torques).map(|fit| fit.parameters)
         })
         .collect();
     let estimate = |index: usize| {
@@ -286,9 +324,11 @@ pub fn mechanics(swings: &[Swing], period_s: f64) -> std::result::Result<Mechani
             .map(|part| (part[index] - value).powi(2))
             .sum::<f64>()
             / (count * (count - 1.0)).max(1.0);
+        // What the torques differ by is not known of their mean, either: the scale of all three.
+        let scale = (value * all.torques_apart).powi(2) / swings.len() as f64;
         Estimate {
             value,
-            uncertainty: all.covariance[(index, index)].max(spread).sqrt(),
+            uncertainty: all.variance[index].max(spread).max(scale).sqrt(),
         }
     };
     let furthest = swings
@@ -338,7 +378,7 @@ mod tests {
             .with_overrides(sets)
             .unwrap();
         let swings = swing(&scene, &Swings::default()).unwrap().unwrap();
-        mechanics(&swings, scene.timing.period_s()).unwrap()
+        mechanics(&swings, scene.timing.period_s(), Torques::Exact).unwrap()
     }
 
     fn within(estimate: Estimate, truth: f64, share: f64, floor: f64) {
@@ -400,7 +440,7 @@ mod tests {
                 .iter_mut()
                 .for_each(|torque| *torque *= 2.0);
         }
-        let found = mechanics(&swings, scene.timing.period_s()).unwrap();
+        let found = mechanics(&swings, scene.timing.period_s(), Torques::Exact).unwrap();
         within(found.inertia_kg_m2, 2e-4, 0.01, 0.0);
         within(found.damping_n_m_s_per_rad, 8e-4, 0.02, 0.0);
     }

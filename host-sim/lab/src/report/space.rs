@@ -15,8 +15,9 @@ use super::write::Written;
 use super::{FileOptions, ProgramVersion, previous};
 use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
+use crate::thesis::space::held_out::HeldOut;
 use crate::thesis::space::tuned::DirectionCard;
-use crate::thesis::space::{Phase, Record, figures};
+use crate::thesis::space::{Mechanism, Phase, Record, figures};
 
 const SIZE: Size = Size {
     width: 460,
@@ -34,6 +35,10 @@ pub struct Input<'a> {
     pub program: ProgramVersion,
     /// What is written over what.
     pub files: FileOptions,
+    /// What was played on.
+    pub mechanism: Mechanism,
+    /// The tuned law where its setting was not chosen.
+    pub held_out: Option<&'a HeldOut>,
     /// The runs.
     pub runs: &'a [Record],
     /// What was claimed, and how it fared.
@@ -81,6 +86,7 @@ pub fn results(input: &Input) -> serde_json::Value {
                 "object": run.cell.object.name(),
                 "approach": run.cell.approach.name(),
                 "k_desired_n_per_mm": run.cell.k_desired_n_per_mm,
+                "stopped": run.stopped,
             });
             for (name, number) in numbers(run) {
                 value[name] = number.into();
@@ -106,6 +112,8 @@ pub fn results(input: &Input) -> serde_json::Value {
         "program": input.program.version,
         "files": [RESULTS, PAGE],
         "dof": 3,
+        "mechanism": input.mechanism.word(),
+        "held_out": input.held_out.map(held_out_value),
         "runs": runs,
         "claims": claims,
         "directions": directions(input.cards),
@@ -141,6 +149,74 @@ fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
         .collect()
 }
 
+/// A check on walls that a setting was not chosen on, for programs.
+fn held_out_value(found: &HeldOut) -> serde_json::Value {
+    serde_json::json!({
+        "seed": found.seed,
+        "walls": found.cells.len(),
+        "beyond": found.failed(),
+        "beyond_at_the_motors_limit": found.failed_at_limit(),
+        "settle_from_ramp_end_s": found.settle_s(),
+        "worst": found.worst(),
+    })
+}
+
+/// The rows of such a check: figure, worst, median, how many walls are beyond, and the worst's wall.
+fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
+    let rows = found.worst().into_iter().map(|it| {
+        let (heading, factor) = match it.measure {
+            // A force, not a torque.
+            Measure::RippleRmsNM => ("ripple mN", 1e3),
+            _ => it.measure.heading(),
+        };
+        let shown = |value: Option<f64>| {
+            value.map_or("lost".to_owned(), |value| format!("{:.3}", factor * value))
+        };
+        [
+            heading.to_owned(),
+            shown(it.value),
+            shown(it.median),
+            it.beyond.to_string(),
+            it.wall,
+        ]
+    });
+    rows.collect()
+}
+
+/// The same as text.
+#[must_use]
+pub fn held_out_text(found: &HeldOut) -> String {
+    let mut text = format!(
+        "The tuned law on {} walls of seed {} that its setting was not chosen on: {} with a figure beyond its limit, {} of them at the motors' limit; settled {} after the ramp at worst\n",
+        found.cells.len(),
+        found.seed,
+        found.failed(),
+        found.failed_at_limit(),
+        found
+            .settle_s()
+            .map_or("never".to_owned(), |s| format!("{s:.3} s"))
+    );
+    let head = ["figure", "worst", "median", "beyond", "wall of the worst"].map(str::to_owned);
+    for [figure, worst, median, beyond, wall] in std::iter::once(head).chain(held_out_rows(found)) {
+        let _ = writeln!(
+            text,
+            "  {figure:14} {worst:>9} {median:>9} {beyond:>7}  {wall}"
+        );
+    }
+    for cell in found.cells.iter().filter(|cell| !cell.fails().is_empty()) {
+        let fails = cell.fails();
+        let names: Vec<_> = fails.iter().map(|(it, _)| it.heading().0).collect();
+        let _ = writeln!(
+            text,
+            "  beyond: {}: {} at up to {:.2} N",
+            cell.drawn.text(),
+            names.join(", "),
+            cell.longest_n
+        );
+    }
+    text
+}
+
 /// Writes the page and `results.json` into a folder, complete or not at all.
 ///
 /// # Errors
@@ -166,25 +242,16 @@ pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     })
 }
 
-/// The page, one file without network.
-#[must_use]
-pub fn page(input: &Input) -> String {
-    let title = "Stiff virtual objects on an omega.3: five approaches in three degrees of freedom";
-    let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
-         <header>\n<h1>{title}</h1>\n<p>The thesis' comparison (§5.2), simulated: each object is probed, held, slid along at 50 mm/s and let go.</p>\n</header>\n<main>\n",
-        include_str!("page.css")
-    );
+/// What the thesis claims.
+fn claims_section(page: &mut String, claims: &[Claim]) {
     page.push_str(
         "<section>\n<h2 id=\"claims\">What the thesis claims, and what the simulation shows</h2>\n",
     );
     table(
-        &mut page,
+        page,
         "Claims in three degrees of freedom",
         &["Claim", "Where", "Statement", "Outcome", "Measured"],
-        input.claims.iter().map(|claim| {
+        claims.iter().map(|claim| {
             [
                 claim.name.to_owned(),
                 claim.source.to_owned(),
@@ -194,7 +261,70 @@ pub fn page(input: &Input) -> String {
             ]
         }),
     );
-    page.push_str("</section>\n<section>\n<h2 id=\"runs\">Runs</h2>\n");
+    page.push_str("</section>\n");
+}
+
+/// The tuned law in each direction.
+fn directions_section(page: &mut String, cards: &[DirectionCard]) {
+    page.push_str("<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n");
+    table(
+        page,
+        "At 25 N/mm and 1 kHz; in each direction the worst of all devices (on a delta the nominal one alone) in three hands",
+        &[
+            "Direction",
+            "Peak (limit 1.1; 1.3 late)",
+            "Settled (s)",
+            "Held (%, 5)",
+            "Letting go (%, 15)",
+            "|F/x| (%, 10)",
+            "Phase (°, 12)",
+            "Ripple (N)",
+            "Beyond a limit",
+        ],
+        cards.iter().map(|card| {
+            let worst = card.worst();
+            let percent = |measure| format!("{:.1}", 100.0 * worst.figures.get(measure));
+            [
+                card.at.name.to_owned(),
+                format!("{:.3}", worst.figures.get(Measure::PeakPenetrationRatio)),
+                worst
+                    .settle_s
+                    .map_or("never".to_owned(), |s| format!("{s:.3}")),
+                percent(Measure::StiffnessErrorHeld),
+                percent(Measure::StiffnessErrorRelease),
+                percent(Measure::ModulusError),
+                format!("{:.1}", worst.figures.get(Measure::PhaseDeg)),
+                format!("{:.3}", worst.figures.get(Measure::RippleRmsNM)),
+                card.fails().len().to_string(),
+            ]
+        }),
+    );
+    page.push_str("</section>\n");
+}
+
+/// The page, one file without network.
+#[must_use]
+pub fn page(input: &Input) -> String {
+    let title = match input.mechanism {
+        Mechanism::Cartesian => {
+            "Stiff virtual objects on an omega.3: five approaches in three degrees of freedom"
+        }
+        Mechanism::Delta => {
+            "Stiff virtual objects on a delta mechanism: five approaches in three degrees of freedom"
+        }
+    };
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n<p>The thesis' comparison (§5.2), simulated on {}: each object is probed, held, slid along and let go.</p>\n</header>\n<main>\n",
+        include_str!("page.css"),
+        escape(input.mechanism.about())
+    );
+    if !input.claims.is_empty() {
+        claims_section(&mut page, input.claims);
+    }
+    page.push_str("<section>\n<h2 id=\"runs\">Runs</h2>\n");
     table(
         &mut page,
         "At rest and sliding",
@@ -224,42 +354,32 @@ pub fn page(input: &Input) -> String {
             ]
         }),
     );
-    page.push_str(
-        "</section>\n<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n",
-    );
-    table(
-        &mut page,
-        "At 25 N/mm and 1 kHz; in each direction the worst of nine devices in three hands",
-        &[
-            "Direction",
-            "Peak (limit 1.1; 1.3 late)",
-            "Settled (s)",
-            "Held (%, 5)",
-            "Letting go (%, 15)",
-            "|F/x| (%, 10)",
-            "Phase (°, 12)",
-            "Ripple (N)",
-            "Beyond a limit",
-        ],
-        input.cards.iter().map(|card| {
-            let worst = card.worst();
-            let percent = |measure| format!("{:.1}", 100.0 * worst.figures.get(measure));
-            [
-                card.at.name.to_owned(),
-                format!("{:.3}", worst.figures.get(Measure::PeakPenetrationRatio)),
-                worst
-                    .settle_s
-                    .map_or("never".to_owned(), |s| format!("{s:.3}")),
-                percent(Measure::StiffnessErrorHeld),
-                percent(Measure::StiffnessErrorRelease),
-                percent(Measure::ModulusError),
-                format!("{:.1}", worst.figures.get(Measure::PhaseDeg)),
-                format!("{:.3}", worst.figures.get(Measure::RippleRmsNM)),
-                card.fails().len().to_string(),
-            ]
-        }),
-    );
     page.push_str("</section>\n");
+    if !input.cards.is_empty() {
+        directions_section(&mut page, input.cards);
+    }
+    if let Some(found) = input.held_out {
+        page.push_str(
+            "<section>\n<h2 id=\"held-out\">The tuned law where its setting was not chosen</h2>\n",
+        );
+        table(
+            &mut page,
+            &format!(
+                "{} walls, hands and devices of seed {}; ripple has no limit",
+                found.cells.len(),
+                found.seed
+            ),
+            &[
+                "Figure",
+                "Worst",
+                "Median",
+                "Walls beyond its limit",
+                "Wall of the worst",
+            ],
+            held_out_rows(found),
+        );
+        page.push_str("</section>\n");
+    }
     let drawn: Vec<String> = input
         .runs
         .par_iter()

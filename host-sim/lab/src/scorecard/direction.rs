@@ -1,8 +1,8 @@
 //! The scorecard's figures along one direction of space: what a hand does along a normal, and what is read off depth and force.
 
 use super::cases::Deed;
-use super::measure::{Figures, Measure};
-use super::press::{HELD_AFTER_S, PressFigures};
+use super::measure::Figures;
+use super::press::{DesiredStiffness, HELD_AFTER_S, PressFigures};
 use touchstone_sim::run::measure::{Response, Ripple, Wiggle};
 use touchstone_world::plant::Hand;
 
@@ -24,7 +24,7 @@ pub struct Approach {
 }
 
 /// How far outside a hand begins, m.
-const OUTSIDE_M: f64 = 0.002;
+pub const OUTSIDE_M: f64 = 0.002;
 const START_S: f64 = 0.1;
 const TOUCH_RAMP_S: f64 = 0.05;
 const TOUCH_S: f64 = 0.5;
@@ -37,7 +37,7 @@ const MOVE_SHARE: f64 = 0.3;
 const SETTLED: f64 = 0.05;
 
 /// From 0 to 1 without a jump of speed or acceleration, as hands move.
-fn smooth(t: f64) -> f64 {
+pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
 }
@@ -101,19 +101,33 @@ impl Approach {
         out - OUTSIDE_M
     }
 
+    /// The stiffness that is asked for.
+    #[must_use]
+    pub fn stiffness(&self) -> DesiredStiffness {
+        DesiredStiffness {
+            k_desired: self.k_desired_n_per_m,
+            count: self.count_m,
+            unsure: self.unsure_m,
+        }
+    }
+
+    /// The tick with which a press begins to let go.
+    #[must_use]
+    pub fn release_tick(&self) -> u64 {
+        self.tick_of(Self::ramp_start_s(Deed::Press) + RAMP_S + HOLD_S)
+    }
+
     /// Watches a deed.
     #[must_use]
     pub fn watch(&self, deed: Deed) -> DirectionWatch {
         let ramp_end_s = Self::ramp_start_s(deed) + RAMP_S;
         let period_s = 1.0 / f64::from(self.rate_hz);
         let press = PressFigures {
-            k_desired: self.k_desired_n_per_m,
+            stiffness: self.stiffness(),
             push: self.push_n,
-            count: self.count_m,
-            unsure: self.unsure_m,
             ramp_start: self.tick_of(Self::ramp_start_s(deed)),
             held_from: self.tick_of(ramp_end_s + HELD_AFTER_S),
-            release: self.tick_of(ramp_end_s + HOLD_S),
+            release: self.release_tick(),
         };
         let wiggle = match deed {
             Deed::Press => None,
@@ -182,8 +196,8 @@ impl DirectionWatch {
     pub fn take(&mut self, index: u64, depth_m: f64, force_n: f64) {
         if let Some(press) = &self.press {
             let _ = press.take(&mut self.figures, index, depth_m, force_n);
-            let goal = press.push / press.k_desired;
-            let off = (depth_m - goal).abs() - press.unsure;
+            let goal = press.push / press.stiffness.k_desired;
+            let off = (depth_m - goal).abs() - press.stiffness.unsure;
             if index >= self.ramp_end && index < press.release && off > SETTLED * goal {
                 self.unsettled = Some(index);
             }
@@ -196,24 +210,20 @@ impl DirectionWatch {
         }
     }
 
+    /// What a moving hand met so far.
+    #[must_use]
+    pub fn response(&self) -> Option<&Response> {
+        self.response.as_ref()
+    }
+
     /// What it came to.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {
-            let (modulus, phase) = match response.stiffness() {
-                Some(it) => (
-                    (it.modulus_n_m_per_rad / self.k_desired_n_per_m - 1.0).abs(),
-                    it.phase_deg.abs(),
-                ),
-                // The wall was left.
-                None => (f64::INFINITY, f64::INFINITY),
-            };
-            self.figures.raise(Measure::ModulusError, modulus);
-            self.figures.raise(Measure::PhaseDeg, phase);
+            self.figures.raise_moved(response, self.k_desired_n_per_m);
         }
         if let Some(ripple) = &self.ripple {
-            let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
-            self.figures.raise(Measure::RippleRmsNM, rms);
+            self.figures.raise_ripple(ripple);
         }
         let settle_s = match (&self.press, self.unsettled) {
             (Some(press), Some(last)) if last + 1 >= press.release => None,
@@ -229,6 +239,7 @@ impl DirectionWatch {
 
 #[cfg(test)]
 mod tests {
+    use super::super::measure::Measure;
     use super::*;
     use touchstone_world::plant::FIRM_TRANSLATION;
 

@@ -1,6 +1,7 @@
 //! The figures of a scorecard and what each may be.
 
 use serde::Serialize;
+use touchstone_sim::run::measure::{Response, Ripple};
 
 /// A figure with a limit. Of all of them less is better, and the worst of several is the largest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -104,6 +105,25 @@ impl Figures {
         } else {
             slot.max(value)
         };
+    }
+
+    /// What a hand that moved met; where it left the wall, as bad as can be.
+    pub fn raise_moved(&mut self, response: &Response, k_desired: f64) {
+        let (modulus, phase) = match response.stiffness() {
+            Some(it) => (
+                (it.modulus_n_m_per_rad / k_desired - 1.0).abs(),
+                it.phase_deg.abs(),
+            ),
+            None => (f64::INFINITY, f64::INFINITY),
+        };
+        self.raise(Measure::ModulusError, modulus);
+        self.raise(Measure::PhaseDeg, phase);
+    }
+
+    /// Ripple of what was felt; where nothing was, as bad as can be.
+    pub fn raise_ripple(&mut self, ripple: &Ripple) {
+        let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
+        self.raise(Measure::RippleRmsNM, rms);
     }
 
     /// The worst of each.

@@ -6,13 +6,19 @@
 
 pub mod cases;
 pub mod direction;
+pub mod in_turn;
 pub mod measure;
+pub mod noticed;
+pub mod on_device;
+pub mod on_device_page;
 pub mod page;
-mod press;
+pub mod press;
 pub mod reference;
+mod rhythm;
 pub mod rivals;
 #[cfg(test)]
 mod tests;
+pub mod touched;
 pub mod watch;
 pub mod words;
 

@@ -5,7 +5,7 @@
 
 use super::cases::Deed;
 use super::measure::{Beside, Figures, Measure};
-use super::press::{HELD_AFTER_S, PressFigures};
+use super::press::{DesiredStiffness, HELD_AFTER_S, PressFigures};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::measure::{Response, Ripple};
@@ -54,10 +54,12 @@ impl Watch {
         Self {
             press: press.map(|press| {
                 let figures = PressFigures {
-                    k_desired: terms.k_desired,
+                    stiffness: DesiredStiffness {
+                        k_desired: terms.k_desired,
+                        count: count_rad,
+                        unsure: 0.5 * count_rad,
+                    },
                     push: press.push_n_m,
-                    count: count_rad,
-                    unsure: 0.5 * count_rad,
                     ramp_start,
                     held_from: press.ramp_end + ticks(HELD_AFTER_S),
                     release: press.release,
@@ -95,20 +97,10 @@ impl Watch {
 
     fn finish(mut self) -> (Figures, Beside) {
         if let Some(response) = &self.response {
-            let (modulus, phase) = match response.stiffness() {
-                Some(it) => (
-                    (it.modulus_n_m_per_rad / self.terms.k_desired - 1.0).abs(),
-                    it.phase_deg.abs(),
-                ),
-                // The wall was left.
-                None => (f64::INFINITY, f64::INFINITY),
-            };
-            self.figures.raise(Measure::ModulusError, modulus);
-            self.figures.raise(Measure::PhaseDeg, phase);
+            self.figures.raise_moved(response, self.terms.k_desired);
         }
         if let Some(ripple) = &self.ripple {
-            let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
-            self.figures.raise(Measure::RippleRmsNM, rms);
+            self.figures.raise_ripple(ripple);
         }
         if self.lost {
             self.figures = Figures::LOST;

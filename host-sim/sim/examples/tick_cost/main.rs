@@ -9,11 +9,12 @@
 mod by_hand;
 mod scenes;
 
-use scenes::{CONFIGURATIONS, Pressed, ladder, scene};
+use scenes::{CONFIGURATIONS, HAND_RAD, JOLT_TICKS, Pressed, ladder, scene};
 use std::hint::black_box;
 use std::process::ExitCode;
 use touchstone_sim::run::chain::Staged;
 use touchstone_sim::run::plan::Plan;
+use touchstone_sim::scene::RestPath;
 
 /// So many ticks of what the plan makes of a configuration.
 fn planned(name: &str, ticks: u64) -> Option<f64> {
@@ -23,6 +24,24 @@ fn planned(name: &str, ticks: u64) -> Option<f64> {
     let period_s = scene.timing.period_s();
     plan.mechanics
         .advance(control.as_mut(), &plan.motion, 0..ticks, period_s, None);
+    Some(plan.mechanics.angle_rad())
+}
+
+/// The same where a hand presses, and nothing but the plan is in the loop.
+fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
+    let scene = scene(name)?;
+    let mut plan = Plan::of(&scene).ok()?;
+    let rests = HAND_RAD.map(|at| {
+        let still = scene.with_overrides(&[&format!("device.initial_angle_rad={at}")]);
+        RestPath::from_scene(&still.ok()?).ok()
+    });
+    let (period_s, jolt) = (scene.timing.period_s(), u64::from(JOLT_TICKS));
+    for begin in (0..ticks).step_by(JOLT_TICKS as usize) {
+        let rest = rests[(begin / jolt) as usize & 1].as_ref()?;
+        let part = begin..ticks.min(begin + jolt);
+        plan.mechanics
+            .advance(plan.control.as_mut(), rest, part, period_s, None);
+    }
     Some(plan.mechanics.angle_rad())
 }
 
@@ -79,6 +98,7 @@ fn main() -> ExitCode {
         [name, ticks] => ticks.parse().ok().and_then(|ticks| match name {
             "bare-by-hand" => by_hand::bare(ticks),
             "held-by-hand" => by_hand::held_with_encoder(ticks),
+            _ if name.starts_with("held") => planned_by_hand(name, ticks),
             _ => planned(name, ticks),
         }),
         _ => None,

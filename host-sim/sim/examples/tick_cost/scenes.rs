@@ -111,7 +111,12 @@ pub fn ladder() -> Vec<String> {
     names
 }
 
-/// A steady press with a jolt every 32 ticks, in place of a hand: the knob stays in the wall, and in motion.
+/// Ticks from one jolt to the next.
+pub const JOLT_TICKS: u32 = 32;
+/// Where the rest point of a hand is in turn, rad: a press with a jolt, so that the knob stays in the wall, and in motion.
+pub const HAND_RAD: [f64; 2] = [0.6, 0.56];
+
+/// The same in place of a hand.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pressed {
     ticks: u32,
@@ -121,10 +126,13 @@ pub struct Pressed {
 const PRESS: [f64; 2] = [0.022, 0.018];
 
 impl Stage for Pressed {
+    // No command: the device knows as little of it as of a hand's.
+    const TOLD: bool = false;
+
     #[inline(always)]
     fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
         let tick = self.ticks;
         self.ticks = tick.wrapping_add(1);
-        torque_n_m + PRESS[(tick as usize >> 5) & 1]
+        torque_n_m + PRESS[(tick / JOLT_TICKS) as usize & 1]
     }
 }

@@ -25,7 +25,7 @@ pub struct InsideGuard {
     pub account_j: f64,
     /// Whether it gave the law less than it wanted.
     pub limited: bool,
-    /// Whether it has switched the force off for overspeed.
+    /// Whether it has switched the force off, for overspeed or where positions end.
     pub tripped: bool,
 }
 
@@ -68,16 +68,23 @@ impl<N: Reported> Controlled<N> {
     }
 }
 
+impl<N: Reported> Controlled<N> {
+    /// The controller's tick, whatever told the penetration: the one place where a law's code stands in the program.
+    #[inline(never)]
+    fn force(&mut self, e: Position<N>) -> Force<N> {
+        self.controller.tick_with_change(e, self.at_change)
+    }
+}
+
 impl<N: Reported> Wall for Controlled<N> {
+    #[inline]
     fn at_count(&mut self, count: i64) -> f64 {
-        let e = self.scale.penetration::<N>(count);
-        self.controller.tick_with_change(e, self.at_change).to_f64()
+        self.force(self.scale.penetration::<N>(count)).to_f64()
     }
 
+    #[inline]
     fn at_penetration(&mut self, penetration_rad: f64) -> f64 {
-        self.controller
-            .tick_with_change(Position::from_f64(penetration_rad), self.at_change)
-            .to_f64()
+        self.force(Position::from_f64(penetration_rad)).to_f64()
     }
 
     fn commanded(&mut self, force_n_m: f64) {

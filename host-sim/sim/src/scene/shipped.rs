@@ -23,6 +23,10 @@ pub(crate) const SHIPPED: &[(&str, &str)] = &[
         "low-stiffness",
         include_str!("../../../../scenes/low-stiffness.toml"),
     ),
+    (
+        "gimbal-knob",
+        include_str!("../../../../scenes/gimbal-knob.toml"),
+    ),
     ("identify", include_str!("../../../../scenes/identify.toml")),
 ];
 

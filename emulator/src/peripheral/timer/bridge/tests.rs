@@ -117,3 +117,39 @@ fn the_break_switches_off_and_holds_off() {
     assert!(tim.is_on());
     assert_eq!(tim.changes, [(200, true), (300, false), (600, true)]);
 }
+
+/// An STSPIN830 with the complementary outputs at its enables: off by their own bit, and inactive while high.
+fn with_enables(idle_levels: u32) -> BridgeTimer {
+    let mut tim = started_with(idle_levels);
+    tim.gates = GateDriver::Stspin830;
+    tim.write(CCER, 0x999, 0);
+    tim
+}
+
+#[test]
+fn enables_fall_with_the_main_output() {
+    let mut tim = with_enables(0);
+    let idle = BKE | OSSI | OSSR;
+    assert!(!tim.is_on());
+    tim.write(BDTR, idle | MOE, 0);
+    assert_eq!(tim.duty(), [Some(0.5); 3]);
+    tim.set_break(false, 0, 10);
+    assert!(!tim.is_on(), "a break takes them down");
+    tim.set_break(true, 0, 20);
+    tim.write(SR, 0, 20);
+    // Without OSSR nothing drives the enables.
+    tim.write(BDTR, BKE | OSSI | MOE, 30);
+    assert!(!tim.is_on());
+    tim.write(BDTR, idle | MOE, 40);
+    assert!(tim.is_on());
+    // The driver by itself.
+    tim.set_stage_off(true, 50);
+    assert!(!tim.is_on());
+    tim.set_stage_off(false, 60);
+    assert!(tim.is_on());
+    // With idle levels that are high, off is a brake: all three lower transistors conduct.
+    let mut brake = with_enables(0x2a);
+    brake.write(BDTR, idle, 0);
+    assert_eq!(brake.duty(), [Some(0.0); 3]);
+    assert!(brake.is_on());
+}

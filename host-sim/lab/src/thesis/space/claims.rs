@@ -4,7 +4,7 @@
 
 use super::record::Record;
 use super::tuned::{self, DirectionCard};
-use super::{Approach, Cell, Object, Phase, RATE_HZ, place, wall};
+use super::{Approach, Cell, Mechanism, Object, Phase, RATE_HZ, place, wall};
 use crate::thesis::claims::{Claim, Outcome};
 use touchstone_control::{Fixed32, Reported, SettingsError};
 use touchstone_world::plant::{BareLinear, Cartesian, Invalid, Kinematics, OMEGA3, OMEGA3_AXIS};
@@ -30,23 +30,32 @@ const EXTENSIONS: [Approach; 2] = [Approach::PerAxis, Approach::Magnitude];
 /// Ripple from which an interaction is no longer at rest: five counts of the device. A hand's tremor is no part of the simulation.
 pub const AT_REST_MM: f64 = 0.05;
 
-/// Every claim, against the runs of [`super::cells`] and the scorecards of [`super::tuned`].
+/// Every claim, against the runs of [`super::cells`] and the scorecards of [`super::tuned`]. The critical stiffness is the omega.3's.
 ///
 /// # Errors
 /// Settings that no law can have.
-pub fn check(runs: &[Record], cards: &[DirectionCard]) -> Result<Vec<Claim>, SettingsError> {
-    Ok(vec![
-        critical()?,
-        springs(runs),
-        bounded(runs),
-        horizontal(runs),
-        planes(runs),
-        sphere_probed(runs),
-        sliding(runs),
-        jumps(runs),
+pub fn check(
+    mechanism: Mechanism,
+    runs: &[Record],
+    cards: &[DirectionCard],
+) -> Result<Vec<Claim>, SettingsError> {
+    let ks = mechanism.stiffnesses_n_per_mm();
+    let mut claims = match mechanism {
+        Mechanism::Cartesian => vec![critical()?],
+        Mechanism::Delta => Vec::new(),
+    };
+    claims.extend([
+        springs(runs, ks),
+        bounded(runs, ks),
+        horizontal(runs, ks),
+        planes(runs, ks[1]),
+        sphere_probed(runs, ks[1]),
+        sliding(runs, ks[1]),
+        jumps(runs, ks[1]),
         audited(runs),
         tuned::claim(cards),
-    ])
+    ]);
+    Ok(claims)
 }
 
 /// The largest stiffness at which a bare spring does not ring, by bisection of simulated presses without a hand, N/mm.
@@ -70,6 +79,7 @@ pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
 fn grows(k: f64) -> Result<bool, SettingsError> {
     const PUSH_N: f64 = 4.0;
     let cell = Cell {
+        mechanism: Mechanism::Cartesian,
         object: Object::Horizontal,
         k_desired_n_per_mm: k,
         approach: Approach::Spring,
@@ -117,25 +127,27 @@ fn critical() -> Result<Claim, SettingsError> {
     })
 }
 
-fn springs(runs: &[Record]) -> Claim {
+fn springs(runs: &[Record], [critical, stiff]: [f64; 2]) -> Claim {
     let ripple = |k| {
         of(runs, Object::Horizontal, k, Approach::Spring)
             .map_or(f64::NAN, |run| run.ripple_mm(run.late(Phase::Hold, 0.5)))
     };
-    let (calm, wild) = (ripple(5.0), ripple(25.0));
+    let (calm, wild) = (ripple(critical), ripple(stiff));
     Claim {
         name: "spring-above-critical",
         source: "Fig. 5.9",
         statement: "for stiffnesses above the critical one the interaction with a spring becomes unstable",
         outcome: outcome(calm < AT_REST_MM && wild > AT_REST_MM),
-        measured: format!("ripple in the hold {calm:.4} mm at 5 N/mm, {wild:.3} mm at 25 N/mm"),
+        measured: format!(
+            "ripple in the hold {calm:.4} mm at {critical} N/mm, {wild:.3} mm at {stiff} N/mm"
+        ),
     }
 }
 
-fn bounded(runs: &[Record]) -> Claim {
+fn bounded(runs: &[Record], [critical, stiff]: [f64; 2]) -> Claim {
     let (mut worst, mut ripple) = (0.0_f64, 0.0_f64);
     for object in Object::ALL {
-        if let Some(run) = of(runs, object, 25.0, Approach::Bounding) {
+        if let Some(run) = of(runs, object, stiff, Approach::Bounding) {
             let late = run.late(Phase::Hold, 0.5);
             worst = worst.max(run.displayed_n_per_mm(late.clone()));
             ripple = ripple.max(run.ripple_mm(late));
@@ -145,14 +157,14 @@ fn bounded(runs: &[Record]) -> Claim {
         name: "bounding-shows-critical",
         source: "§5.1.4",
         statement: "force bounding is stable, and shows no more than the critical stiffness",
-        outcome: outcome(worst < 1.1 * 5.0 && worst > 0.0 && ripple < AT_REST_MM),
-        measured: format!("at most {worst:.2} N/mm of 25 in the hold, ripple {ripple:.4} mm"),
+        outcome: outcome(worst < 1.1 * critical && worst > 0.0 && ripple < AT_REST_MM),
+        measured: format!("at most {worst:.2} N/mm of {stiff} in the hold, ripple {ripple:.4} mm"),
     }
 }
 
-fn horizontal(runs: &[Record]) -> Claim {
+fn horizontal(runs: &[Record], [critical, stiff]: [f64; 2]) -> Claim {
     let mut worst = 0.0_f64;
-    for k in super::STIFFNESSES_N_PER_MM {
+    for k in [critical, stiff] {
         let pair = EXTENSIONS.map(|approach| of(runs, Object::Horizontal, k, approach));
         let [Some(one), Some(other)] = pair else {
             worst = f64::NAN;
@@ -173,18 +185,20 @@ fn horizontal(runs: &[Record]) -> Claim {
     }
 }
 
-fn planes(runs: &[Record]) -> Claim {
+fn planes(runs: &[Record], stiff: f64) -> Claim {
     let (mut shown, mut ripple) = (Vec::new(), 0.0_f64);
     for object in [Object::Horizontal, Object::Inclined] {
         for approach in EXTENSIONS {
-            if let Some(run) = of(runs, object, 25.0, approach) {
+            if let Some(run) = of(runs, object, stiff, approach) {
                 let late = run.late(Phase::Hold, 0.25);
                 shown.push((object, approach, run.displayed_n_per_mm(late.clone())));
                 ripple = ripple.max(run.ripple_mm(late));
             }
         }
     }
-    let near = shown.iter().all(|(_, _, k)| (k / 25.0 - 1.0).abs() <= 0.05);
+    let near = shown
+        .iter()
+        .all(|(_, _, k)| (k / stiff - 1.0).abs() <= 0.05);
     let list: Vec<String> = shown
         .iter()
         .map(|(object, approach, k)| format!("{} {} {k:.2}", object.name(), approach.name()))
@@ -195,30 +209,30 @@ fn planes(runs: &[Record]) -> Claim {
         statement: "on both planes both extensions are stable and come to the desired stiffness",
         outcome: outcome(near && shown.len() == 4 && ripple < AT_REST_MM),
         measured: format!(
-            "N/mm of 25 at rest (within 5 %): {}; ripple {ripple:.4} mm",
+            "N/mm of {stiff} at rest (within 5 %): {}; ripple {ripple:.4} mm",
             list.join(", ")
         ),
     }
 }
 
-fn sphere_probed(runs: &[Record]) -> Claim {
+fn sphere_probed(runs: &[Record], stiff: f64) -> Claim {
     let shown: Vec<f64> = EXTENSIONS
         .into_iter()
-        .filter_map(|approach| of(runs, Object::Sphere, 25.0, approach))
+        .filter_map(|approach| of(runs, Object::Sphere, stiff, approach))
         .map(|run| run.displayed_n_per_mm(run.late(Phase::Hold, 0.25)))
         .collect();
-    let near = shown.iter().all(|k| (k / 25.0 - 1.0).abs() <= 0.05);
+    let near = shown.iter().all(|k| (k / stiff - 1.0).abs() <= 0.05);
     Claim {
         name: "sphere-probed",
         source: "§5.2.3, Fig. 5.12",
         statement: "both come to the desired stiffness on perpendicular probing of the sphere",
         outcome: outcome(near && shown.len() == 2),
-        measured: format!("{shown:.2?} N/mm of 25 at rest (per axis, magnitude)"),
+        measured: format!("{shown:.2?} N/mm of {stiff} at rest (per axis, magnitude)"),
     }
 }
 
-fn sliding(runs: &[Record]) -> Claim {
-    let Some(run) = of(runs, Object::Sphere, 25.0, Approach::Magnitude) else {
+fn sliding(runs: &[Record], stiff: f64) -> Claim {
+    let Some(run) = of(runs, Object::Sphere, stiff, Approach::Magnitude) else {
         return missing("magnitude-slides");
     };
     let slide = run.late(Phase::Slide, 0.9);
@@ -235,16 +249,16 @@ fn sliding(runs: &[Record]) -> Claim {
         name: "magnitude-slides",
         source: "§5.2.3, Fig. 5.12",
         statement: "on the sphere the magnitude shows the desired stiffness even while it slides at 50 mm/s",
-        outcome: outcome((whole / 25.0 - 1.0).abs() <= 0.05),
+        outcome: outcome((whole / stiff - 1.0).abs() <= 0.05),
         measured: format!(
-            "{whole:.2} N/mm of 25 over a slide of {:.1} mm/s (within 5 %); tenths of it {least:.2} to {most:.2}",
+            "{whole:.2} N/mm of {stiff} over a slide of {:.1} mm/s (within 5 %); tenths of it {least:.2} to {most:.2}",
             run.speed_mm_per_s(slide)
         ),
     }
 }
 
-fn jumps(runs: &[Record]) -> Claim {
-    let pair = EXTENSIONS.map(|approach| of(runs, Object::Sphere, 25.0, approach));
+fn jumps(runs: &[Record], stiff: f64) -> Claim {
+    let pair = EXTENSIONS.map(|approach| of(runs, Object::Sphere, stiff, approach));
     let [Some(axes), Some(magnitude)] = pair else {
         return missing("per-axis-jumps");
     };

@@ -115,7 +115,7 @@ fn trajectory(run: &Record) -> Figure {
     let lines = per_axis(run, |t, i| run.hip_mm[t][i] * 1e-3);
     let mut figure = over_time(run, "HIP over time", "position", "m", lines);
     figure.description = format!(
-        "Probed, held, slid at 50 mm/s and let go; ripple in the hold {:.4} mm.",
+        "Probed, held, slid along it and let go; ripple in the hold {:.4} mm.",
         run.ripple_mm(run.late(Phase::Hold, 0.5))
     );
     figure

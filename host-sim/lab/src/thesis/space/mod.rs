@@ -5,14 +5,20 @@
 
 pub mod claims;
 pub mod figures;
+pub mod held_out;
+mod mechanism;
 mod motion;
+pub mod pressed;
 mod record;
+pub mod scene;
 pub mod tuned;
 
+pub use mechanism::{Crossed, Deviation, HeldMechanism, Mechanism, Stopped};
 pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
 pub use record::Record;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{
@@ -22,22 +28,21 @@ use touchstone_control::space::{
 use touchstone_control::{
     AnyLaw, Fixed32, Force, LawKind, Position, Reported, Settings, SettingsError, Si,
 };
-use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, OMEGA3_AXIS};
+use touchstone_world::plant::{FIRM_TRANSLATION, OMEGA3};
 
 /// The thesis' control rate, Hz (§5).
 pub const RATE_HZ: u32 = 1000;
-/// Stiffnesses of §5.2, N/mm: the critical one, and five times that.
-pub const STIFFNESSES_N_PER_MM: [f64; 2] = [5.0, 25.0];
 /// Radius of the sphere, mm. The thesis gives none: one in the centre of the workspace, to slide around.
 pub const RADIUS_MM: f64 = 30.0;
 
 type N = Fixed32;
-type Held = Cartesian<HeldLinear>;
-
 /// An object of §5.2.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Object {
     /// Through the first two axes (§5.2.1).
+    #[default]
+    #[serde(rename = "plane")]
     Horizontal,
     /// In none of the axes (§5.2.2).
     Inclined,
@@ -46,7 +51,8 @@ pub enum Object {
 }
 
 /// How the force is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Approach {
     /// A spring.
     Spring,
@@ -57,12 +63,15 @@ pub enum Approach {
     /// The enhanced law, one an axis.
     PerAxis,
     /// The enhanced law along the normal.
+    #[default]
     Magnitude,
 }
 
 /// One cell of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
+    /// What it is played on.
+    pub mechanism: Mechanism,
     /// The object.
     pub object: Object,
     /// Desired stiffness, N/mm.
@@ -102,6 +111,16 @@ impl Object {
                 radius: position(RADIUS_MM),
             }),
         }
+    }
+
+    /// The place so deep below the surface where it is probed, m.
+    #[must_use]
+    pub fn at_depth_m(self, depth_m: f64) -> [f64; 3] {
+        let radius_m = match self {
+            Self::Sphere => 1e-3 * RADIUS_MM,
+            Self::Horizontal | Self::Inclined => 0.0,
+        };
+        self.normal().map(|n| (radius_m - depth_m) * n)
     }
 
     /// Out of the object where it is probed.
@@ -149,14 +168,15 @@ impl Approach {
     }
 }
 
-/// All cells.
+/// All cells of a mechanism.
 #[must_use]
-pub fn cells() -> Vec<Cell> {
+pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     let mut cells = Vec::new();
     for object in Object::ALL {
-        for k_desired_n_per_mm in STIFFNESSES_N_PER_MM {
+        for k_desired_n_per_mm in mechanism.stiffnesses_n_per_mm() {
             for approach in Approach::ALL {
                 cells.push(Cell {
+                    mechanism,
                     object,
                     k_desired_n_per_mm,
                     approach,
@@ -203,16 +223,48 @@ fn place(mm: [f64; 3]) -> Vector<Position<N>> {
     Vector(mm.map(position))
 }
 
+/// The same in a mechanism's proportions: `k_c` goes with its damping, and with it every stiffness, damping and mass of the law; the press with its force.
+#[must_use]
+pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64) -> Settings {
+    let omega = settings(law, k_desired_n_per_mm);
+    if mechanism == Mechanism::Cartesian {
+        return omega;
+    }
+    let share = mechanism.damping() / Mechanism::Cartesian.damping();
+    let push = mechanism.push_n() / Mechanism::Cartesian.push_n();
+    let times = |value: Si, by: f64| Si::from_num(value.to_num::<f64>() * by);
+    let filter = omega.filter;
+    Settings {
+        k_soft: times(omega.k_soft, share),
+        device_damping: times(omega.device_damping, share),
+        virtual_damping: times(omega.virtual_damping, share),
+        force_limit: Si::from_num(mechanism.force_n()),
+        // What a press stores in k_f.
+        energy_credit: times(omega.energy_credit, push * push / share),
+        filter: FilterSettings {
+            mass: times(filter.mass, share),
+            stiffness: times(filter.stiffness, share),
+            damping: times(filter.damping, share),
+            ground_damping: times(filter.ground_damping, share),
+        },
+        ..omega
+    }
+}
+
 /// A wall of a cell.
 fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
     let unit = LengthUnit::Centimetre;
-    let law = unit.law::<N>(&settings(cell.approach.law(), cell.k_desired_n_per_mm))?;
+    let law = unit.law::<N>(&settings_for(
+        cell.mechanism,
+        cell.approach.law(),
+        cell.k_desired_n_per_mm,
+    ))?;
     let shell = match (cell.approach, law) {
         (Approach::Bounding, AnyLaw::Fba(law, _)) => Shell::Bounding(Bounding::new(law)),
         (Approach::PerAxis, law) => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
         (_, law) => Shell::Magnitude(Magnitude::new(law)),
     };
-    let limit = Force(N::signal_from_f64(OMEGA3.force_n));
+    let limit = Force(N::signal_from_f64(cell.mechanism.force_n()));
     Ok(SpaceWall::new(
         cell.object.shape(),
         SurfacePoint::new(Rule::Closest),
@@ -221,53 +273,60 @@ fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError>
     ))
 }
 
-/// Runs one cell.
+/// Runs one cell; where the mechanism comes to a place that it does not have, the record ends there.
 ///
 /// # Errors
 /// Settings that no law can have; those of [`settings`] are none.
 pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
     let mut wall = wall(cell)?;
-    let interval_s = 1.0 / f64::from(RATE_HZ);
-    let plant = Held::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, interval_s);
-    // Constants of this program.
-    let Ok(plant) = plant else {
-        return Ok(Record::new(*cell));
-    };
-    let motion = ProbingMotion::of(cell.object);
-    let mut state = Held::at_rest(motion.rest_mm(0.0).map(|x| x * 1e-3));
     let mut record = Record::new(*cell);
+    record.stopped = played(cell, &mut wall, &mut record).is_err();
+    Ok(record)
+}
+
+fn played(
+    cell: &Cell,
+    wall: &mut SpaceWall<N, Shape<N>, AnyLaw<N>>,
+    record: &mut Record,
+) -> Result<(), Stopped> {
+    let interval_s = 1.0 / f64::from(RATE_HZ);
+    let mechanism = cell.mechanism;
+    let motion = ProbingMotion::of(cell.object)
+        .at_speed(mechanism.slide_mm_per_s())
+        .with_push(mechanism.push_n());
+    let rest_m = |time_s: f64| motion.rest_mm(time_s).map(|x| x * 1e-3);
+    let mut held = HeldMechanism::new(
+        mechanism,
+        &Deviation::NONE,
+        &FIRM_TRANSLATION,
+        interval_s,
+        rest_m(0.0),
+    )?;
     let (mut stored, mut loss, mut work) = (None, 0.0, 0.0);
     for tick in 0..motion.ticks() {
         let time_s = f64::from(tick) * interval_s;
-        let hip_m = Held::position(&state);
-        let measured_mm = OMEGA3
-            .counts(hip_m)
-            .map(|n| f64::from(n) * OMEGA3.count_m * 1e3);
+        let hip_m = held.place_m();
+        let measured_mm = held.measured_m()?.map(|x| x * 1e3);
         // Without a guard there is no overspeed.
         let force = wall.tick(place(measured_mm)).unwrap_or_default();
-        let force_n = OMEGA3.limited(force.0.map(|f| N::signal_to_f64(f.0)));
-        let rest_m = motion.rest_mm(time_s).map(|x| x * 1e-3);
-        let before = plant.stored_energy_j(&state, rest_m);
+        let rest_m = rest_m(time_s);
+        let before = held.stored_j(rest_m)?;
         let jump = stored.map_or(0.0, |was| before - was);
+        let crossed = held.step(force.0.map(|f| N::signal_to_f64(f.0)), rest_m)?;
         record.keep(
             time_s,
             motion.phase(time_s),
             hip_m.map(|x| x * 1e3),
-            force_n,
+            crossed.force_n,
         );
-        let lost = plant.step_with_loss(&mut state, force_n, rest_m);
-        let after_m = Held::position(&state);
-        loss += lost.total_j();
-        work += jump
-            + (0..3)
-                .map(|i| force_n[i] * (after_m[i] - hip_m[i]))
-                .sum::<f64>();
+        loss += crossed.loss.total_j();
+        work += jump + crossed.motors_j;
         let start = *record.start_energy_j.get_or_insert(before);
-        let after = plant.stored_energy_j(&state, rest_m);
+        let after = held.stored_j(rest_m)?;
         record.audit_j = record.audit_j.max((after - start + loss - work).abs());
         stored = Some(after);
     }
-    Ok(record)
+    Ok(())
 }
 
 /// Runs all cells on all cores, in their order; `done` is told of each that is finished.

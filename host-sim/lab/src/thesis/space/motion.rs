@@ -18,7 +18,7 @@ pub enum Phase {
 
 /// Speed along the surface, mm/s.
 pub const SLIDE_MM_PER_S: f64 = 50.0;
-/// The push held, N.
+/// The push held, N, where no other is given.
 const PUSH_N: f64 = 6.0;
 const PROBE_S: f64 = 1.2;
 const HOLD_S: f64 = 2.0;
@@ -32,6 +32,7 @@ pub struct ProbingMotion {
     normal: [f64; 3],
     side: [f64; 3],
     slide_mm_per_s: f64,
+    push_n: f64,
 }
 
 /// From 0 to 1 without a jump of the speed.
@@ -58,6 +59,7 @@ impl ProbingMotion {
             normal: n,
             side: across.map(|x| x / length),
             slide_mm_per_s: SLIDE_MM_PER_S,
+            push_n: PUSH_N,
         }
     }
 
@@ -65,6 +67,13 @@ impl ProbingMotion {
     #[must_use]
     pub fn at_speed(mut self, slide_mm_per_s: f64) -> Self {
         self.slide_mm_per_s = slide_mm_per_s;
+        self
+    }
+
+    /// Pushing with another force, for weaker motors.
+    #[must_use]
+    pub fn with_push(mut self, push_n: f64) -> Self {
+        self.push_n = push_n;
         self
     }
 
@@ -90,7 +99,7 @@ impl ProbingMotion {
     #[must_use]
     pub fn rest_mm(&self, time_s: f64) -> [f64; 3] {
         // Under the surface by what its spring needs for the push.
-        let deep = PUSH_N / FIRM_TRANSLATION.stiffness * 1e3;
+        let deep = self.push_n / FIRM_TRANSLATION.stiffness * 1e3;
         let height = 3.0;
         let below = |share: f64| height - (height + deep) * share;
         let t = time_s;

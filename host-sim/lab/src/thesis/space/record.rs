@@ -15,6 +15,8 @@ pub struct Record {
     pub hip_mm: Vec<[f64; 3]>,
     /// Force on it, N.
     pub force_n: Vec<[f64; 3]>,
+    /// Whether the mechanism came to a place that it does not have, and the run ended there.
+    pub stopped: bool,
     /// By how much the books of device and hand do not close at worst, J.
     pub audit_j: f64,
     pub(super) start_energy_j: Option<f64>,
@@ -40,6 +42,7 @@ impl Record {
             phase: Vec::new(),
             hip_mm: Vec::new(),
             force_n: Vec::new(),
+            stopped: false,
             audit_j: 0.0,
             start_energy_j: None,
         }
@@ -131,6 +134,9 @@ impl Record {
     /// How fast the HIP goes along the surface in a stretch, in the mean, mm/s.
     #[must_use]
     pub fn speed_mm_per_s(&self, ticks: std::ops::Range<usize>) -> f64 {
+        if ticks.len() < 2 {
+            return 0.0;
+        }
         let seconds = self.time_s[ticks.end - 1] - self.time_s[ticks.start];
         let way: f64 = ticks
             .skip(1)

@@ -4,37 +4,27 @@
 //! along each axis both ways and along directions that lie in none. (Not into a ball: a hand softer than `F/R` slides off it, whatever the law.) Figures and limits are those of
 //! [`crate::scorecard`]; ripple is shown and has no limit here.
 
-use super::{N, RATE_HZ, place};
-use crate::scorecard::cases::{CASES, Case, Change, Deed};
-use crate::scorecard::direction::{Approach, DirectionFigures};
+use super::RATE_HZ;
+use super::mechanism::{Deviation, Mechanism};
+use super::pressed::{PressedSurface, PressedWall};
+use crate::scorecard::cases::{CASES, Case};
+use crate::scorecard::direction::DirectionFigures;
+use crate::scorecard::in_turn::DEEDS;
 use crate::scorecard::measure::{Limits, Measure};
 use crate::thesis::claims::{Claim, Outcome};
 use rayon::prelude::*;
 use touchstone_control::settings::FilterSettings;
-use touchstone_control::space::environment::Plane;
-use touchstone_control::space::{
-    Direction, LengthUnit, Magnitude, Rule, Shape, Shell, SpaceWall, SurfacePoint, VectorGuard,
-};
-use touchstone_control::{
-    AnyLaw, EstimatorSettings, Force, GuardSettings, GuardedDevice, Position, Reported, Settings,
-    SettingsError, Si, StatesKind,
-};
+use touchstone_control::{EstimatorSettings, Settings, SettingsError, Si, StatesKind};
 use touchstone_world::plant::{
-    Cartesian, Device, FIRM_TRANSLATION, Hand, HeldLinear, Invalid, Kinematics, LIGHT_TRANSLATION,
-    MEDIUM_TRANSLATION, OMEGA3, OMEGA3_AXIS, State,
+    FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION, OMEGA3, OMEGA3_AXIS,
 };
-
-type Held = Cartesian<HeldLinear>;
 
 /// The wall, N/m: five times what the bare device holds.
 pub const K_DESIRED_N_PER_M: f64 = 25_000.0;
-const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSLATION];
-const DEEDS: [Deed; 4] = [
-    Deed::Press,
-    Deed::Move(1.0),
-    Deed::Move(2.0),
-    Deed::Move(4.0),
-];
+/// The hands; of every figure the worst of them counts.
+pub const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSLATION];
+/// Of the longest force, what is pressed with.
+const PUSH_SHARE: f64 = 2.0 / 3.0;
 
 /// A direction in which a surface is pressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,142 +122,21 @@ const TUNED: Tuned = Tuned {
     estimator_kg: 0.2133,
 };
 
-/// With what the law is told estimated, or as it is measured.
-fn wall(
-    at: &NormalOfWall,
-    estimated: bool,
-) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
-    let unit = LengthUnit::Centimetre;
-    let normal = Direction::of(place(at.normal.map(|n| 50.0 * n))).unwrap_or_default();
-    let shape = Shape::Plane(Plane {
-        normal,
-        height: Position::zero(),
-    });
-    let settings = settings();
-    let law = unit.law::<N>(&settings)?;
-    let limit = Force(N::signal_from_f64(OMEGA3.force_n));
-    let mut wall = SpaceWall::new(
-        shape,
-        SurfacePoint::new(Rule::Closest),
-        Shell::Magnitude(Magnitude::new(law)),
-        limit,
-    );
-    if estimated {
-        let axes = [estimator(); 3];
-        wall.estimator = Some(unit.estimator(&axes, RATE_HZ, settings.force_limit)?);
-    }
-    let (guard, device) = unit.guard(
-        &GuardSettings {
-            capacity: Si::from_num(0.04),
-            damping: Si::from_num(OMEGA3_AXIS.damping),
-            overspeed: Si::from_num(1.5),
-            ..GuardSettings::default()
+/// The wall of a mechanism in a direction, pressed with 8 of 12 N.
+fn wall(mechanism: Mechanism, at: &NormalOfWall, estimated: bool) -> PressedWall {
+    let force_n = mechanism.force_n();
+    PressedWall {
+        surface: PressedSurface::Plane([0.0; 3], at.normal),
+        law: Settings {
+            force_limit: Si::from_num(force_n),
+            ..settings()
         },
-        &GuardedDevice {
-            rate_hz: RATE_HZ,
-            force_limit: settings.force_limit,
-            count: Si::from_num(OMEGA3.count_m),
-        },
-    );
-    let guard = VectorGuard::new(&guard, &device)?;
-    wall.guard = Some((guard, guard.full()));
-    Ok(wall)
-}
-
-/// The device of a case: its axes, its counts, and how late its commands act.
-struct TrueDevice {
-    before: Held,
-    after: Held,
-    late: f64,
-    count_m: f64,
-    mass_kg: f64,
-}
-
-impl TrueDevice {
-    fn of(case: &Case, hand: &Hand) -> Result<Self, Invalid> {
-        let (mut axis, mut count_m, mut late) = (OMEGA3_AXIS, OMEGA3.count_m, 0.0);
-        match case.change {
-            Change::Nothing => {}
-            Change::Counts(share) => count_m /= share,
-            Change::Inertia(times) => axis.inertia *= times,
-            Change::Damping(times) => axis.damping *= times,
-            Change::Delay(ticks) => late = ticks,
-        }
-        let tick_s = 1.0 / f64::from(RATE_HZ);
-        let held = |device: &Device, share: f64| Held::held(device, hand, share * tick_s);
-        Ok(Self {
-            before: held(&axis, late)?,
-            after: held(&axis, 1.0 - late)?,
-            late,
-            count_m,
-            mass_kg: axis.inertia,
-        })
+        estimator: estimated.then(estimator),
+        mechanism,
+        deviation: Deviation::NONE,
+        hand: FIRM_TRANSLATION,
+        push_n: PUSH_SHARE * force_n,
     }
-
-    /// Crosses a tick: the last force until the new one acts. What it took from the wall's port and lost in itself, J.
-    fn step(&self, state: &mut [State<4>; 3], forces: [[f64; 3]; 2], rest: [f64; 3]) -> f64 {
-        let mut energy_j = 0.0;
-        for (plant, force) in [&self.before, &self.after].into_iter().zip(forces) {
-            let was = Held::position(state);
-            energy_j += plant.step_with_loss(state, force, rest).device_j;
-            let is = Held::position(state);
-            energy_j -= (0..3).map(|i| force[i] * (is[i] - was[i])).sum::<f64>();
-        }
-        energy_j
-    }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    super::record::dot(a, b)
-}
-
-fn deed(
-    at: &NormalOfWall,
-    case: &Case,
-    hand: &Hand,
-    deed: Deed,
-    estimated: bool,
-) -> Result<DirectionFigures, SettingsError> {
-    let mut wall = wall(at, estimated)?;
-    // Constants of this program.
-    let Ok(device) = TrueDevice::of(case, hand) else {
-        return Ok(DirectionFigures::NONE);
-    };
-    let approach = Approach {
-        k_desired_n_per_m: K_DESIRED_N_PER_M,
-        push_n: 8.0,
-        touch_n: 1.6,
-        count_m: device.count_m,
-        unsure_m: 0.5 * device.count_m * at.normal.iter().map(|n| n.abs()).sum::<f64>(),
-        rate_hz: RATE_HZ,
-    };
-    let rest_m = |tick: u64| {
-        let time_s = tick as f64 / f64::from(RATE_HZ);
-        let depth = approach.rest_depth_m(hand, deed, time_s);
-        at.normal.map(|n| -depth * n)
-    };
-    let mut state = Held::at_rest(rest_m(0));
-    let mut watch = approach.watch(deed);
-    let mut last = [0.0; 3];
-    let (mut energy_j, mut least_j) = (0.0_f64, 0.0_f64);
-    for tick in 0..approach.ticks(deed) {
-        let here = Held::position(&state);
-        let measured = here.map(|x| (x / device.count_m).round() * device.count_m * 1e3);
-        let force = wall.tick(place(measured)).unwrap_or_default();
-        let force = force.0.map(|f| N::signal_to_f64(f.0));
-        energy_j += device.step(&mut state, [last, force], rest_m(tick));
-        let mean: [f64; 3] =
-            std::array::from_fn(|i| device.late * last[i] + (1.0 - device.late) * force[i]);
-        last = force;
-        let after = Held::position(&state);
-        let depth = -0.5 * (dot(at.normal, here) + dot(at.normal, after));
-        watch.take(tick, depth, dot(mean, at.normal));
-        let speeds = state.map(|axis| axis.velocity());
-        least_j = least_j.min(energy_j + 0.5 * device.mass_kg * dot(speeds, speeds));
-    }
-    let mut found = watch.finish();
-    found.figures.raise(Measure::EnergyOutJ, -least_j);
-    Ok(found)
 }
 
 /// A direction, and what came of every device.
@@ -310,11 +179,15 @@ impl DirectionCard {
 ///
 /// # Errors
 /// Settings that no law can have; those of [`settings`] are none.
-pub fn cards(normals: &[NormalOfWall]) -> Result<Vec<DirectionCard>, SettingsError> {
-    cards_with(normals, true)
+pub fn cards(
+    mechanism: Mechanism,
+    normals: &[NormalOfWall],
+) -> Result<Vec<DirectionCard>, SettingsError> {
+    cards_with(mechanism, normals, true)
 }
 
 fn cards_with(
+    mechanism: Mechanism,
     normals: &[NormalOfWall],
     estimated: bool,
 ) -> Result<Vec<DirectionCard>, SettingsError> {
@@ -322,15 +195,25 @@ fn cards_with(
     let cases: Vec<&Case> = CASES
         .iter()
         .filter(|case| case.is_asked(stiffness))
+        // What a delta may also be is not asked for: the law is another device's.
+        .take(match mechanism {
+            Mechanism::Cartesian => CASES.len(),
+            Mechanism::Delta => 1,
+        })
         .collect();
     normals
         .par_iter()
         .map(|at| {
             let cell = |case: &&Case| {
                 let mut worst = DirectionFigures::NONE;
-                for hand in &HANDS {
+                for hand in HANDS {
+                    let wall = PressedWall {
+                        deviation: Deviation::of(case.change),
+                        hand,
+                        ..wall(mechanism, at, estimated)
+                    };
                     for what in DEEDS {
-                        worst = worst.worst(&deed(at, case, hand, what, estimated)?);
+                        worst = worst.worst(&wall.played(what)?);
                     }
                 }
                 // Ripple without a limit.
@@ -363,8 +246,9 @@ pub fn claim(cards: &[DirectionCard]) -> Claim {
         .collect();
     let get = |measure| worst.figures.get(measure);
     let figures = format!(
-        "{} directions, worst of nine devices in three hands: peak {:.3}, settled {}, held {:.1} %, letting go {:.1} %, |F/x| {:.1} %, {:.1}°",
+        "{} directions, worst of {} devices in three hands: peak {:.3}, settled {}, held {:.1} %, letting go {:.1} %, |F/x| {:.1} %, {:.1}°",
         cards.len(),
+        cards.first().map_or(0, |card| card.cells.len()),
         get(Measure::PeakPenetrationRatio),
         worst
             .settle_s
@@ -399,7 +283,7 @@ mod tests {
 
     #[test]
     fn the_tuned_law_is_within_every_limit_in_each_direction() {
-        let cards = cards(&NORMALS).expect("settings");
+        let cards = cards(Mechanism::Cartesian, &NORMALS).expect("settings");
         for card in &cards {
             println!(
                 "{}: {:?}, fails {:?}",
@@ -421,7 +305,7 @@ mod tests {
     /// What the estimator is there for: the same law on differences of counts is beyond its limits.
     #[test]
     fn on_measured_states_it_is_not() {
-        let cards = cards_with(&NORMALS[4..5], false).expect("settings");
+        let cards = cards_with(Mechanism::Cartesian, &NORMALS[4..5], false).expect("settings");
         assert_eq!(claim(&cards).outcome, Outcome::NotReproduced);
     }
 }

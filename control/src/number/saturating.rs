@@ -1,0 +1,88 @@
+//! Sums that end where their format ends, in the form that takes the fewest instructions.
+//!
+//! A Cortex-M4 has an instruction for a word that saturates. Where there is none, the form without a branch takes six, and the
+//! one with a branch that is hardly ever taken two.
+
+/// A signed integer whose sums saturate.
+pub(crate) trait Saturates: Copy {
+    /// `self + other`.
+    fn sum(self, other: Self) -> Self;
+    /// `self - other`.
+    fn difference(self, other: Self) -> Self;
+    /// `-self`.
+    fn opposite(self) -> Self;
+}
+
+macro_rules! saturates {
+    ($($int:ty)*) => {
+        $(
+            impl Saturates for $int {
+                #[inline(always)]
+                fn sum(self, other: Self) -> Self {
+                    if cfg!(target_pointer_width = "32") {
+                        return self.saturating_add(other);
+                    }
+                    match self.checked_add(other) {
+                        Some(sum) => sum,
+                        // Both have the sign of the end that the sum is beyond.
+                        None if self < 0 => Self::MIN,
+                        None => Self::MAX,
+                    }
+                }
+                #[inline(always)]
+                fn difference(self, other: Self) -> Self {
+                    if cfg!(target_pointer_width = "32") {
+                        return self.saturating_sub(other);
+                    }
+                    match self.checked_sub(other) {
+                        Some(difference) => difference,
+                        None if self < 0 => Self::MIN,
+                        None => Self::MAX,
+                    }
+                }
+                #[inline(always)]
+                fn opposite(self) -> Self {
+                    match self.checked_neg() {
+                        Some(opposite) => opposite,
+                        None => Self::MAX,
+                    }
+                }
+            }
+        )*
+    };
+}
+saturates!(i8 i16 i32 i64);
+
+#[cfg(test)]
+mod tests {
+    use super::Saturates as _;
+
+    /// Every pair of 8 bits, and of the words that are hard at every other width.
+    #[test]
+    fn every_sum_is_the_library_s() {
+        macro_rules! check {
+            ($a:expr, $b:expr) => {
+                assert_eq!($a.sum($b), $a.saturating_add($b));
+                assert_eq!($a.difference($b), $a.saturating_sub($b));
+                assert_eq!($a.opposite(), $a.saturating_neg());
+            };
+        }
+        for a in i8::MIN..=i8::MAX {
+            for b in i8::MIN..=i8::MAX {
+                check!(a, b);
+                // The same pair at either end of a wider format, and across its middle.
+                let [c, d] = [a, b].map(i64::from);
+                for (c, d) in [
+                    (c << 56, d << 56),
+                    (c << 56 | 0xff, d),
+                    (c, d << 56),
+                    (i64::MAX.wrapping_sub(c), d),
+                ] {
+                    check!(c, d);
+                    check!((c >> 32) as i32, (d >> 32) as i32);
+                    check!((c >> 48) as i16, (d >> 48) as i16);
+                }
+            }
+        }
+    }
+}

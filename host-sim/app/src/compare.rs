@@ -1,0 +1,163 @@
+//! `touchstone compare`: a recording of a device beside its simulation.
+
+use super::SceneOptions;
+use super::number;
+use super::out::{self, note, say, tell};
+use super::report_options::program;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use touchstone_lab::beside::{Beside, HandWas, PARTS, Told, beside, sections};
+use touchstone_lab::report::pages;
+use touchstone_sim::error::Result;
+
+/// Exit code where the two are further apart than was asked for.
+const APART: u8 = 3;
+/// A factor less far from 1 says nothing: an encoder's step, and what a fit makes of it.
+const SAME: f64 = 0.1;
+/// So much of the difference must go away with a value's factor before it is named as the reason.
+const EXPLAINS: f64 = 0.5;
+
+/// Options of `compare`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    /// What `touchstone monitor --csv` kept, with every tick.
+    recording: PathBuf,
+    /// The scene of that knob, as `touchstone setup` writes it, or the name of a shipped one.
+    scene: String,
+    #[command(flatten)]
+    changes: SceneOptions,
+    /// What the hand did: it held the knob all the time (the scene's grip, its motion found from the recording), or it flicked it towards
+    /// the wall and had let go 20 ms before it was there.
+    #[arg(long, value_enum, default_value_t = Hand::Held)]
+    hand: Hand,
+    /// Begins at this time of the recording, s.
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::not_negative("in s"))]
+    from: f64,
+    /// Ends at this time of the recording, s; without it, with the recording.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
+    to: Option<f64>,
+    /// Ends with 3 where the rms difference of position or force is a larger share of what was recorded, from its lowest to its highest value.
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = number::not_negative("a share"))]
+    tolerance: Option<f64>,
+    /// Folder of the page, its numbers, and the hand's motion.
+    #[arg(long, value_name = "DIR", default_value = "touchstone-compare")]
+    out: PathBuf,
+    /// Replaces what another command left in the folder.
+    #[arg(long)]
+    force: bool,
+}
+
+/// What the hand did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Hand {
+    /// It held the knob.
+    Held,
+    /// It let go before the wall.
+    Released,
+}
+
+/// What of the scene the recording replaces.
+const REPLACED: [(&str, &str); 2] = [
+    ("operator.motion", "the recorded motion"),
+    ("wall.surface_rad", "the device's surface"),
+];
+
+/// Runs it.
+pub fn main(options: &Options) -> Result<ExitCode> {
+    options.changes.refuse_replaced("compare", &REPLACED)?;
+    let (scene, _) = options.changes.load(&options.scene)?;
+    let told = Told::read(
+        &options.recording,
+        options.from,
+        options.to.unwrap_or(f64::INFINITY),
+    )?;
+    let hand = match options.hand {
+        Hand::Held => HandWas::Holding,
+        Hand::Released => HandWas::Gone,
+    };
+    let found = beside(&scene, &told, hand, &options.out)?;
+    let result = found.to_json();
+    let page = pages::Page {
+        title: "A recording beside its simulation",
+        intro: &format!(
+            "{} and the scene {}",
+            options.recording.display(),
+            scene.name
+        ),
+        command: &crate::command_line(),
+        program: program(),
+        sections: &sections(&found),
+        results: ("compare", &result),
+        files: &[],
+        force: options.force,
+    };
+    let page = pages::write(&page, &options.out)?.page;
+    let holds = options.tolerance.is_none_or(|share| found.holds(share));
+    out::result(
+        || {
+            let mut value = result.clone();
+            value["holds"] = holds.into();
+            value["page"] = page.display().to_string().into();
+            value
+        },
+        || {
+            print(&found)?;
+            tell!("{}", page.display());
+            Ok(())
+        },
+    )?;
+    if holds {
+        return Ok(ExitCode::SUCCESS);
+    }
+    note!(
+        "apart: more than {} of what was recorded",
+        options.tolerance.unwrap_or_default()
+    );
+    Ok(ExitCode::from(APART))
+}
+
+fn print(found: &Beside) -> Result<()> {
+    if let (Some(first), Some(last)) = (found.time_s.first(), found.time_s.last()) {
+        tell!("{} ticks, from {first} s to {last} s", found.time_s.len());
+    }
+    if found.lost_ticks > 0 {
+        tell!(
+            "{} ticks were lost on the way; the longest stretch without a gap is compared",
+            found.lost_ticks
+        );
+    }
+    if found.limited_ticks > 0 {
+        tell!(
+            "in {} ticks a limit of the device acted, which the simulation does not have",
+            found.limited_ticks
+        );
+    }
+    for it in &found.differences {
+        let parts = match it.parts_at_s {
+            Some(at) => format!("part at {at:.3} s"),
+            None => format!("never {:.0} % apart", 100.0 * PARTS),
+        };
+        say!(
+            "{:<9} rms {:.3e} {}, {:.2} % of its span; worst {:.3e} at {:.3} s; {parts}",
+            it.what,
+            it.rms,
+            it.unit,
+            100.0 * it.share,
+            it.worst,
+            it.worst_at_s
+        );
+    }
+    let as_it_is = found.differences[0].rms;
+    match found.fits.first() {
+        Some(best) if (best.factor - 1.0).abs() > SAME && best.rms_rad < EXPLAINS * as_it_is => {
+            say!(
+                "it is more like a knob with {:.2} times the scene's {}: rms {:.3e} rad then",
+                best.factor,
+                best.field,
+                best.rms_rad
+            );
+        }
+        _ => say!("no other inertia, damping or friction explains the difference better"),
+    }
+    Ok(())
+}

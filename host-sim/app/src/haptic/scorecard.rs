@@ -1,0 +1,214 @@
+//! The scorecard of `touchstone device run`: the figures of the simulator's, of a run on a device.
+
+use super::account::Account;
+use crate::report_options::program;
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use touchstone_control::space::Direction;
+use touchstone_device::haptic::DataSheet;
+use touchstone_device::servo::{ServoLimits, ServoTick};
+use touchstone_device::{Obstacle, WallSettings};
+use touchstone_lab::report::pages;
+use touchstone_lab::scorecard::cases::LATE_TICKS;
+use touchstone_lab::scorecard::direction::Approach;
+use touchstone_lab::scorecard::in_turn::DeedsInTurn;
+use touchstone_lab::scorecard::noticed::DeviceRun;
+use touchstone_lab::scorecard::on_device::{DeviceCard, card};
+use touchstone_lab::scorecard::on_device_page;
+use touchstone_lab::scorecard::press::DesiredStiffness;
+use touchstone_lab::scorecard::touched::TouchedTick;
+use touchstone_lab::thesis::space::Object;
+use touchstone_sim::error::{Error, Result};
+use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION};
+
+/// What a simulated hand does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum HandProgramme {
+    /// Probes the object, holds, slides along it and lets go, over and over.
+    #[default]
+    Explore,
+    /// Touches, presses, holds and lets go; then moves in the wall at 1, 2 and 4 Hz; and ends.
+    Scorecard,
+}
+
+/// How a simulated hand grips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum PressedGrip {
+    /// 0.1 kg, 30 N/m.
+    Light,
+    /// 0.3 kg, 100 N/m.
+    Medium,
+    /// 0.8 kg, 300 N/m.
+    #[default]
+    Firm,
+}
+
+impl PressedGrip {
+    fn hand(self) -> Hand {
+        match self {
+            Self::Light => LIGHT_TRANSLATION,
+            Self::Medium => MEDIUM_TRANSLATION,
+            Self::Firm => FIRM_TRANSLATION,
+        }
+    }
+}
+
+/// Options of it.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ScoreOptions {
+    /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or the scorecard's programme.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replaces what another command left in the folder.
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// What a simulated hand does.
+    #[arg(long, value_enum, default_value_t)]
+    pub programme: HandProgramme,
+    /// How it grips, with the scorecard's programme.
+    #[arg(long, value_enum, default_value_t)]
+    pub grip: PressedGrip,
+}
+
+impl ScoreOptions {
+    /// Refuses what cannot be.
+    pub fn check(&self, simulated: bool, seconds: Option<f64>) -> Result<()> {
+        let wrong = |option: &str, problem: &str, fix: &str| {
+            Err(Error::Option {
+                option: option.into(),
+                problem: problem.into(),
+                fix: fix.into(),
+            })
+        };
+        match self.programme {
+            HandProgramme::Scorecard if !simulated => wrong(
+                "--programme",
+                "a person at a device does what they like",
+                "leave it out, or give --device simulated",
+            ),
+            HandProgramme::Scorecard if seconds.is_some() => wrong(
+                "--seconds",
+                "the scorecard's programme has its own length",
+                "leave it out",
+            ),
+            HandProgramme::Explore if self.grip != PressedGrip::default() => wrong(
+                "--grip",
+                "is for the scorecard's programme",
+                "add --programme scorecard",
+            ),
+            HandProgramme::Explore if self.out.is_some() && seconds.is_none() => wrong(
+                "--out",
+                "keeps every tick, and how many was not said",
+                "add --seconds",
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Of the longest force, what a hand presses with, and what it touches with before.
+const PRESS_SHARE: f64 = 2.0 / 3.0;
+const TOUCH_SHARE: f64 = 2.0 / 15.0;
+/// From when on a programme begins: the force has faded in, s.
+const BEGIN_S: f64 = 1.2;
+
+/// A stiffness, and how well a depth is known along a direction.
+fn stiffness(sheet: &DataSheet, settings: &WallSettings, normal: [f64; 3]) -> DesiredStiffness {
+    let across: f64 = normal.iter().map(|n| n.abs()).sum();
+    DesiredStiffness {
+        k_desired: settings.law.k_desired.to_num(),
+        count: sheet.count_m,
+        unsure: 0.5 * sheet.count_m * across,
+    }
+}
+
+/// The scorecard's programme at an object.
+pub fn turn(
+    sheet: &DataSheet,
+    settings: &WallSettings,
+    force_n: f64,
+    object: Object,
+    grip: PressedGrip,
+) -> DeedsInTurn {
+    let known = stiffness(sheet, settings, object.normal());
+    let rate_hz = settings.law.rate_hz;
+    let approach = Approach {
+        k_desired_n_per_m: known.k_desired,
+        push_n: PRESS_SHARE * force_n,
+        touch_n: TOUCH_SHARE * force_n,
+        count_m: known.count,
+        unsure_m: known.unsure,
+        rate_hz,
+    };
+    let first = (BEGIN_S * f64::from(rate_hz)).ceil() as u64;
+    DeedsInTurn::new(approach, grip.hand(), first)
+}
+
+/// What was played.
+pub struct PlayedOnDevice<'a> {
+    pub sheet: &'a DataSheet,
+    pub settings: &'a WallSettings,
+    pub limits: &'a ServoLimits,
+    pub turn: Option<DeedsInTurn>,
+}
+
+impl PlayedOnDevice<'_> {
+    /// The scorecard of all ticks.
+    pub fn card(&self, ticks: &[ServoTick], obstacle: &Obstacle<'_>) -> DeviceCard {
+        let mut side = Direction::default();
+        let touched: Vec<TouchedTick> = ticks
+            .iter()
+            .map(|tick| {
+                let (depth_m, normal) = obstacle.beneath(tick.position_m, &mut side);
+                TouchedTick {
+                    due: tick.due,
+                    position_m: tick.position_m,
+                    force_n: tick.force_n,
+                    depth_m,
+                    normal,
+                }
+            })
+            .collect();
+        let rate_hz = self.settings.law.rate_hz;
+        // In none of the axes a depth is least sure; where a surface turns it is taken so.
+        let least_sure = [1.0 / 3.0_f64.sqrt(); 3];
+        let stiffness = self.turn.map_or_else(
+            || stiffness(self.sheet, self.settings, least_sure),
+            |turn| turn.approach.stiffness(),
+        );
+        card(&DeviceRun {
+            ticks: &touched,
+            rate_hz,
+            stiffness,
+            whole_from: (self.limits.ramp_s * f64::from(rate_hz)).ceil() as u64,
+            late: self.sheet.delay_s * f64::from(rate_hz) >= LATE_TICKS,
+            turn: self.turn,
+        })
+    }
+}
+
+/// Writes page and results.
+pub fn write(
+    account: &Account,
+    card: &DeviceCard,
+    command: &str,
+    folder: &Path,
+    force: bool,
+) -> Result<()> {
+    let value = account.value();
+    let title = format!("A wall on {}", account.sheet.name);
+    let sections = [on_device_page::section(card), account.section()];
+    let page = pages::Page {
+        title: &title,
+        intro: "What a hand felt of a virtual wall on a haptic device.",
+        command,
+        program: program(),
+        sections: &sections,
+        results: ("run", &value),
+        files: &[],
+        force,
+    };
+    let written = pages::write(&page, folder)?;
+    crate::out::note!("page  {}", written.page.display());
+    Ok(())
+}

@@ -1,0 +1,134 @@
+//! `touchstone run` of a scene of three axes.
+
+use super::expect::Expectations;
+use super::out::{self, json, note, say};
+use super::report_options::{ReportOptions, program};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use touchstone_lab::report::{self, space as page};
+use touchstone_lab::thesis::space::scene::SpaceScene;
+use touchstone_lab::thesis::space::{self};
+use touchstone_sim::error::{Error, Result};
+
+/// The scene of a file that has `dof`; `None` of every other file, or none.
+pub fn read(file: &str) -> Result<Option<SpaceScene>> {
+    let path = Path::new(file);
+    let Ok(text) = std::fs::read_to_string(path) else {
+        return Ok(None);
+    };
+    match text.parse::<toml::Table>() {
+        Ok(table) if table.contains_key("dof") => {}
+        _ => return Ok(None),
+    }
+    let fix = "docs/schema/space-scene.schema.json has every field";
+    let wrong = |line: usize, field: &str, problem: String| Error::File {
+        file: PathBuf::from(path),
+        line,
+        field: field.to_owned(),
+        problem,
+        fix: fix.to_owned(),
+    };
+    let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
+    let scene: SpaceScene = toml::from_str(&text).map_err(|error| {
+        let at = error.span().map_or(0, |span| span.start);
+        let problem = error.message().replace('\n', " ");
+        wrong(line(at), "scene of three axes", problem)
+    })?;
+    scene.completed().map(Some).map_err(|(field, problem)| {
+        let name = field.rsplit('.').next().unwrap_or(field);
+        wrong(line(text.find(name).unwrap_or(0)), field, problem)
+    })
+}
+
+/// What `run` was asked for beside the scene.
+pub struct RunOfSpace<'a> {
+    pub print: bool,
+    pub out: Option<&'a Path>,
+    pub report: &'a ReportOptions,
+    /// An option that has no meaning here.
+    pub lost: Option<&'static str>,
+    pub expectations: &'a Expectations,
+}
+
+/// Runs it.
+pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
+    let expect = asked.expectations.any().then_some("--expect");
+    if let Some(option) = asked.lost.or(expect) {
+        return Err(Error::Option {
+            option: option.to_owned(),
+            problem: "has no meaning in a scene of three axes".to_owned(),
+            fix: "leave it out, or change the scene's file".to_owned(),
+        });
+    }
+    if asked.print {
+        return out::result(
+            || serde_json::json!(scene),
+            || {
+                let text = toml::to_string(scene).map_err(|error| {
+                    Error::device("TOML", error.to_string(), "report this as a bug")
+                })?;
+                say!("{}", text.trim_end());
+                Ok(())
+            },
+        )
+        .map(|()| ExitCode::SUCCESS);
+    }
+    let command = super::command_line();
+    let files = asked.report.files();
+    if let Some(folder) = asked.out {
+        report::check_folder(folder, &command, files.force)?;
+        super::interrupt::clean_up()?;
+        super::interrupt::sweep(folder);
+    }
+    let record = space::run(&scene.cell()).map_err(|why| Error::Option {
+        option: "law".to_owned(),
+        problem: why.to_string(),
+        fix: "ask for another stiffness".to_owned(),
+    })?;
+    let runs = [record];
+    let input = page::Input {
+        command: &command,
+        program: program(),
+        files,
+        mechanism: scene.mechanism.kind,
+        held_out: None,
+        runs: &runs,
+        claims: &[],
+        cards: &[],
+    };
+    let written = asked
+        .out
+        .map(|folder| page::write(&input, folder))
+        .transpose()?;
+    out::result(
+        || page::results(&input),
+        || {
+            let cell = scene.cell();
+            say!(
+                "{}: {}, {}, {} N/mm, on {}",
+                scene.name,
+                cell.object.name(),
+                cell.approach.name(),
+                cell.k_desired_n_per_mm,
+                cell.mechanism.about()
+            );
+            for (name, number) in page::numbers(&runs[0]) {
+                say!("{name:<38}{number:>14.6}");
+            }
+            Ok(())
+        },
+    )?;
+    if let Some(written) = written
+        && !json()
+    {
+        note!("report  {}", written.page.display());
+    }
+    match runs[0].stopped {
+        false => Ok(ExitCode::SUCCESS),
+        true => Err(Error::device(
+            scene.mechanism.kind.about(),
+            "came to a place that its arms do not have",
+            "ask for a softer wall, or another object",
+        )),
+    }
+}

@@ -1,0 +1,219 @@
+//! The scorecard of `touchstone device run`: on simulated devices beside the simulator's, on the mocks of real ones with what cannot be known.
+#![cfg(target_os = "linux")]
+
+mod common;
+#[path = "../../device/tests/haply_mock/mod.rs"]
+#[expect(
+    dead_code,
+    reason = "its faults are played by the device crate's own tests"
+)]
+mod haply_mock;
+
+use haply_mock::{Service, Wrong};
+use std::path::Path;
+use std::process::{Command, Output};
+use touchstone_control::LawKind;
+use touchstone_lab::scorecard::direction::DirectionFigures;
+use touchstone_lab::scorecard::in_turn::DEEDS;
+use touchstone_lab::scorecard::measure::Measure;
+use touchstone_lab::thesis::space::pressed::{PressedSurface, PressedWall};
+use touchstone_lab::thesis::space::{self, Deviation, Mechanism};
+use touchstone_mock_dhd::door::built;
+use touchstone_world::plant::FIRM_TRANSLATION;
+
+fn ran(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_touchstone"))
+        .args(arguments.split(' '))
+        .current_dir(folder)
+        .env("TOUCHSTONE_DHD", built())
+        .env("TOUCHSTONE_MOCK_DHD", "")
+        .output()
+        .unwrap()
+}
+
+#[track_caller]
+fn results(folder: &Path, arguments: &str) -> serde_json::Value {
+    let out = ran(folder, arguments);
+    let said = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.success(), "{said}");
+    serde_json::from_slice(&out.stdout).expect("JSON")
+}
+
+fn figure<'a>(card: &'a serde_json::Value, key: &str) -> &'a serde_json::Value {
+    let figures = card["figures"].as_array().expect("figures");
+    let found = figures.iter().find(|figure| figure["key"] == key);
+    found.unwrap_or_else(|| panic!("no {key}"))
+}
+
+#[track_caller]
+fn value(card: &serde_json::Value, key: &str) -> f64 {
+    let figure = figure(card, key);
+    figure["value"]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{figure}"))
+}
+
+/// How many figures are beyond their limits, or lost.
+fn beyond(card: &serde_json::Value) -> usize {
+    let figures = card["figures"].as_array().expect("figures");
+    figures
+        .iter()
+        .filter(|figure| figure["not_measured"].is_null())
+        .filter_map(|figure| figure["limit"].as_f64().map(|limit| (figure, limit)))
+        .filter(|(figure, limit)| figure["value"].as_f64().is_none_or(|value| value > *limit))
+        .count()
+}
+
+/// What the simulator says of the same wall, hand and deeds, with true depths.
+fn simulated(normal: [f64; 3]) -> DirectionFigures {
+    let wall = PressedWall {
+        surface: PressedSurface::Plane([0.0; 3], normal),
+        law: space::settings(LawKind::EnhancedSfa, 5.0),
+        estimator: None,
+        mechanism: Mechanism::Cartesian,
+        deviation: Deviation::NONE,
+        hand: FIRM_TRANSLATION,
+        push_n: 8.0,
+    };
+    DEEDS
+        .into_iter()
+        .fold(DirectionFigures::NONE, |worst, deed| {
+            worst.worst(&wall.played(deed).expect("settings"))
+        })
+}
+
+/// Within what half a count of each axis is along the normal, over the depth of 8 N in 5 N/mm.
+#[test]
+fn a_simulated_device_has_the_simulators_figures() {
+    let folder = common::folder("device-scorecard-equal");
+    for object in [space::Object::Horizontal, space::Object::Inclined] {
+        let word = match object {
+            space::Object::Horizontal => "plane",
+            _ => "inclined",
+        };
+        let run = format!(
+            "device run {word} --device simulated --fast --programme scorecard --rate-hz 1000 --out {word} --json"
+        );
+        let seen = results(&folder, &run)["scorecard"].clone();
+        let known = simulated(object.normal()).figures;
+        let across: f64 = object.normal().iter().map(|n| n.abs()).sum();
+        let depth_share = 0.5e-5 * across / (8.0 / 5000.0);
+        for (key, measure, within) in [
+            (
+                "peak_penetration_ratio",
+                Measure::PeakPenetrationRatio,
+                depth_share,
+            ),
+            (
+                "stiffness_error_held",
+                Measure::StiffnessErrorHeld,
+                depth_share,
+            ),
+            ("modulus_error", Measure::ModulusError, depth_share),
+            ("phase_deg", Measure::PhaseDeg, 0.2),
+            ("ripple_rms_n", Measure::RippleRmsNM, 1e-3),
+        ] {
+            let (seen, known) = (value(&seen, key), known.get(measure));
+            println!("{word} {key}: {seen} on the device, {known} in the simulator");
+            assert!(
+                (seen - known).abs() <= within,
+                "{word} {key}: {seen} {known}"
+            );
+        }
+        let page = std::fs::read_to_string(folder.join(word).join("index.html")).unwrap();
+        assert!(page.contains("Scorecard") && page.contains("hardness N/mm"));
+        assert!(folder.join(word).join("results.json").exists());
+    }
+}
+
+/// A spring far above what the devices hold, without a guard, is beyond nearly every limit; one that they hold is within.
+#[test]
+fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
+    let folder = common::folder("device-scorecard-bad");
+    for device in ["simulated", "simulated-delta"] {
+        let card = |wall: &str| {
+            let run = format!(
+                "device run plane --device {device} --fast --programme scorecard --rate-hz 1000 --law spring {wall} --json"
+            );
+            results(&folder, &run)["scorecard"].clone()
+        };
+        let (calm, wild) = (card("--k-desired 3"), card("--k-desired 25 --no-guard"));
+        assert_eq!(beyond(&calm), 0, "{device}: {calm:#}");
+        assert!(beyond(&wild) >= 4, "{device}: {wild:#}");
+        let given = |card| value(card, "energy_out_wall_j");
+        assert!(given(&wild) > 10.0 * given(&calm), "{device}");
+    }
+}
+
+/// Nobody commands the hand of a real device: its figures are those of what it did, the others are named with the reason.
+#[test]
+fn on_the_mocks_it_is_said_what_cannot_be_known() {
+    let folder = common::folder("device-scorecard-mocks");
+    let service = Service::new("3.5.1", Wrong::Nothing, 0);
+    let devices = [
+        ("omega", "--rate-hz 1000".to_owned()),
+        ("inverse", format!("--haply {}", service.address)),
+    ];
+    for (name, which) in devices {
+        let run = format!(
+            "device run plane {which} --seconds 6 --late-limit-ms 500 --k-desired 1 --out {name} --json"
+        );
+        let found = results(&folder, &run);
+        assert_eq!(found["late_limit_ms"], 500.0);
+        let card = &found["scorecard"];
+        assert_eq!(card["commanded"], false);
+        let peak = figure(card, "peak_penetration_ratio");
+        assert!(peak["value"].is_null(), "{peak}");
+        let why = peak["not_measured"].as_str().expect("why");
+        assert!(why.contains("no F/k_de"), "{why}");
+        assert!(value(card, "stiffness_error").is_finite());
+        assert!(value(card, "energy_out_wall_worst_window_j").is_finite());
+        let kept = std::fs::read_to_string(folder.join(name).join("results.json")).unwrap();
+        let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
+        assert_eq!(kept["run"]["scorecard"], *card);
+        assert!(
+            kept["run"]["lateness"]
+                .as_array()
+                .is_some_and(|it| !it.is_empty())
+        );
+        let page = std::fs::read_to_string(folder.join(name).join("index.html")).unwrap();
+        assert!(page.contains("not measured") && page.contains("How late ticks began"));
+        if name == "omega" {
+            // 6 rad/s up and down, in the wall.
+            let moved = card["moved"].as_array().expect("rhythms");
+            let near = |at: &serde_json::Value| {
+                (at["frequency_hz"].as_f64().unwrap_or(0.0) - 0.955).abs() < 0.05
+            };
+            assert!(!moved.is_empty() && moved.iter().all(near), "{moved:?}");
+        }
+    }
+}
+
+#[test]
+fn what_does_not_go_together_is_refused() {
+    let folder = common::folder("device-scorecard-usage");
+    for (arguments, part) in [
+        ("device run plane --programme scorecard", "--programme"),
+        (
+            "device run plane --device simulated --fast --out x",
+            "--seconds",
+        ),
+        (
+            "device run plane --device simulated --grip light --seconds 1",
+            "--grip",
+        ),
+        (
+            "device run plane --device simulated --programme scorecard --seconds 1",
+            "--seconds",
+        ),
+        (
+            "device run plane --device simulated --late-limit-ms 0",
+            "--late-limit-ms",
+        ),
+    ] {
+        let out = common::run_in(&folder, arguments.split(' '));
+        let said = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        assert!(said.contains(part), "{said}");
+    }
+}

@@ -1,0 +1,119 @@
+//! `touchstone compare`: what `monitor` kept, beside a scene.
+
+use super::spun::Spun;
+use super::{Said, folder, program, run};
+use std::path::Path;
+use std::time::Duration;
+use touchstone_world::motor::GIMBAL;
+use touchstone_world::plant::{Coulomb, Device, State};
+
+/// A knob that is flicked while `monitor` listens.
+fn recorded(file: &Path) -> u32 {
+    let knob = Device {
+        inertia: 1e-4,
+        damping: 4e-4,
+        friction: Some(Coulomb {
+            kinetic: 1e-3,
+            breakaway: 1e-3,
+        }),
+    };
+    let device = Spun::new(GIMBAL, &knob, 9);
+    device
+        .run(&["config", "set", "wall.surface_rad", "0.3"])
+        .done();
+    device.run(&["device", "calibrate"]).done();
+    device.run(&["device", "arm"]).done();
+    let counts = device.world().0.settings().encoder.counts_per_rev;
+    std::thread::scope(|threads| {
+        let listening = threads.spawn(|| {
+            let name = file.to_str().unwrap();
+            device.run(&["monitor", "--seconds", "0.5", "--csv", name])
+        });
+        std::thread::sleep(Duration::from_millis(200));
+        {
+            let (_, world) = &mut *device.world();
+            let angle = world.knob.rig.now().angle_rad;
+            *world.knob.rig.state_mut() = State::from_array([angle, 6.0]);
+        }
+        listening.join().unwrap().done();
+    });
+    counts
+}
+
+#[test]
+fn a_recording_of_a_flick_is_put_beside_its_scene() {
+    let here = folder("compare");
+    let file = here.join("flick.csv");
+    let counts = format!("encoder.counts_per_rev={}", recorded(&file));
+    let out = here.join("page");
+    let compared = |more: &[&str]| -> Said {
+        let all = [
+            "compare",
+            file.to_str().unwrap(),
+            "thesis-knob",
+            "--set",
+            &counts,
+            "--hand",
+            "released",
+            "--out",
+            out.to_str().unwrap(),
+            "--force",
+        ];
+        program(&[&all, more].concat()).output().unwrap().into()
+    };
+    let said = compared(&[]).done();
+    for part in ["position  rms", "force     rms", "index.html"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let page = std::fs::read_to_string(out.join("index.html")).unwrap();
+    assert!(page.contains("recorded") && page.contains("simulated") && page.contains("<svg"));
+    let said = compared(&["--json"]).done();
+    let value: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(value["differences"][0]["what"], "position");
+    assert_eq!(value["holds"], true);
+    // Nothing is equal to nothing.
+    let said = compared(&["--tolerance", "0", "--json"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    let value: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(value["holds"], false);
+
+    // The hand of the scene held nothing here, but its motion is found and can be run again.
+    let held = [
+        "compare",
+        file.to_str().unwrap(),
+        "thesis-knob",
+        "--set",
+        &counts,
+    ];
+    let held: Said = program(&[&held[..], &["--out", out.to_str().unwrap(), "--force"]].concat())
+        .output()
+        .unwrap()
+        .into();
+    held.done();
+    let hand = out.join("hand.csv");
+    let again = [
+        "run",
+        "thesis-knob",
+        "--operator-motion",
+        hand.to_str().unwrap(),
+    ];
+    assert_eq!(run(&again).code, Some(0));
+}
+
+#[test]
+fn what_is_no_recording_is_named() {
+    let here = folder("compare-wrong");
+    let file = here.join("other.csv");
+    std::fs::write(&file, "time_s,angle_rad\n0,1\n").unwrap();
+    let name = file.to_str().unwrap();
+    run(&["compare", name, "thesis-knob"]).failed(2, &["has no column tick", "monitor --csv"]);
+    run(&["compare", "missing.csv", "thesis-knob"]).failed(2, &["missing.csv"]);
+    run(&[
+        "compare",
+        name,
+        "thesis-knob",
+        "--set",
+        "wall.surface_rad=1",
+    ])
+    .failed(2, &["the device's surface"]);
+}

@@ -1,0 +1,243 @@
+//! The scene under the hand that a recording tells of.
+
+use super::held::rest_point_rad;
+use super::told::Told;
+use super::{HandWas, closest, rms};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::run::run;
+use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};
+
+/// The motion of a hand that holds, in the folder.
+pub const HAND_FILE: &str = "hand.csv";
+
+/// Over so much of its flight to the wall a released knob's speed is told, s; the comparison begins in the middle of it, where a
+/// parabola's slope is known best.
+const FLIGHT_S: f64 = 0.04;
+
+/// Halvings of half of what the speed is unsure by: to a hundredth.
+const SPEED_HALVINGS: u32 = 6;
+
+/// A recording and the scene that repeats it.
+pub struct Replay<'a> {
+    told: &'a Told,
+    /// The first tick that is compared.
+    first: usize,
+    scene: Scene,
+    /// How far off the speed of its start may be, rad/s; 0 where a hand leads the knob.
+    unsure_rad_per_s: f64,
+}
+
+/// What is compared of a recording.
+pub struct Part<'a> {
+    pub time_s: &'a [f64],
+    pub penetration_rad: &'a [f64],
+    pub force_n_m: &'a [f64],
+    pub limited: &'a [bool],
+}
+
+/// The same of a run.
+pub struct Simulated {
+    pub penetration_rad: Vec<f64>,
+    pub force_n_m: Vec<f64>,
+}
+
+impl<'a> Replay<'a> {
+    pub fn new(scene: &Scene, told: &'a Told, hand: HandWas, folder: &Path) -> Result<Self> {
+        let period_s = fits(scene, told)?;
+        let surface_rad = surface_rad(scene, told)?;
+        let (first, start_rad, speed, motion) = match hand {
+            HandWas::Gone => {
+                let flight = flight(told)?;
+                let (place, speed) = middle(&told.penetration_rad[flight.clone()], period_s);
+                (flight.start + flight.len() / 2, place, speed, None)
+            }
+            HandWas::Holding => {
+                let motion = kept(scene, told, surface_rad, folder)?;
+                (0, told.penetration_rad[0], 0.0, Some(motion))
+            }
+        };
+        let ticks = told.time_s.len() - first;
+        let scene = scene.with(|scene| {
+            scene.wall.surface_rad = surface_rad;
+            scene.device.initial_angle_rad = Some(surface_rad + start_rad);
+            scene.device.initial_velocity_rad_per_s = speed;
+            scene.timing.duration_s = ticks as f64 * period_s;
+            scene.operator.motion = match motion {
+                None => {
+                    scene.operator.grip = Grip::None;
+                    scene.operator.hand = None;
+                    MotionSpec::None
+                }
+                Some(file) => MotionSpec::Recorded(Recorded {
+                    exact: true,
+                    ..Recorded::new(file)
+                }),
+            };
+        })?;
+        let step = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+        let unsure_rad_per_s = match hand {
+            HandWas::Gone => step / FLIGHT_S,
+            HandWas::Holding => 0.0,
+        };
+        Ok(Self {
+            told,
+            first,
+            scene,
+            unsure_rad_per_s,
+        })
+    }
+
+    /// The scene that repeats it.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What is compared.
+    pub fn recorded(&self) -> Part<'_> {
+        let told = self.told;
+        Part {
+            time_s: &told.time_s[self.first..],
+            penetration_rad: &told.penetration_rad[self.first..],
+            force_n_m: &told.force_n_m[self.first..],
+            limited: &told.limited[self.first..],
+        }
+    }
+
+    /// Runs it, or one near it, over the same ticks; from the speed that is best for it, of those that a count more or less in the
+    /// flight would make.
+    pub fn run(&self, scene: &Scene) -> Result<Simulated> {
+        if self.unsure_rad_per_s == 0.0 {
+            return self.run_from(scene, 0.0);
+        }
+        let recorded = self.recorded().penetration_rad;
+        let step = self.unsure_rad_per_s / 2.0;
+        let (faster, _) = closest(step, 2, SPEED_HALVINGS, |faster| {
+            let run = self.run_from(scene, faster)?;
+            Ok(rms(recorded, &run.penetration_rad))
+        })?;
+        self.run_from(scene, faster)
+    }
+
+    fn run_from(&self, scene: &Scene, faster_rad_per_s: f64) -> Result<Simulated> {
+        let mut scene = scene.clone();
+        scene.device.initial_velocity_rad_per_s += faster_rad_per_s;
+        let done = run(&scene, true)?;
+        let trace = done.trace.unwrap_or_default();
+        let ticks = self.told.time_s.len() - self.first;
+        let mut penetration_rad: Vec<f64> = trace
+            .angle_measured_rad
+            .iter()
+            .map(|angle| angle - scene.wall.surface_rad)
+            .collect();
+        let mut force_n_m = trace.force_n_m;
+        // A duration that rounds to a tick more or less.
+        let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
+        let (at, with) = (last(&penetration_rad), last(&force_n_m));
+        penetration_rad.resize(ticks, at);
+        force_n_m.resize(ticks, with);
+        Ok(Simulated {
+            penetration_rad,
+            force_n_m,
+        })
+    }
+}
+
+/// That recording and scene have one rate; its period, s.
+fn fits(scene: &Scene, told: &Told) -> Result<f64> {
+    let period_s = scene.timing.period_s();
+    let steps = (told.time_s.len() - 1) as f64;
+    let recorded = (told.time_s[told.time_s.len() - 1] - told.time_s[0]) / steps;
+    if (recorded / period_s - 1.0).abs() > 1e-3 {
+        return Err(told.wrong(
+            format!(
+                "was recorded at {:.1} Hz, the scene runs at {} Hz",
+                1.0 / recorded,
+                scene.timing.rate_hz
+            ),
+            "give the scene the device's rate: --set timing.rate_hz=…",
+        ));
+    }
+    Ok(period_s)
+}
+
+/// Where the device's wall is, by its count and its penetration: so that both encoders' steps fall together.
+fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
+    let Some(encoder) = &scene.encoder else {
+        return Err(Error::Option {
+            option: "encoder.counts_per_rev".into(),
+            problem: "the scene has no encoder, the device has one".into(),
+            fix: "give the scene the device's: --set encoder.counts_per_rev=…".into(),
+        });
+    };
+    let step = TAU / encoder.counts_per_rev;
+    let places = || {
+        let both = told.count.iter().zip(&told.penetration_rad);
+        both.map(|(count, penetration)| count * step - penetration)
+    };
+    let (low, high) = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| {
+        (low.min(it), high.max(it))
+    });
+    if high - low > 0.5 * step {
+        return Err(told.wrong(
+            format!(
+                "its counts are not those of an encoder with {} a turn",
+                encoder.counts_per_rev
+            ),
+            "give the scene the device's: --set encoder.counts_per_rev=…",
+        ));
+    }
+    Ok(0.5 * (low + high))
+}
+
+/// The last of a released knob's way to the wall, of an odd number of ticks: nobody pushes it there, if anywhere.
+fn flight(told: &Told) -> Result<Range<usize>> {
+    let touch = told.penetration_rad.iter().position(|it| *it > 0.0);
+    let no_flight = |problem: &str| {
+        told.wrong(
+            problem,
+            "flick the knob towards the wall and let go well before it is there; or hold it: --hand held",
+        )
+    };
+    let touch = touch.ok_or_else(|| no_flight("the knob never came to the wall"))?;
+    let period = told.time_s[1] - told.time_s[0];
+    let half = ((FLIGHT_S / 2.0 / period).round() as usize).max(5);
+    let start = touch.checked_sub(2 * half + 1);
+    let start = start.ok_or_else(|| no_flight("begins at the wall or inside of it"))?;
+    Ok(start..touch)
+}
+
+/// Place and speed in the middle of a flight, by the parabola through it with the least squares: friction slows it evenly.
+fn middle(penetration_rad: &[f64], period_s: f64) -> (f64, f64) {
+    let half = penetration_rad.len() as f64 / 2.0;
+    let time = |row: usize| (row as f64 + 0.5) / half - 1.0;
+    let rows = penetration_rad.len();
+    let powers = DMatrix::from_fn(rows, 3, |row, power| time(row).powi(power as i32));
+    let values = DVector::from_column_slice(penetration_rad);
+    // A matrix of three different powers has three singular values.
+    let found = powers.svd(true, true).solve(&values, 1e-12);
+    let found = found.unwrap_or_else(|_| DVector::zeros(3));
+    (found[0], found[1] / (half * period_s))
+}
+
+/// The hand's motion in a file that `--operator-motion` reads, too; where it is.
+fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<PathBuf> {
+    use std::fmt::Write as _;
+    let rest = rest_point_rad(scene, told)?;
+    let mut text = String::from("time_s,rest_rad\n");
+    for (time, rest) in told.time_s.iter().zip(rest) {
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "{},{}", time - told.time_s[0], rest + surface_rad);
+    }
+    let file = folder.join(HAND_FILE);
+    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&file, text));
+    written.map_err(|error| Error::Io {
+        path: file.clone(),
+        problem: error.to_string(),
+        fix: "choose another folder with --out".into(),
+    })?;
+    Ok(file)
+}

@@ -1,0 +1,147 @@
+//! What a device told of its ticks: the CSV that `touchstone monitor` keeps.
+
+use std::path::{Path, PathBuf};
+use touchstone_sim::error::{Error, Result};
+
+/// The columns that are read.
+const COLUMNS: [&str; 7] = [
+    "tick",
+    "time_s",
+    "count",
+    "penetration_rad",
+    "force_n_m",
+    "state",
+    "limits",
+];
+
+/// The longest stretch without a gap in which the wall was on.
+#[derive(Debug, Clone)]
+pub struct Told {
+    /// For messages.
+    pub file: PathBuf,
+    /// Time of the recording, s.
+    pub time_s: Vec<f64>,
+    /// The encoder's count.
+    pub count: Vec<f64>,
+    /// Penetration, rad.
+    pub penetration_rad: Vec<f64>,
+    /// Force commanded out of the wall, N·m.
+    pub force_n_m: Vec<f64>,
+    /// Whether a limit acted.
+    pub limited: Vec<bool>,
+    /// Ticks that are missing in the whole recording.
+    pub lost_ticks: u32,
+}
+
+/// A row.
+struct Row {
+    tick: u32,
+    numbers: [f64; 4],
+    armed: bool,
+    limited: bool,
+}
+
+impl Told {
+    /// Reads it, between two times of the recording.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is none of `monitor`'s; one in which the wall was never on for a tenth of a second.
+    pub fn read(file: &Path, from_s: f64, to_s: f64) -> Result<Self> {
+        let rows = rows(file)?;
+        let mut told = Self {
+            file: file.to_owned(),
+            time_s: Vec::new(),
+            count: Vec::new(),
+            penetration_rad: Vec::new(),
+            force_n_m: Vec::new(),
+            limited: Vec::new(),
+            lost_ticks: 0,
+        };
+        let wanted = |row: &Row| row.armed && (from_s..=to_s).contains(&row.numbers[0]);
+        // The stretch that goes on here, and the longest so far.
+        let (mut stretch, mut longest) = (0..0, 0..0);
+        for (index, row) in rows.iter().enumerate() {
+            let before = index.checked_sub(1).map(|before| rows[before].tick);
+            let gap = before.map_or(0, |before| row.tick.wrapping_sub(before).saturating_sub(1));
+            told.lost_ticks += gap;
+            stretch = match (wanted(row), gap) {
+                (false, _) => index + 1..index + 1,
+                (true, 0) => stretch.start..index + 1,
+                (true, _) => index..index + 1,
+            };
+            if stretch.len() > longest.len() {
+                longest = stretch.clone();
+            }
+        }
+        for row in &rows[longest] {
+            let [time, count, penetration, force] = row.numbers;
+            told.time_s.push(time);
+            told.count.push(count);
+            told.penetration_rad.push(penetration);
+            told.force_n_m.push(force);
+            told.limited.push(row.limited);
+        }
+        let length_s = told.time_s.last().zip(told.time_s.first());
+        if length_s.is_none_or(|(last, first)| last - first < SHORTEST_S) {
+            return Err(told.wrong(
+                format!("the wall was never on for {SHORTEST_S} s without a lost tick, in what is to be compared"),
+                "record while it is armed: touchstone monitor --csv FILE",
+            ));
+        }
+        Ok(told)
+    }
+
+    /// Something that is wrong with it.
+    pub fn wrong(&self, problem: impl Into<String>, fix: &str) -> Error {
+        Error::Io {
+            path: self.file.clone(),
+            problem: problem.into(),
+            fix: fix.to_owned(),
+        }
+    }
+}
+
+/// Less says nothing of a knob.
+const SHORTEST_S: f64 = 0.1;
+
+fn rows(file: &Path) -> Result<Vec<Row>> {
+    const FIX: &str =
+        "give a file that touchstone monitor --csv kept, with every tick (--decimation 1)";
+    let wrong = |problem: String| Error::Io {
+        path: file.to_owned(),
+        problem,
+        fix: FIX.to_owned(),
+    };
+    let mut reader = csv::Reader::from_path(file).map_err(|error| wrong(error.to_string()))?;
+    let header = reader.headers().map_err(|error| wrong(error.to_string()))?;
+    let mut places = [0; COLUMNS.len()];
+    for (place, name) in places.iter_mut().zip(COLUMNS) {
+        *place = header
+            .iter()
+            .position(|column| column == name)
+            .ok_or_else(|| wrong(format!("has no column {name}")))?;
+    }
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| wrong(error.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let cell = |column: usize| record.get(places[column]).unwrap_or_default();
+        let number = |column: usize| {
+            let value = cell(column).parse::<f64>().ok().filter(|it| it.is_finite());
+            value.ok_or_else(|| {
+                let name = COLUMNS[column];
+                wrong(format!(
+                    "line {line}, {name}: `{}` is no number",
+                    cell(column)
+                ))
+            })
+        };
+        rows.push(Row {
+            tick: number(0)? as u32,
+            numbers: [number(1)?, number(2)?, number(3)?, number(4)?],
+            armed: cell(5) == "armed",
+            limited: !cell(6).is_empty(),
+        });
+    }
+    Ok(rows)
+}

@@ -1,0 +1,121 @@
+//! Depth and force of a run on a device, one value an interval, and the stretches in which a hand is in the wall, and rests in it.
+
+use super::press::DesiredStiffness;
+use std::ops::Range;
+
+/// A tick, SI: what was read, what acted from then on, and where the surface was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchedTick {
+    /// Intervals since the first tick; more than one apart where ticks were missed.
+    pub due: u64,
+    /// The place, m.
+    pub position_m: [f64; 3],
+    /// The force, N.
+    pub force_n: [f64; 3],
+    /// How deep the place is below the surface, m.
+    pub depth_m: f64,
+    /// Out of the object.
+    pub normal: [f64; 3],
+}
+
+/// A hand rests that moves less than so many counts, or this share of its depth.
+pub const RESTING_COUNTS: f64 = 4.0;
+const RESTING_SHARE: f64 = 0.02;
+
+/// One value an interval: missed ticks are filled in, the force held over them.
+pub struct TouchedSeries {
+    first: u64,
+    /// At the tick.
+    pub depth: Vec<f64>,
+    /// In the middle of the interval, to which the force belongs that is held over it.
+    pub middle: Vec<f64>,
+    /// The force out of the surface over it.
+    pub out: Vec<f64>,
+}
+
+/// Scalar product.
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+impl TouchedSeries {
+    /// Of ticks.
+    pub fn of(ticks: &[TouchedTick]) -> Self {
+        let mut series = Self {
+            first: ticks.first().map_or(0, |tick| tick.due),
+            depth: Vec::new(),
+            middle: Vec::new(),
+            out: Vec::new(),
+        };
+        for pair in ticks.windows(2) {
+            let [here, next] = pair else { continue };
+            let out = dot(here.force_n, here.normal);
+            let intervals = next.due.saturating_sub(here.due).max(1);
+            let step = (next.depth_m - here.depth_m) / intervals as f64;
+            for i in 0..intervals {
+                let at = here.depth_m + step * i as f64;
+                series.depth.push(at);
+                series.middle.push(at + 0.5 * step);
+                series.out.push(out);
+            }
+        }
+        series
+    }
+
+    /// Index of a tick.
+    pub fn index(&self, due: u64) -> usize {
+        (due.saturating_sub(self.first) as usize).min(self.out.len())
+    }
+
+    /// Stretches of contact of a length at least, and deep enough to tell a stiffness.
+    pub fn contacts(
+        &self,
+        from: usize,
+        stiffness: &DesiredStiffness,
+        least: usize,
+    ) -> Vec<Range<usize>> {
+        let touched =
+            |i: usize| self.out[i] > 0.0 && stiffness.off(self.middle[i], self.out[i]).is_some();
+        let mut found = Vec::new();
+        let mut start = from;
+        for i in from..=self.out.len() {
+            if i == self.out.len() || !touched(i) {
+                if i - start >= least {
+                    found.push(start..i);
+                }
+                start = i + 1;
+            }
+        }
+        found
+    }
+
+    /// Inwards, over the last intervals, m/s.
+    pub fn speed(&self, index: usize, intervals: usize, rate_hz: f64) -> f64 {
+        let was = index.saturating_sub(intervals);
+        match index > was {
+            true => (self.depth[index] - self.depth[was]) * rate_hz / (index - was) as f64,
+            false => 0.0,
+        }
+    }
+}
+
+/// Stretches within a contact in which the hand rests.
+pub fn resting(
+    depth: &[f64],
+    contact: &Range<usize>,
+    length: usize,
+    count: f64,
+) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    let mut from = contact.start;
+    while from + length <= contact.end {
+        let part = &depth[from..from + length];
+        let low = part.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = part.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high - low <= (RESTING_COUNTS * count).max(RESTING_SHARE * high) {
+            found.push(from..from + length);
+        }
+        from += (length / 4).max(1);
+    }
+    found
+}

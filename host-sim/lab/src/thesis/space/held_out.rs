@@ -1,0 +1,365 @@
+//! The tuned law where nobody looked while its setting was chosen: directions, places, hands, pushes, inertia, damping and delay by a seed.
+//!
+//! [`super::tuned`] is judged on the runs that its setting was seen on. Here each draw is a wall of its own: a random normal through a random place,
+//! a hand between the light and the firm one, a push of 4 to 9 N, inertia and damping up to a fifth off, a delay of none, 0.1 or 0.5 of a tick. A fifth of them
+//! are the ball, with a hand that is stiff enough to stay on it.
+
+use super::RADIUS_MM;
+use super::mechanism::{Deviation, Mechanism};
+use super::pressed::{PressedSurface, PressedWall};
+use super::tuned;
+use crate::random_device::Random;
+use crate::scorecard::cases::LATE_TICKS;
+use crate::scorecard::direction::DirectionFigures;
+use crate::scorecard::in_turn::DEEDS;
+use crate::scorecard::measure::{Limits, Measure};
+use crate::thesis::claims::{Claim, Outcome};
+use rayon::prelude::*;
+use serde::Serialize;
+use touchstone_control::{EstimatorSettings, Settings, SettingsError};
+use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION};
+
+/// How many walls a check has.
+pub const DRAWS: usize = 200;
+/// Of so many one is the ball.
+const BALL_EACH: usize = 5;
+/// So far from the centre is a plane's place, m.
+const FURTHEST_M: f64 = 0.03;
+const PUSHES_N: (f64, f64) = (4.0, 9.0);
+const DELAYS_TICKS: [f64; 3] = [0.0, 0.1, 0.5];
+/// Of what a hand holds on a ball, `R` times its stiffness across, it may push with so much.
+const BALL_SHARE: f64 = 0.6;
+
+/// A wall that was drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// What is pressed.
+    pub surface: PressedSurface,
+    /// Between the light (0) and the firm hand (1), evenly on a logarithmic scale.
+    pub grip: f64,
+    /// What it pushes with, N.
+    pub push_n: f64,
+    /// How the device differs.
+    pub deviation: Deviation,
+}
+
+/// A hand between the light and the firm one.
+fn hand(grip: f64) -> Hand {
+    let between = |light: f64, firm: f64| light * (firm / light).powf(grip);
+    let (light, firm) = (LIGHT_TRANSLATION, FIRM_TRANSLATION);
+    Hand {
+        inertia: between(light.inertia, firm.inertia),
+        damping: between(light.damping, firm.damping),
+        stiffness: between(light.stiffness, firm.stiffness),
+        pad_damping: between(light.pad_damping, firm.pad_damping),
+        pad_stiffness: between(light.pad_stiffness, firm.pad_stiffness),
+    }
+}
+
+/// Stiffness of a hand and its pad across, N/m.
+fn across(hand: &Hand) -> f64 {
+    1.0 / (1.0 / hand.stiffness + 1.0 / hand.pad_stiffness)
+}
+
+/// The most that a hand may push a ball with and stay on it, N: above `R` times its stiffness across it slides off.
+fn most_on_ball_n(hand: &Hand) -> f64 {
+    BALL_SHARE * 1e-3 * RADIUS_MM * across(hand)
+}
+
+impl Drawn {
+    fn next(random: &mut Random, ball: bool) -> Self {
+        let mut within = |(low, high): (f64, f64)| low + (high - low) * random.unit();
+        // Even on the sphere of directions.
+        let (up, turn) = (within((-1.0, 1.0)), within((0.0, std::f64::consts::TAU)));
+        let flat = (1.0 - up * up).sqrt();
+        let normal = [flat * turn.cos(), flat * turn.sin(), up];
+        let place = [0; 3].map(|_| within((-FURTHEST_M, FURTHEST_M)));
+        let fifth = (0.8, 1.2);
+        let deviation = Deviation {
+            inertia: within(fifth),
+            damping: within(fifth),
+            counts: 1.0,
+            delay_ticks: DELAYS_TICKS[(within((0.0, 3.0)) as usize).min(2)],
+        };
+        let (grip, push_n) = (within((0.0, 1.0)), within(PUSHES_N));
+        if ball {
+            let most = most_on_ball_n(&hand(1.0));
+            return Self {
+                surface: PressedSurface::Ball(normal),
+                grip: 1.0,
+                push_n: push_n.min(most),
+                deviation,
+            };
+        }
+        Self {
+            surface: PressedSurface::Plane(place, normal),
+            grip,
+            push_n,
+            deviation,
+        }
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let [x, y, z] = self.surface.normal();
+        let what = match self.surface {
+            PressedSurface::Plane(..) => "plane",
+            PressedSurface::Ball(_) => "ball",
+        };
+        format!(
+            "{what} ({x:.2}, {y:.2}, {z:.2}), grip {:.2}, {:.1} N, inertia {:.2}, damping {:.2}, delay {}",
+            self.grip,
+            self.push_n,
+            self.deviation.inertia,
+            self.deviation.damping,
+            self.deviation.delay_ticks
+        )
+    }
+
+    fn is_late(&self) -> bool {
+        self.deviation.delay_ticks >= LATE_TICKS
+    }
+}
+
+/// The walls of a seed.
+#[must_use]
+pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
+    let mut random = Random::new(seed);
+    (0..count)
+        .map(|i| Drawn::next(&mut random, i % BALL_EACH == BALL_EACH - 1))
+        .collect()
+}
+
+/// A wall, and what came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldOutCell {
+    /// The wall.
+    pub drawn: Drawn,
+    /// Its figures; ripple has no limit.
+    pub found: DirectionFigures,
+    /// The longest force that was wanted of the motors, N.
+    pub longest_n: f64,
+    limits: Limits,
+}
+
+impl HeldOutCell {
+    /// Whether the motors were asked for all that they have.
+    #[must_use]
+    pub fn is_at_limit(&self) -> bool {
+        self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
+    }
+
+    /// What is beyond its limit, and by what share of it.
+    #[must_use]
+    pub fn fails(&self) -> Vec<(Measure, f64)> {
+        let shares = self.found.figures.shares(&self.limits);
+        let all = Measure::ALL.into_iter().zip(shares);
+        all.filter(|(_, share)| *share > 1.0 || share.is_nan())
+            .collect()
+    }
+}
+
+/// A check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldOut {
+    /// Its seed.
+    pub seed: u64,
+    /// Every wall.
+    pub cells: Vec<HeldOutCell>,
+}
+
+/// The largest of a figure, with the wall that has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstOfAll {
+    /// The figure.
+    pub measure: Measure,
+    /// Its value; absent where it left all numbers.
+    pub value: Option<f64>,
+    /// In the middle of all walls.
+    pub median: Option<f64>,
+    /// How many walls are beyond its limit.
+    pub beyond: usize,
+    /// The wall of the largest.
+    pub wall: String,
+}
+
+impl HeldOut {
+    /// Plays the setting that [`super::tuned`] has on walls of a seed.
+    ///
+    /// # Errors
+    /// Settings that no law can have.
+    pub fn played(seed: u64, count: usize) -> Result<Self, SettingsError> {
+        Self::with(seed, count, &tuned::settings(), &tuned::estimator())
+    }
+
+    /// Plays another setting on them.
+    ///
+    /// # Errors
+    /// As [`Self::played`].
+    pub fn with(
+        seed: u64,
+        count: usize,
+        law: &Settings,
+        estimator: &EstimatorSettings,
+    ) -> Result<Self, SettingsError> {
+        let cell = |drawn: &Drawn| {
+            let wall = PressedWall {
+                surface: drawn.surface,
+                law: *law,
+                estimator: Some(*estimator),
+                mechanism: Mechanism::Cartesian,
+                deviation: drawn.deviation,
+                hand: hand(drawn.grip),
+                push_n: drawn.push_n,
+            };
+            let (mut found, mut longest_n) = (DirectionFigures::NONE, 0.0_f64);
+            for deed in DEEDS {
+                let (next, force_n) = wall.played_with_force(deed)?;
+                found = found.worst(&next);
+                longest_n = longest_n.max(force_n);
+            }
+            Ok(HeldOutCell {
+                drawn: *drawn,
+                found,
+                longest_n,
+                limits: Limits::new(drawn.is_late(), f64::INFINITY),
+            })
+        };
+        let cells: Result<Vec<_>, SettingsError> =
+            drawn(seed, count).par_iter().map(cell).collect();
+        Ok(Self {
+            seed,
+            cells: cells?,
+        })
+    }
+
+    /// The largest of each figure.
+    #[must_use]
+    pub fn worst(&self) -> Vec<WorstOfAll> {
+        let of = |measure: Measure| {
+            let mut sorted: Vec<(f64, &Drawn)> = self
+                .cells
+                .iter()
+                .map(|cell| (cell.found.figures.get(measure), &cell.drawn))
+                .collect();
+            sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let finite = |value: f64| value.is_finite().then_some(value);
+            let beyond = |cell: &&HeldOutCell| cell.fails().iter().any(|it| it.0 == measure);
+            WorstOfAll {
+                measure,
+                value: sorted.last().and_then(|it| finite(it.0)),
+                median: sorted.get(sorted.len() / 2).and_then(|it| finite(it.0)),
+                beyond: self.cells.iter().filter(beyond).count(),
+                wall: sorted.last().map_or_else(String::new, |it| it.1.text()),
+            }
+        };
+        Measure::ALL.map(of).to_vec()
+    }
+
+    /// Walls with a figure beyond its limit.
+    #[must_use]
+    pub fn failed(&self) -> usize {
+        self.cells
+            .iter()
+            .filter(|cell| !cell.fails().is_empty())
+            .count()
+    }
+
+    /// Of those, the ones in which the motors gave all that they have: no law shows a stiffness there.
+    #[must_use]
+    pub fn failed_at_limit(&self) -> usize {
+        let all_of_it = |cell: &&HeldOutCell| cell.is_at_limit() && !cell.fails().is_empty();
+        self.cells.iter().filter(all_of_it).count()
+    }
+
+    /// The longest that a press took to stay within 5 %, s; `None` where one never did.
+    #[must_use]
+    pub fn settle_s(&self) -> Option<f64> {
+        self.cells
+            .iter()
+            .map(|cell| cell.found.settle_s)
+            .try_fold(0.0, |most: f64, settle| settle.map(|s| most.max(s)))
+    }
+
+    /// As a claim.
+    #[must_use]
+    pub fn claim(&self) -> Claim {
+        let worst = self.worst();
+        let shown: Vec<String> = worst
+            .iter()
+            .filter(|it| it.measure != Measure::RippleRmsNM)
+            .map(|it| {
+                let (heading, factor) = it.measure.heading();
+                let value = it
+                    .value
+                    .map_or("lost".to_owned(), |value| format!("{:.3}", factor * value));
+                match it.beyond {
+                    0 => format!("{heading} {value}"),
+                    beyond => format!("{heading} {value} ({beyond} beyond)"),
+                }
+            })
+            .collect();
+        Claim {
+            name: "tuned-held-out",
+            source: "simulation",
+            statement: "the tuned law is within every limit of the wall's scorecard on walls, hands and devices that its setting was not chosen on",
+            outcome: match self.failed() == 0 && !self.cells.is_empty() {
+                true => Outcome::Reproduced,
+                false => Outcome::NotReproduced,
+            },
+            measured: format!(
+                "seed {}: {} of {} walls within, of the others {} at the motors' limit; worst {}",
+                self.seed,
+                self.cells.len() - self.failed(),
+                self.cells.len(),
+                self.failed_at_limit(),
+                shown.join(", ")
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_draws_other_walls_than_those_that_the_setting_was_chosen_on() {
+        let walls = drawn(7, DRAWS);
+        assert_eq!(walls, drawn(7, DRAWS));
+        assert_ne!(walls, drawn(8, DRAWS));
+        assert_eq!(walls.len(), DRAWS);
+        let balls = walls
+            .iter()
+            .filter(|it| matches!(it.surface, PressedSurface::Ball(_)));
+        assert_eq!(balls.count(), DRAWS / BALL_EACH);
+        for wall in &walls {
+            let normal = wall.surface.normal();
+            let length: f64 = normal.iter().map(|n| n * n).sum();
+            assert!((length - 1.0).abs() < 1e-12);
+            for at in tuned::NORMALS {
+                let cosine: f64 = (0..3).map(|i| at.normal[i] * normal[i]).sum();
+                assert!(cosine < 1.0 - 1e-6, "{}", wall.text());
+            }
+            assert!(wall.push_n >= PUSHES_N.0.min(most_on_ball_n(&hand(1.0))));
+        }
+        for ticks in DELAYS_TICKS {
+            assert!(walls.iter().any(|it| it.deviation.delay_ticks == ticks));
+        }
+    }
+
+    /// A sample of the command: what it shows, and that it can say no.
+    #[test]
+    fn a_sample_of_the_check() {
+        let found = HeldOut::played(1, 10).expect("settings");
+        println!("{}", found.claim().measured);
+        let lost = EstimatorSettings {
+            delay_s: touchstone_control::Si::from_num(0.004),
+            ..tuned::estimator()
+        };
+        let lost = HeldOut::with(1, 10, &tuned::settings(), &lost).expect("settings");
+        assert!(lost.failed() > 5, "{}", lost.claim().measured);
+        assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
+    }
+}

@@ -1,0 +1,395 @@
+//! What a comparison in three axes is played on: a mass that is alike in every direction, or a delta mechanism; as it is, or as it may also be.
+
+use crate::scorecard::cases::Change;
+use serde::{Deserialize, Serialize};
+use touchstone_world::plant::{
+    Cartesian, DeltaDevice, DeltaPlant, DeltaPose, DeltaState, Device, FALCON, Hand, HeldLinear,
+    Kinematics, Loss, OMEGA3, OMEGA3_AXIS, State,
+};
+
+/// A mechanism.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mechanism {
+    /// An omega.3 as three axes that do not feel each other.
+    #[default]
+    Cartesian,
+    /// A delta with the Falcon's lengths.
+    Delta,
+}
+
+/// Of the Falcon, as CHAI3D has it, N.
+const FALCON_FORCE_N: f64 = 8.0;
+/// The least damping of the delta within 35 mm of its centre, N·s/m, rounded down; a test asks the mechanism.
+pub const DELTA_DAMPING: f64 = 0.5;
+
+impl Mechanism {
+    /// All.
+    pub const ALL: [Mechanism; 2] = [Mechanism::Cartesian, Mechanism::Delta];
+
+    /// Its word on a command line and in a scene.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Cartesian => "cartesian",
+            Self::Delta => "delta",
+        }
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Cartesian => "an omega.3 as three equal axes",
+            Self::Delta => "a delta mechanism of a Falcon's lengths",
+        }
+    }
+
+    /// Longest force in every direction, N.
+    #[must_use]
+    pub fn force_n(self) -> f64 {
+        match self {
+            Self::Cartesian => OMEGA3.force_n,
+            Self::Delta => FALCON_FORCE_N,
+        }
+    }
+
+    /// Damping that is there in every direction, N·s/m: what law and guard are told.
+    #[must_use]
+    pub fn damping(self) -> f64 {
+        match self {
+            Self::Cartesian => OMEGA3_AXIS.damping,
+            Self::Delta => DELTA_DAMPING,
+        }
+    }
+
+    /// Step of a measured place, m; of a delta where a joint's count moves the effector furthest, at the centre.
+    #[must_use]
+    pub fn count_m(self) -> f64 {
+        match self {
+            Self::Cartesian => OMEGA3.count_m,
+            Self::Delta => {
+                let centre = FALCON.geometry.pose([0.0; 3].into());
+                let slopes = centre.map(|pose| pose.metres_per_radian());
+                let furthest = slopes.map_or(0.0, |slopes| slopes.amax());
+                furthest * FALCON.count_rad
+            }
+        }
+    }
+
+    /// Stiffnesses of a comparison, N/mm: the critical one, `2 b/T`, and five times that; of the omega.3 those of §5.2.
+    #[must_use]
+    pub fn stiffnesses_n_per_mm(self) -> [f64; 2] {
+        let critical = 2e-3 * self.damping() * f64::from(super::RATE_HZ);
+        [critical, 5.0 * critical]
+    }
+
+    /// What a hand pushes with, N: half of the longest force.
+    #[must_use]
+    pub fn push_n(self) -> f64 {
+        0.5 * self.force_n()
+    }
+
+    /// How fast a hand slides along a surface, mm/s: the thesis' speed, or what stays within 40 mm of a Falcon's centre.
+    #[must_use]
+    pub fn slide_mm_per_s(self) -> f64 {
+        match self {
+            Self::Cartesian => super::SLIDE_MM_PER_S,
+            Self::Delta => 20.0,
+        }
+    }
+}
+
+/// How a device differs from what is said of it: times, and ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Times its inertia.
+    pub inertia: f64,
+    /// Times its damping.
+    pub damping: f64,
+    /// Times its counts.
+    pub counts: f64,
+    /// A command acts so many ticks after its sample.
+    pub delay_ticks: f64,
+}
+
+impl Deviation {
+    /// None.
+    pub const NONE: Self = Self {
+        inertia: 1.0,
+        damping: 1.0,
+        counts: 1.0,
+        delay_ticks: 0.0,
+    };
+
+    /// That of a device of the scorecard.
+    #[must_use]
+    pub fn of(change: Change) -> Self {
+        let mut deviation = Self::NONE;
+        match change {
+            Change::Nothing => {}
+            Change::Counts(share) => deviation.counts = share,
+            Change::Inertia(times) => deviation.inertia = times,
+            Change::Damping(times) => deviation.damping = times,
+            Change::Delay(ticks) => deviation.delay_ticks = ticks,
+        }
+        deviation
+    }
+}
+
+/// What a tick came to.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Crossed {
+    /// The mean force on the effector, N.
+    pub force_n: [f64; 3],
+    /// Work of the motors, J.
+    pub motors_j: f64,
+    /// What was dissipated, J.
+    pub loss: Loss,
+}
+
+/// Why it cannot go on: no such plant, or a place that the mechanism does not have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopped;
+
+#[derive(Debug, Clone)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one in a run, and it stays where it is"
+)]
+enum Body {
+    Cartesian {
+        plants: [Cartesian<HeldLinear>; 2],
+        state: [State<4>; 3],
+        mass_kg: f64,
+        last: [f64; 3],
+    },
+    Delta {
+        device: DeltaDevice,
+        plants: [DeltaPlant; 2],
+        state: DeltaState,
+        measured: DeltaPose,
+        last: [f64; 3],
+    },
+}
+
+/// A mechanism in a hand, a tick at a time.
+#[derive(Debug, Clone)]
+pub struct HeldMechanism {
+    body: Body,
+    count_m: f64,
+    late: f64,
+}
+
+type Held = Cartesian<HeldLinear>;
+
+impl HeldMechanism {
+    /// At rest where the hand means to be.
+    ///
+    /// # Errors
+    /// [`Stopped`] for what no device or hand can have, or a place out of reach.
+    pub fn new(
+        mechanism: Mechanism,
+        deviation: &Deviation,
+        hand: &Hand,
+        interval_s: f64,
+        rest_m: [f64; 3],
+    ) -> Result<Self, Stopped> {
+        let late = deviation.delay_ticks.clamp(0.0, 1.0);
+        let spans = [late * interval_s, (1.0 - late) * interval_s];
+        let body = match mechanism {
+            Mechanism::Cartesian => {
+                let axis = Device {
+                    inertia: OMEGA3_AXIS.inertia * deviation.inertia,
+                    damping: OMEGA3_AXIS.damping * deviation.damping,
+                    ..OMEGA3_AXIS
+                };
+                let plant = |span| Held::held(&axis, hand, span).map_err(|_| Stopped);
+                Body::Cartesian {
+                    plants: [plant(spans[0])?, plant(spans[1])?],
+                    state: Held::at_rest(rest_m),
+                    mass_kg: axis.inertia,
+                    last: [0.0; 3],
+                }
+            }
+            Mechanism::Delta => {
+                let mut device = FALCON;
+                for mass in [
+                    &mut device.masses.arm_kg_m2,
+                    &mut device.masses.elbow_kg,
+                    &mut device.masses.forearm_kg,
+                    &mut device.masses.effector_kg,
+                ] {
+                    *mass *= deviation.inertia;
+                }
+                device.joint_damping *= deviation.damping;
+                device.count_rad /= deviation.counts;
+                let plant = |span| DeltaPlant::new(&device, Some(hand), span).map_err(|_| Stopped);
+                let pose = device.geometry.pose(rest_m.into()).map_err(|_| Stopped)?;
+                Body::Delta {
+                    device,
+                    plants: [plant(spans[0])?, plant(spans[1])?],
+                    state: DeltaState::at_rest(rest_m),
+                    measured: device.measured(&pose).map_err(|_| Stopped)?,
+                    last: [0.0; 3],
+                }
+            }
+        };
+        Ok(Self {
+            body,
+            count_m: mechanism.count_m() / deviation.counts,
+            late,
+        })
+    }
+
+    /// Step of a measured place, m.
+    #[must_use]
+    pub fn count_m(&self) -> f64 {
+        self.count_m
+    }
+
+    /// True place of the effector, m.
+    #[must_use]
+    pub fn place_m(&self) -> [f64; 3] {
+        match &self.body {
+            Body::Cartesian { state, .. } => Held::position(state),
+            Body::Delta { state, .. } => state.place_m.into(),
+        }
+    }
+
+    /// Where its encoders say that it is, m.
+    ///
+    /// # Errors
+    /// [`Stopped`] where they say what cannot be.
+    pub fn measured_m(&mut self) -> Result<[f64; 3], Stopped> {
+        match &mut self.body {
+            Body::Cartesian { state, .. } => {
+                Ok(Held::position(state).map(|x| (x / self.count_m).round() * self.count_m))
+            }
+            Body::Delta {
+                device,
+                state,
+                measured,
+                ..
+            } => {
+                let pose = device.geometry.pose(state.place_m);
+                *measured = pose
+                    .and_then(|pose| device.measured(&pose))
+                    .map_err(|_| Stopped)?;
+                Ok(measured.place_m.into())
+            }
+        }
+    }
+
+    /// Crosses a tick: what was commanded before until this acts.
+    ///
+    /// # Errors
+    /// [`Stopped`] where the mechanism has no such place.
+    pub fn step(&mut self, force_n: [f64; 3], rest_m: [f64; 3]) -> Result<Crossed, Stopped> {
+        let mut crossed = Crossed::default();
+        let shares = [self.late, 1.0 - self.late];
+        match &mut self.body {
+            Body::Cartesian {
+                plants,
+                state,
+                last,
+                ..
+            } => {
+                let acts = OMEGA3.limited(force_n);
+                for ((plant, force), share) in plants.iter().zip([*last, acts]).zip(shares) {
+                    if share == 0.0 {
+                        continue;
+                    }
+                    let was = Held::position(state);
+                    crossed.loss += plant.step_with_loss(state, force, rest_m);
+                    let is = Held::position(state);
+                    crossed.motors_j += (0..3).map(|i| force[i] * (is[i] - was[i])).sum::<f64>();
+                    (0..3).for_each(|i| crossed.force_n[i] += share * force[i]);
+                }
+                *last = acts;
+            }
+            Body::Delta {
+                device,
+                plants,
+                state,
+                measured,
+                last,
+            } => {
+                // As a driver does: by the slopes of where the encoders say that it is.
+                let acts = device.limited_torques_n_m(measured, force_n.into());
+                for ((plant, torques), share) in
+                    plants.iter().zip([(*last).into(), acts]).zip(shares)
+                {
+                    if share == 0.0 {
+                        continue;
+                    }
+                    let work = plant.step(state, torques, rest_m).map_err(|_| Stopped)?;
+                    crossed.loss += work.loss;
+                    crossed.motors_j += work.motors_j;
+                    let force = measured.force_n(torques);
+                    (0..3).for_each(|i| crossed.force_n[i] += share * force[i]);
+                }
+                *last = acts.into();
+            }
+        }
+        Ok(crossed)
+    }
+
+    /// Kinetic energy of the device alone, J.
+    ///
+    /// # Errors
+    /// [`Stopped`] at no place of the mechanism.
+    pub fn moving_j(&self) -> Result<f64, Stopped> {
+        match &self.body {
+            Body::Cartesian { state, mass_kg, .. } => {
+                let squares = state.iter().map(|axis| axis.velocity() * axis.velocity());
+                Ok(0.5 * mass_kg * squares.sum::<f64>())
+            }
+            Body::Delta { device, state, .. } => {
+                let pose = device.geometry.pose(state.place_m).map_err(|_| Stopped)?;
+                Ok(0.5
+                    * state
+                        .velocity
+                        .dot(&(device.inertia_kg(&pose) * state.velocity)))
+            }
+        }
+    }
+
+    /// Kinetic and spring energy of device and hand, J.
+    ///
+    /// # Errors
+    /// [`Stopped`] at no place of the mechanism.
+    pub fn stored_j(&self, rest_m: [f64; 3]) -> Result<f64, Stopped> {
+        match &self.body {
+            Body::Cartesian { plants, state, .. } => Ok(plants[1].stored_energy_j(state, rest_m)),
+            Body::Delta { plants, state, .. } => plants[1]
+                .stored_energy_j(state, rest_m)
+                .map_err(|_| Stopped),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_delta_has_the_damping_that_is_promised_wherever_it_is_used() {
+        let mut least = f64::INFINITY;
+        for i in 0..4000 {
+            let angle = f64::from(i) * 2.399_963;
+            let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / 4000.0;
+            let across = (1.0 - z * z).sqrt();
+            let radius = 0.035 * f64::from(i % 8) / 7.0;
+            let at = [across * angle.cos(), across * angle.sin(), z].map(|x| radius * x);
+            let pose = FALCON.geometry.pose(at.into()).expect("in reach");
+            let damping = pose.slopes.tr_mul(&pose.slopes) * FALCON.joint_damping;
+            least = least.min(damping.symmetric_eigenvalues().min());
+        }
+        println!("least {least}");
+        assert!(
+            (DELTA_DAMPING..DELTA_DAMPING + 0.1).contains(&least),
+            "{least}"
+        );
+    }
+}

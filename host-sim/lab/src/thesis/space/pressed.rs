@@ -1,0 +1,213 @@
+//! A surface that a hand presses and moves in, deed by deed of the scorecard, on a mechanism in three axes.
+
+use super::mechanism::{Deviation, HeldMechanism, Mechanism, Stopped};
+use super::record::dot;
+use super::{N, RADIUS_MM, RATE_HZ, place};
+use crate::scorecard::cases::Deed;
+use crate::scorecard::direction::{Approach, DirectionFigures};
+use crate::scorecard::measure::{Figures, Measure};
+use touchstone_control::space::environment::{Plane, Sphere};
+use touchstone_control::space::{
+    Direction, LengthUnit, Magnitude, Rule, Shape, Shell, SpaceWall, SurfacePoint, Vector,
+    VectorGuard,
+};
+use touchstone_control::{
+    AnyLaw, EstimatorSettings, Force, GuardSettings, GuardedDevice, Position, Reported, Settings,
+    SettingsError, Si,
+};
+use touchstone_world::plant::Hand;
+
+/// What is pressed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PressedSurface {
+    /// A plane through a place, m, with its normal.
+    Plane([f64; 3], [f64; 3]),
+    /// The ball of 30 mm in the centre, where this is its normal.
+    Ball([f64; 3]),
+}
+
+impl PressedSurface {
+    /// Out of it where it is pressed.
+    #[must_use]
+    pub fn normal(&self) -> [f64; 3] {
+        match self {
+            Self::Plane(_, normal) | Self::Ball(normal) => *normal,
+        }
+    }
+
+    fn shape(&self) -> Shape<N> {
+        match self {
+            Self::Plane(through_m, normal) => Shape::Plane(Plane {
+                // Half of the format: the direction counts, not the length.
+                normal: Direction::of(place(normal.map(|n| 50.0 * n))).unwrap_or_default(),
+                height: Position(N::signal_from_f64(100.0 * dot(*through_m, *normal))),
+            }),
+            Self::Ball(_) => Shape::Sphere(Sphere {
+                centre: Vector::default(),
+                radius: Position(N::signal_from_f64(RADIUS_MM / 10.0)),
+            }),
+        }
+    }
+
+    /// Where a hand means to be that wants so deep, m.
+    fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
+        match self {
+            Self::Plane(through_m, normal) => {
+                std::array::from_fn(|i| through_m[i] - depth_m * normal[i])
+            }
+            Self::Ball(normal) => normal.map(|n| (1e-3 * RADIUS_MM - depth_m) * n),
+        }
+    }
+
+    /// How deep a place is, m, and the normal there.
+    fn beneath(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
+        match self {
+            Self::Plane(through_m, normal) => {
+                (dot(*through_m, *normal) - dot(at, *normal), *normal)
+            }
+            Self::Ball(_) => {
+                let radius = dot(at, at).sqrt();
+                let out = at.map(|x| x / radius.max(1e-9));
+                (1e-3 * RADIUS_MM - radius, out)
+            }
+        }
+    }
+}
+
+/// A surface with a law, on a device in a hand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressedWall {
+    /// What is pressed.
+    pub surface: PressedSurface,
+    /// The law, SI.
+    pub law: Settings,
+    /// What its estimators are told, where it has estimated states.
+    pub estimator: Option<EstimatorSettings>,
+    /// What it is played on.
+    pub mechanism: Mechanism,
+    /// How that differs from what is said of it.
+    pub deviation: Deviation,
+    /// The hand.
+    pub hand: Hand,
+    /// What the hand pushes with in the end, N.
+    pub push_n: f64,
+}
+
+/// Of a push, what the hand touches with before.
+const TOUCH_SHARE: f64 = 0.2;
+
+/// What the guard is told of a mechanism, SI.
+#[must_use]
+pub fn guard(mechanism: Mechanism) -> GuardSettings {
+    GuardSettings {
+        capacity: Si::from_num(0.04),
+        damping: Si::from_num(mechanism.damping()),
+        overspeed: Si::from_num(1.5),
+        ..GuardSettings::default()
+    }
+}
+
+impl PressedWall {
+    fn wall(&self) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
+        let unit = LengthUnit::Centimetre;
+        let law = unit.law::<N>(&self.law)?;
+        let limit = Force::from_f64(self.law.force_limit.to_num());
+        let mut wall = SpaceWall::new(
+            self.surface.shape(),
+            SurfacePoint::new(Rule::Closest),
+            Shell::Magnitude(Magnitude::new(law)),
+            limit,
+        );
+        if let Some(told) = &self.estimator {
+            let axes = [*told; 3];
+            wall.estimator = Some(unit.estimator(&axes, RATE_HZ, self.law.force_limit)?);
+        }
+        let (guard, device) = unit.guard(
+            &guard(self.mechanism),
+            &GuardedDevice {
+                rate_hz: RATE_HZ,
+                force_limit: self.law.force_limit,
+                count: Si::from_num(self.mechanism.count_m()),
+            },
+        );
+        let guard = VectorGuard::new(&guard, &device)?;
+        wall.guard = Some((guard, guard.full()));
+        Ok(wall)
+    }
+
+    /// How a hand comes to it.
+    #[must_use]
+    pub fn approach(&self) -> Approach {
+        let count_m = self.mechanism.count_m() / self.deviation.counts;
+        let across: f64 = self.surface.normal().iter().map(|n| n.abs()).sum();
+        Approach {
+            k_desired_n_per_m: self.law.k_desired.to_num(),
+            push_n: self.push_n,
+            touch_n: TOUCH_SHARE * self.push_n,
+            count_m,
+            unsure_m: 0.5 * count_m * across,
+            rate_hz: RATE_HZ,
+        }
+    }
+
+    /// Plays a deed.
+    ///
+    /// # Errors
+    /// Settings that law or guard cannot have.
+    pub fn played(&self, deed: Deed) -> Result<DirectionFigures, SettingsError> {
+        self.played_with_force(deed).map(|(found, _)| found)
+    }
+
+    /// The same, and the longest force that was wanted of the motors, N. Where the mechanism comes to a place that it does not have, all is lost.
+    ///
+    /// # Errors
+    /// Settings that law or guard cannot have.
+    pub fn played_with_force(&self, deed: Deed) -> Result<(DirectionFigures, f64), SettingsError> {
+        let mut wall = self.wall()?;
+        let lost = DirectionFigures {
+            figures: Figures::LOST,
+            settle_s: None,
+        };
+        Ok(self.looped(&mut wall, deed).unwrap_or((lost, 0.0)))
+    }
+
+    fn looped(
+        &self,
+        wall: &mut SpaceWall<N, Shape<N>, AnyLaw<N>>,
+        deed: Deed,
+    ) -> Result<(DirectionFigures, f64), Stopped> {
+        let interval_s = 1.0 / f64::from(RATE_HZ);
+        let approach = self.approach();
+        let rest_m = |tick: u64| {
+            let time_s = tick as f64 * interval_s;
+            self.surface
+                .at_depth_m(approach.rest_depth_m(&self.hand, deed, time_s))
+        };
+        let mut held = HeldMechanism::new(
+            self.mechanism,
+            &self.deviation,
+            &self.hand,
+            interval_s,
+            rest_m(0),
+        )?;
+        let mut watch = approach.watch(deed);
+        let (mut energy_j, mut least_j, mut longest_n) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for tick in 0..approach.ticks(deed) {
+            let here = held.place_m();
+            let measured = held.measured_m()?.map(|x| 1e3 * x);
+            let force = wall.tick(place(measured)).unwrap_or_default();
+            let force = force.0.map(Force::to_f64);
+            longest_n = longest_n.max(dot(force, force).sqrt());
+            let crossed = held.step(force, rest_m(tick))?;
+            energy_j += crossed.loss.device_j - crossed.motors_j;
+            least_j = least_j.min(energy_j + held.moving_j()?);
+            let (before, was) = self.surface.beneath(here);
+            let (after, is) = self.surface.beneath(held.place_m());
+            let middle = std::array::from_fn(|i| 0.5 * (was[i] + is[i]));
+            watch.take(tick, 0.5 * (before + after), dot(crossed.force_n, middle));
+        }
+        let mut found = watch.finish();
+        found.figures.raise(Measure::EnergyOutJ, -least_j);
+        Ok((found, longest_n))
+    }
+}

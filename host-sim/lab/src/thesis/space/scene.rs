@@ -1,0 +1,186 @@
+//! A scene of three axes: what `touchstone run` plays of a file with `dof = 3`.
+
+use super::mechanism::Mechanism;
+use super::{Approach, Cell, Object};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// A scene; what is left out has its default.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpaceScene {
+    /// Heading.
+    #[serde(default = "unnamed")]
+    pub name: String,
+    /// What it is about.
+    #[serde(default)]
+    pub description: String,
+    /// Degrees of freedom: 3.
+    pub dof: u8,
+    /// What is touched.
+    #[serde(default)]
+    pub object: SpaceObject,
+    /// How the force is made.
+    #[serde(default)]
+    pub law: SpaceLaw,
+    /// What it is played on.
+    #[serde(default)]
+    pub mechanism: SpaceMechanism,
+}
+
+/// `[object]`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpaceObject {
+    /// Which.
+    #[serde(default)]
+    pub kind: Object,
+}
+
+/// `[law]`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpaceLaw {
+    /// Which.
+    #[serde(default)]
+    pub approach: Approach,
+    /// Desired stiffness, N/mm; left out: five times the critical one of the mechanism.
+    #[serde(default)]
+    pub k_desired_n_per_mm: Option<f64>,
+}
+
+/// `[mechanism]`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpaceMechanism {
+    /// Which.
+    #[serde(default)]
+    pub kind: Mechanism,
+}
+
+fn unnamed() -> String {
+    "three axes".to_owned()
+}
+
+/// Stiffest that can be asked for, N/mm.
+pub const STIFFEST_N_PER_MM: f64 = 50.0;
+
+impl SpaceScene {
+    /// With every value that was left out.
+    ///
+    /// # Errors
+    /// The field that is out of its range, and the range.
+    pub fn completed(mut self) -> Result<Self, (&'static str, String)> {
+        if self.dof != 3 {
+            return Err(("dof", "must be 3".to_owned()));
+        }
+        let kind = self.mechanism.kind;
+        let stiff = self
+            .law
+            .k_desired_n_per_mm
+            .unwrap_or(kind.stiffnesses_n_per_mm()[1]);
+        if !(stiff > 0.0 && stiff <= STIFFEST_N_PER_MM) {
+            let range = format!("must be above 0 and at most {STIFFEST_N_PER_MM}");
+            return Err(("law.k_desired_n_per_mm", range));
+        }
+        self.law.k_desired_n_per_mm = Some(stiff);
+        Ok(self)
+    }
+
+    /// The cell of the comparison that it is.
+    #[must_use]
+    pub fn cell(&self) -> Cell {
+        let mechanism = self.mechanism.kind;
+        Cell {
+            mechanism,
+            object: self.object.kind,
+            k_desired_n_per_mm: self
+                .law
+                .k_desired_n_per_mm
+                .unwrap_or(mechanism.stiffnesses_n_per_mm()[1]),
+            approach: self.law.approach,
+        }
+    }
+}
+
+/// Its JSON schema; `docs/schema/space-scene.schema.json` is its text.
+#[must_use]
+pub fn schema() -> Value {
+    let table = |about: &str, properties: Value| {
+        json!({
+            "type": "object",
+            "description": about,
+            "additionalProperties": false,
+            "properties": properties,
+        })
+    };
+    let text = |about: &str| json!({"type": "string", "description": about});
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scene of Touchstone in three axes",
+        "type": "object",
+        "required": ["dof"],
+        "additionalProperties": false,
+        "properties": {
+            "name": text("heading"),
+            "description": text("what it is about"),
+            "dof": {"const": 3, "description": "degrees of freedom"},
+            "object": table("what is touched", json!({"kind": {"enum": Object::ALL}})),
+            "law": table("how the force is made", json!({
+                "approach": {"enum": Approach::ALL},
+                "k_desired_n_per_mm": {
+                    "type": "number",
+                    "exclusiveMinimum": 0,
+                    "maximum": STIFFEST_N_PER_MM,
+                    "description": "desired stiffness, N/mm; left out: five times the critical one of the mechanism",
+                },
+            })),
+            "mechanism": table("what it is played on", json!({"kind": {"enum": Mechanism::ALL}})),
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(value: Value) -> Result<SpaceScene, String> {
+        let scene: SpaceScene = serde_json::from_value(value).map_err(|why| why.to_string())?;
+        scene
+            .completed()
+            .map_err(|(field, why)| format!("{field} {why}"))
+    }
+
+    #[test]
+    fn what_is_left_out_has_the_mechanisms_own_and_what_is_unknown_is_refused() {
+        let plain = read(json!({"dof": 3})).expect("a scene").cell();
+        assert_eq!(
+            (plain.mechanism, plain.k_desired_n_per_mm, plain.approach),
+            (Mechanism::Cartesian, 25.0, Approach::Magnitude)
+        );
+        let delta =
+            read(json!({"dof": 3, "mechanism": {"kind": "delta"}, "object": {"kind": "sphere"}}));
+        let delta = delta.expect("a scene").cell();
+        assert_eq!(
+            delta.k_desired_n_per_mm,
+            Mechanism::Delta.stiffnesses_n_per_mm()[1]
+        );
+        assert_eq!(
+            (delta.mechanism, delta.object),
+            (Mechanism::Delta, Object::Sphere)
+        );
+        for wrong in [
+            json!({"dof": 2}),
+            json!({"dof": 3, "mechanism": {"kind": "detla"}}),
+            json!({"dof": 3, "law": {"k_desired_n_per_mm": 0.0}}),
+            json!({"dof": 3, "law": {"k_desired": 1.0}}),
+        ] {
+            assert!(read(wrong.clone()).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_documented_schema_is_this_one() {
+        crate::report::plain_schema::is_documented("space-scene.schema.json", &schema());
+    }
+}

@@ -1,0 +1,52 @@
+//! What a device with the small gimbal motor GBM2804H-100T starts with: the kit that the X-NUCLEO-IHM16M1 is sold in. Its knob is the
+//! scene `scenes/gimbal-knob.toml`, whose law is this one (tested).
+//!
+//! | number | from |
+//! |---|---|
+//! | 7 pole pairs, 5.29 Ω, 1.05 mH | NuttX's table of motors |
+//! | 6 Ω in the loop | with half of the driver's 1 Ω, and half of the shunt's 0.33 Ω |
+//! | 0.0565 N·m/A | a flux linkage of 5.38 mWb, which others measured at three of these motors |
+//! | 0.8 A | the motor's rated current, in a sample export of the vendor's tools |
+//! | 0.5 A for ever, 20 s | ours: 2 W in the windings; no data sheet was read |
+//! | 10 to 16 V | ours: the kit's 12 V, and what a braked knob may feed back |
+//! | the law | `touchstone tune gimbal-knob` |
+
+use super::DeviceSettings;
+use touchstone_control::Si;
+
+macro_rules! set {
+    ($settings:ident: $($($field:ident).+ = $value:literal;)+) => {
+        $($settings.$($field).+ = const { Si::lit($value) };)+
+    };
+}
+
+/// Motor, supply and law of the kit.
+pub(super) fn fit(settings: &mut DeviceSettings) {
+    set! { settings:
+        motor.resistance_ohm = "6";
+        motor.inductance_h = "0.00105";
+        motor.torque_constant_n_m_per_a = "0.0565";
+        motor.current_limit_a = "0.8";
+        motor.continuous_current_a = "0.5";
+        limits.trip_current_a = "1.6";
+        limits.bus_min_v = "10";
+        limits.bus_max_v = "16";
+        calibration.current_a = "0.5";
+        wall.k_desired_n_m_per_rad = "2";
+        law.force_limit_n_m = "0.045";
+        law.k_soft_n_m_per_rad = "1.96";
+        law.limit_of_force = "0.3529";
+        law.limit_of_penetration = "0.6765";
+        law.step_of_ideal = "0.3435";
+        law.estimator.bandwidth_hz = "57.08";
+        law.estimator.damping_n_m_s_per_rad = "0.000009";
+        law.estimator.delay_s = "0.001125";
+        law.estimator.inertia_kg_m2 = "0.0000404";
+        law.filter.damping_n_m_s_per_rad = "0.002704";
+        law.filter.ground_damping_n_m_s_per_rad = "0.002728";
+        law.filter.mass_kg_m2 = "0.0000002345";
+        law.filter.stiffness_n_m_per_rad = "11.69";
+        law.guard.damping_n_m_s_per_rad = "0.000009";
+        law.guard.refill_w = "0.00059";
+    }
+}

@@ -1,0 +1,23 @@
+//! The board with the small motor starts with the wall of the scene `gimbal-knob`.
+
+use touchstone_drive::wire::checked;
+use touchstone_protocol::{Board, DeviceSettings};
+use touchstone_sim::scene::Scene;
+
+const BOARD: Board = Board::NucleoG474reIhm16m1;
+
+#[test]
+fn the_board_starts_with_the_scenes_wall() {
+    let settings = DeviceSettings::defaults(BOARD);
+    assert_eq!(checked(&settings, BOARD), Ok(()));
+    let scene = Scene::load("gimbal-knob").unwrap();
+    assert_eq!(settings.law(), scene.settings().unwrap());
+}
+
+#[test]
+fn the_motor_gives_what_the_wall_asks_for() {
+    let motor = DeviceSettings::defaults(BOARD).motor;
+    let most = motor.torque_constant_n_m_per_a * motor.current_limit_a;
+    let scene = Scene::load("gimbal-knob").unwrap();
+    assert!(scene.device.torque_limit_n_m.unwrap() <= most.to_num::<f64>());
+}

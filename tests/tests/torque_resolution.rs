@@ -1,0 +1,155 @@
+//! How fine a torque each board gives: its current sensors' code as a torque, and the ripple that a code of noise makes of it, through
+//! the current loop and the motor. `cargo test -p touchstone-tests --test torque_resolution -- --nocapture` prints the table.
+
+use touchstone_drive::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1};
+use touchstone_drive::transform::Dq;
+use touchstone_drive::{
+    Amps, BridgeCommand, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentSample,
+};
+use touchstone_protocol::{Board, DeviceSettings};
+use touchstone_tests::random::Random;
+use touchstone_world::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
+use touchstone_world::plant::{BareLinear, Device};
+
+const PERIOD_S: f64 = 50e-6;
+
+/// The motor that the X-NUCLEO-IHM16M1 is sold with, with what driver and shunt add to its resistance.
+const KIT: MotorParameters = MotorParameters {
+    resistance_ohm: 5.955,
+    inductance_h: 1.05e-3,
+    flux_linkage_wb: 5.38e-3,
+    ..GIMBAL
+};
+
+/// What a board and a motor came to, mN·m.
+struct Found {
+    per_code: f64,
+    /// Of the mean torque of a control tick, from tick to tick, rms.
+    ripple: f64,
+    /// Of the mean over a second from what was asked for.
+    off: f64,
+}
+
+/// Somebody holds the shaft, 0.3 of the largest current is asked for, and each reading has Gaussian noise of `noise` codes rms.
+fn held(
+    hardware: &Hardware,
+    settings: &DeviceSettings,
+    motor: MotorParameters,
+    noise: f64,
+) -> Found {
+    let blocked = Device {
+        inertia: 1e3,
+        ..KNOB
+    };
+    let bus_v = if motor == KIT { 12.0 } else { 24.0 };
+    let mut rig = Rig::new(
+        motor,
+        Bridge::ideal(bus_v, hardware.timer_top),
+        BareLinear::new(&blocked, PERIOD_S / 2.0).unwrap(),
+        0.0,
+    );
+    let mut current = CurrentLoop::new(CurrentConfig::new(settings, hardware).unwrap());
+    let amps_per_code: f64 = hardware.amps_per_code.to_num();
+    let shunts = [0.3, -0.2]
+        .map(|between| Shunt::bits12(amps_per_code, f64::from(hardware.offset_code) + between));
+    let mut random = Random::new(7);
+    let wanted_a = 0.3 * settings.motor.current_limit_a.to_num::<f64>();
+    let mut command = CurrentCommand {
+        mode: CurrentMode::Offsets,
+        ..CurrentCommand::OFF
+    };
+    let (mut preloaded, mut sum, mut periods) = (Drive::Off, 0.0, 0);
+    let mut ticks = Vec::new();
+    for period in 0..30_000 {
+        let now = rig.now();
+        let mut code = |phase: usize| {
+            let noisy = now.currents_a[phase] + noise * amps_per_code * normal(&mut random);
+            shunts[phase].code(noisy)
+        };
+        let out = current.tick(&CurrentSample {
+            phase_a: code(0),
+            phase_b: code(1),
+            bus: (bus_v / hardware.volts_per_code.to_num::<f64>()) as u16,
+            temperature: 1_300,
+            hardware_break: false,
+            late: false,
+            command,
+        });
+        if out.pend_control {
+            command.tick += 1;
+            if period > 2_000 {
+                command.mode = CurrentMode::Drive;
+                command.current = Dq {
+                    d: Amps::ZERO,
+                    q: Amps::from_num(wanted_a),
+                };
+            }
+            if periods == 20 {
+                ticks.push(sum / 20.0);
+            }
+            (sum, periods) = (0.0, 0);
+        }
+        let (acting, next) = match (out.bridge, preloaded) {
+            (BridgeCommand::Off, _) => (Drive::Off, Drive::Off),
+            (BridgeCommand::On(duties), Drive::Off) => {
+                (Drive::On(hardware.modulator().zero()), Drive::On(duties))
+            }
+            (BridgeCommand::On(duties), before) => (before, Drive::On(duties)),
+        };
+        for drive in [acting, next] {
+            sum += rig.step(drive, 0.0).torque_n_m / 2.0;
+        }
+        preloaded = next;
+        periods += 1;
+    }
+    let ticks = &ticks[ticks.len() - 1_000..];
+    let mean = ticks.iter().sum::<f64>() / 1_000.0;
+    let squares = ticks.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
+    let k_t = motor.torque_constant_nm_per_a();
+    Found {
+        per_code: 1e3 * amps_per_code.abs() * k_t,
+        ripple: 1e3 * (squares.sum::<f64>() / 999.0).sqrt(),
+        off: 1e3 * (mean - wanted_a * k_t).abs(),
+    }
+}
+
+/// A draw of the normal distribution, by the sum of twelve: each of variance 1/3.
+fn normal(random: &mut Random) -> f64 {
+    (0..12).map(|_| random.real()).sum::<f64>() / 2.0
+}
+
+#[test]
+fn the_small_shield_is_ten_times_finer() {
+    let small = DeviceSettings::defaults(Board::NucleoG474reIhm16m1);
+    let large = DeviceSettings::defaults(Board::NucleoG474re);
+    let boards = [
+        ("IHM16M1", IHM16M1),
+        ("IHM08M1", IHM08M1),
+        ("B-G431B-ESC1", B_G431B_ESC1),
+    ];
+    let mut ripples = Vec::new();
+    println!(
+        "board          motor    mN·m a code   ripple at 1 code rms   without noise   mean off by"
+    );
+    for (motor, settings, parts) in [("kit", &small, KIT), ("0.25 N·m/A", &large, GIMBAL)] {
+        for (name, hardware) in boards {
+            if parts == GIMBAL && name == "IHM16M1" {
+                // 2 A are beyond what this shield is for.
+                continue;
+            }
+            let noisy = held(&hardware, settings, parts, 1.0);
+            let quiet = held(&hardware, settings, parts, 0.0);
+            println!(
+                "{name:<14} {motor:<10} {:>8.3} {:>18.3} {:>18.3} {:>14.3}",
+                noisy.per_code, noisy.ripple, quiet.ripple, noisy.off
+            );
+            // A loop that is calm gives no more than it is told in noise; and it is right in the mean to half a code.
+            assert!(noisy.ripple < noisy.per_code, "{name}: {}", noisy.ripple);
+            assert!(noisy.off < 0.6 * noisy.per_code, "{name}: {}", noisy.off);
+            ripples.push(noisy.ripple);
+        }
+    }
+    // On the same motor.
+    assert!(ripples[0] < 0.13 * ripples[1], "{ripples:?}");
+    assert!(ripples[0] < 0.07 * ripples[2], "{ripples:?}");
+}

@@ -1,0 +1,52 @@
+//! Files as a compressed archive, the same bytes for the same files, and back.
+
+use std::collections::BTreeMap;
+use std::io::Result;
+use std::path::Path;
+
+use flate2::read::GzDecoder;
+use flate2::{Compression, GzBuilder};
+use tar::{Archive, Builder, EntryType, Header};
+
+/// A file of the archive.
+pub struct Entry {
+    pub content: Vec<u8>,
+    mode: u32,
+}
+
+impl Entry {
+    /// A file to be read.
+    pub const fn text(content: Vec<u8>) -> Self {
+        let mode = 0o644;
+        Self { content, mode }
+    }
+
+    /// A file to be run.
+    pub const fn program(content: Vec<u8>) -> Self {
+        let mode = 0o755;
+        Self { content, mode }
+    }
+}
+
+/// All of them in one folder, in the order of their names.
+pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> Result<Vec<u8>> {
+    // The time in the compressed file's own header is left out.
+    let compressed = GzBuilder::new().write(Vec::new(), Compression::best());
+    let mut archive = Builder::new(compressed);
+    for (name, entry) in entries {
+        let mut header = Header::new_gnu();
+        header.set_entry_type(EntryType::Regular);
+        header.set_size(entry.content.len() as u64);
+        header.set_mode(entry.mode);
+        header.set_mtime(seconds);
+        header.set_uid(0);
+        header.set_gid(0);
+        archive.append_data(&mut header, format!("{folder}/{name}"), &*entry.content)?;
+    }
+    archive.into_inner()?.finish()
+}
+
+/// Unpacks it into a folder.
+pub fn unpack(packed: &[u8], into: &Path) -> Result<()> {
+    Archive::new(GzDecoder::new(packed)).unpack(into)
+}

@@ -1,0 +1,164 @@
+//! `cargo xtask dist`: an archive with which a maker needs no compiler, in `target/dist/`.
+//!
+//! It builds and checks the firmware of all boards as `cargo xtask firmware` does, builds the program for this machine, packs
+//! both with guide and licences, unpacks the archive and asks the program in it, without a PATH, whether it finds what came with it.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::outcome::Outcome;
+use crate::{firmware, inspect, shell, toolchain};
+
+const USAGE: &str = "cargo xtask dist";
+
+pub fn run(args: &[String]) -> Outcome {
+    if !args.is_empty() {
+        return Outcome::Usage(USAGE.into());
+    }
+    made().unwrap_or_else(|outcome| outcome)
+}
+
+fn made() -> Result<Outcome, Outcome> {
+    let folder = shell::target("dist");
+    done(std::fs::create_dir_all(&folder), &folder)?;
+    ok(firmware::run(&[]))?;
+    let program = program(&folder.join("build"))?;
+    let (name, version) = (name(), folder.join("VERSION"));
+    done(std::fs::write(&version, identity()), &version)?;
+
+    let mut words: Vec<OsString> = vec!["dist".into(), (&folder).into(), (&name).into()];
+    words.push(seconds().to_string().into());
+    words.extend([version.into(), program.into()]);
+    for board in firmware::BOARDS {
+        words.push(paired(board, &firmware::program(board)));
+    }
+    for metadata in metadata(&folder)? {
+        words.push(paired("metadata", &metadata));
+    }
+    // What an older archive had, this one may not.
+    let unpacked = folder.join(&name);
+    if unpacked.exists() {
+        done(std::fs::remove_dir_all(&unpacked), &unpacked)?;
+    }
+    let packed = inspect::call(words);
+    if !matches!(packed, Outcome::Ok(_)) {
+        return Ok(packed);
+    }
+    tried(&unpacked)?;
+    Ok(packed)
+}
+
+/// Builds the program for this machine; where it is. No path of this machine stays in it.
+fn program(folder: &Path) -> Result<PathBuf, Outcome> {
+    let home = std::env::var_os("CARGO_HOME").map_or_else(
+        || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),
+        PathBuf::from,
+    );
+    let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.display());
+    let flags = [remap(&home, "cargo"), remap(&shell::root(), "touchstone")];
+    let mut cargo = shell::cargo_locked("build");
+    cargo
+        .args(["--release", "--package", "touchstone", "--target-dir"])
+        .arg(folder)
+        .args(["--config", "profile.release.strip='debuginfo'"])
+        .env_remove("RUSTFLAGS")
+        .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
+    ok(shell::run(&mut cargo))?;
+    let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
+    Ok(folder.join("release").join(name))
+}
+
+/// What cargo knows of the packages in the program and in the firmware, in files.
+fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
+    let host = toolchain::host();
+    let both = [
+        ("touchstone", "Cargo.toml", host.as_str()),
+        ("firmware", "firmware/Cargo.toml", toolchain::BOARD),
+    ];
+    let mut files = Vec::new();
+    for (name, manifest, target) in both {
+        let mut cargo = shell::cargo_locked("metadata");
+        cargo.args(["--format-version", "1", "--manifest-path", manifest]);
+        cargo.args(["--filter-platform", target]);
+        let text = shell::capture(&mut cargo)
+            .ok_or_else(|| Outcome::Failed(format!("`{}` failed", shell::shown(&cargo))))?;
+        let file = folder.join(format!("{name}.json"));
+        done(std::fs::write(&file, text), &file)?;
+        files.push(file);
+    }
+    Ok(files)
+}
+
+/// The unpacked program runs, and finds the boards' programs beside it, with nothing on its PATH.
+fn tried(unpacked: &Path) -> Result<(), Outcome> {
+    let mut calls = vec![vec!["run", "thesis-knob", "--quiet"]];
+    for board in firmware::BOARDS {
+        calls.push(vec!["flash", "--dry-run", "--board", board]);
+    }
+    let nowhere = unpacked.join("docs");
+    for arguments in calls {
+        let mut command = Command::new(unpacked.join("touchstone"));
+        command.args(&arguments).env("PATH", "");
+        ok(shell::run(command.current_dir(&nowhere)))?;
+    }
+    Ok(())
+}
+
+/// Such as `touchstone-0.1.0-x86_64-linux`.
+fn name() -> String {
+    let (machine, system) = (std::env::consts::ARCH, std::env::consts::OS);
+    format!(
+        "touchstone-{}-{machine}-{system}",
+        env!("CARGO_PKG_VERSION")
+    )
+}
+
+/// Which version it is.
+fn identity() -> String {
+    let changed = git(&["status", "--porcelain"]).is_none_or(|changes| !changes.is_empty());
+    let changed = if changed {
+        ", with changes that are in no commit"
+    } else {
+        ""
+    };
+    let unknown = || "unknown".to_owned();
+    format!(
+        "touchstone {}\ncommit {}{changed}\ndate {}\ncompiler {}\n",
+        env!("CARGO_PKG_VERSION"),
+        git(&["rev-parse", "HEAD"]).unwrap_or_else(unknown),
+        git(&["show", "--no-patch", "--format=%cI"]).unwrap_or_else(unknown),
+        toolchain::active_version(),
+    )
+}
+
+/// The time of everything in the archive: the commit's, or `SOURCE_DATE_EPOCH`.
+fn seconds() -> u64 {
+    let number = |text: String| text.parse().ok();
+    std::env::var("SOURCE_DATE_EPOCH")
+        .ok()
+        .and_then(number)
+        .or_else(|| git(&["show", "--no-patch", "--format=%ct"]).and_then(number))
+        .unwrap_or(0)
+}
+
+fn git(words: &[&str]) -> Option<String> {
+    shell::capture(shell::program("git").args(words))
+}
+
+fn paired(name: &str, path: &Path) -> OsString {
+    let mut word = OsString::from(format!("{name}="));
+    word.push(path);
+    word
+}
+
+fn ok(outcome: Outcome) -> Result<(), Outcome> {
+    match outcome {
+        Outcome::Ok(_) => Ok(()),
+        other => Err(other),
+    }
+}
+
+fn done(result: std::io::Result<()>, path: &Path) -> Result<(), Outcome> {
+    result.map_err(|why| Outcome::Failed(format!("{}: {why}", path.display())))
+}
