@@ -117,6 +117,8 @@ pub struct Board {
     pub press_n_m: f64,
     /// See [`Board::press_n_m`].
     pub lean_n_m: f64,
+    /// How fast the field may turn the shaft in a calibration, electrical turns a second: a small rotor swings around a fast field.
+    pub field_turns_per_s: Si,
     /// Stiffnesses that are pressed, N·m/rad.
     pub walls: [Si; 2],
     /// What is wrong.
@@ -169,6 +171,7 @@ impl Board {
             break_a: 20.0,
             supply_v: 24.0,
             parts: Parts::default(),
+            field_turns_per_s: Si::lit("16"),
             walls: THESIS.0,
             press_n_m: THESIS.1,
             lean_n_m: THESIS.2,
@@ -200,6 +203,7 @@ impl Board {
             break_a: 2.8,
             supply_v: 12.0,
             parts: Parts::gimbal_kit(),
+            field_turns_per_s: Si::lit("4"),
             walls: [Si::lit("1"), Si::lit("2")],
             press_n_m: 0.03,
             lean_n_m: 0.06,
@@ -237,6 +241,7 @@ impl Board {
             break_a: 20.0,
             supply_v: 24.0,
             parts: Parts::default(),
+            field_turns_per_s: Si::lit("16"),
             walls: THESIS.0,
             press_n_m: THESIS.1,
             lean_n_m: THESIS.2,

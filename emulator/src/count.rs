@@ -289,9 +289,10 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
         bench.demand(Request::Command(DeviceCommand::Stop))?;
     }
     bench.demand(Request::Defaults)?;
+    let turns = bench.machine.chip().board.field_turns_per_s;
     bench.configure(|settings| {
         settings.encoder.kind = encoder.kind();
-        settings.calibration.electrical_turns_per_s = Si::lit("16");
+        settings.calibration.electrical_turns_per_s = turns;
         settings.wall.surface_rad = Si::lit("0.2");
         (case.settings)(settings);
     })?;

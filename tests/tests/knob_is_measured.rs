@@ -129,7 +129,9 @@ fn a_motor_that_is_not_the_settings_is_found() {
     }
     println!("worst {worst:.4?}");
     assert!(worst[..4].iter().all(|part| *part < 0.05), "{worst:.4?}");
-    assert!(worst[4..].iter().all(|part| *part < 1.0), "{worst:.4?}");
+    assert!(worst[4] < 1.0, "{worst:.4?}");
+    // In parts of a fifth: within 5 %.
+    assert!(worst[5] < 0.25, "{worst:.4?}");
 }
 
 #[test]

@@ -216,7 +216,7 @@ fn what_does_not_fit_the_scene_is_refused() {
     let told = Told::read(&file, 0.0, f64::INFINITY).unwrap();
     let why = |scene: &Scene| {
         let refused = beside(scene, &told, HandWas::Gone, file.parent().unwrap());
-        refused.err().expect("it does not fit").to_string()
+        refused.expect_err("it does not fit").to_string()
     };
     assert!(why(&said()).contains("never came to the wall"));
     let slow = said().with(|scene| scene.timing.rate_hz = 500).unwrap();
@@ -227,6 +227,6 @@ fn what_does_not_fit_the_scene_is_refused() {
         })
     });
     assert!(why(&coarse.unwrap()).contains("not those of an encoder with 4000 a turn"));
-    let short = Told::read(&file, 0.0, 0.05).err().expect("too short");
+    let short = Told::read(&file, 0.0, 0.05).expect_err("too short");
     assert!(short.to_string().contains("never on for 0.1 s"), "{short}");
 }

@@ -118,5 +118,6 @@ const KNOWN: &[(&str, u64)] = &[
     ("tap", 0x042b_d40c_4853_6156),
     ("free-release", 0x562f_5265_9a23_41d6),
     ("low-stiffness", 0x8947_fbdf_6c30_f360),
+    ("gimbal-knob", 0xa7d9_bece_74c9_24d6),
     ("identify", 0x3a0b_e09c_1748_4722),
 ];

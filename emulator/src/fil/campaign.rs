@@ -40,7 +40,7 @@ impl Campaign {
         let kind = setup.board.encoder.kind();
         bench.configure(|settings| {
             settings.encoder.kind = kind;
-            settings.calibration.electrical_turns_per_s = Si::lit("16");
+            settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
             settings.wall.surface_rad = Si::lit("0.3");
             // A person calibrates once; here it is every few seconds.
             settings.motor.continuous_current_a = settings.calibration.current_a;

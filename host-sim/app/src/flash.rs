@@ -10,7 +10,7 @@ use touchstone_protocol::Board;
 use touchstone_sim::error::{Error, Result};
 
 /// How to get probe-rs.
-pub const INSTALL: &str = "install it: cargo install probe-rs-tools --locked, or see https://probe.rs/docs/getting-started/installation";
+pub const INSTALL: &str = "install it, without a compiler by https://probe.rs/docs/getting-started/installation, with one by cargo install probe-rs-tools --locked";
 
 /// Options of `flash`.
 #[derive(Debug, Clone, clap::Args)]

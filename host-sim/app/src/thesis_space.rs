@@ -86,7 +86,10 @@ pub fn main(
         );
     }
     tell!("");
-    tell!("The tuned law at 25 N/mm, in each direction the worst of nine devices in three hands:");
+    tell!(
+        "The tuned law at 25 N/mm, in each direction the worst of {} devices in three hands:",
+        cards.first().map_or(0, |card| card.cells.len())
+    );
     tell!(
         "  {:20} {:>6} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8}",
         "direction",

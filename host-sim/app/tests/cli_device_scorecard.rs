@@ -137,7 +137,7 @@ fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
             );
             results(&folder, &run)["scorecard"].clone()
         };
-        let (calm, wild) = (card("--k-desired 1"), card("--k-desired 25 --no-guard"));
+        let (calm, wild) = (card("--k-desired 3"), card("--k-desired 25 --no-guard"));
         assert_eq!(beyond(&calm), 0, "{device}: {calm:#}");
         assert!(beyond(&wild) >= 4, "{device}: {wild:#}");
         let given = |card| value(card, "energy_out_wall_j");

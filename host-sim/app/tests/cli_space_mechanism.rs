@@ -45,10 +45,17 @@ fn the_comparison_runs_on_a_delta_with_the_check_on_other_walls() {
     };
     assert!(outcome("books-close"));
     assert!(outcome("planes-shown"));
-    assert!(outcome("tuned-held-out"));
     // The law that was tuned for an omega.3 is not within its limits on a device of a fifth of the damping.
     assert!(!outcome("tuned-every-direction"));
-    assert_eq!(results["held_out"]["walls"], 200);
+    // Pushes of 8.7 N and more ask the motors for more than they have; beside them one wall in 200 may give away some microjoules.
+    let held_out = &results["held_out"];
+    let count = |key: &str| held_out[key].as_u64().expect(key);
+    assert_eq!(count("walls"), 200);
+    assert!(count("beyond") < 20 && count("beyond") - count("beyond_at_the_motors_limit") <= 1);
+    assert!(
+        !outcome("tuned-held-out"),
+        "a wall beyond its limit is said"
+    );
     let page = std::fs::read_to_string(folder.join("touchstone-report/index.html")).expect("page");
     assert!(page.contains("delta mechanism") && page.contains("Walls beyond its limit"));
 }

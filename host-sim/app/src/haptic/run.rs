@@ -78,7 +78,7 @@ pub struct Options {
     #[command(flatten)]
     which: WhichDevice,
     #[command(flatten)]
-    scored: scorecard::Options,
+    scored: scorecard::ScoreOptions,
     /// The law along the normal.
     #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: LawKind,

@@ -12,7 +12,8 @@ use touchstone_lab::report::pages;
 use touchstone_lab::scorecard::cases::LATE_TICKS;
 use touchstone_lab::scorecard::direction::Approach;
 use touchstone_lab::scorecard::in_turn::DeedsInTurn;
-use touchstone_lab::scorecard::on_device::{DeviceCard, DeviceRun, card};
+use touchstone_lab::scorecard::noticed::DeviceRun;
+use touchstone_lab::scorecard::on_device::{DeviceCard, card};
 use touchstone_lab::scorecard::on_device_page;
 use touchstone_lab::scorecard::press::DesiredStiffness;
 use touchstone_lab::scorecard::touched::TouchedTick;
@@ -54,7 +55,7 @@ impl PressedGrip {
 
 /// Options of it.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Options {
+pub struct ScoreOptions {
     /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or the scorecard's programme.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -69,7 +70,7 @@ pub struct Options {
     pub grip: PressedGrip,
 }
 
-impl Options {
+impl ScoreOptions {
     /// Refuses what cannot be.
     pub fn check(&self, simulated: bool, seconds: Option<f64>) -> Result<()> {
         let wrong = |option: &str, problem: &str, fix: &str| {

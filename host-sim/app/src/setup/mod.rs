@@ -58,8 +58,30 @@ pub struct Options {
     again: bool,
 }
 
-/// Runs it.
+/// Runs it. What a board does in the middle of it, its cable or its supply, costs the step that it falls into.
 pub fn main(options: &Options) -> Result<()> {
+    stepped(options).map_err(|error| match error {
+        Error::Device {
+            place,
+            problem,
+            mut fix,
+        } if !fix.contains(AGAIN) && options.out.join(BEFORE).is_file() => {
+            fix += "; then ";
+            fix += AGAIN;
+            Error::Device {
+                place,
+                problem,
+                fix,
+            }
+        }
+        other => other,
+    })
+}
+
+/// How an interrupted setup is taken up.
+const AGAIN: &str = "the same command again";
+
+fn stepped(options: &Options) -> Result<()> {
     let stop = interrupt::noted()?;
     let mut kept = Kept::open(&options.out)?;
     if options.again {

@@ -36,7 +36,9 @@ pub fn measure(
     }
     client.tell(&Request::SetAll(asked))?;
     client.tell(&Request::Telemetry { decimation: 1 })?;
-    client.tell(&Request::Command(DeviceCommand::Calibrate))?;
+    let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
+    // A fault whose cause is still there comes back before anything turns.
+    calibrate.map_err(|refused| fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
     let heard = listen(client, settings, stop);
     // Whatever came of it: off, and as it was.

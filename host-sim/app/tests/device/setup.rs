@@ -1,6 +1,6 @@
 //! `touchstone setup`: from a board whose motor is another than its settings say to a tuned one; interrupted, it goes on or says why not.
 
-use super::spun::Spun;
+use super::spun::{Pulled, Spun};
 use super::{folder, run};
 use std::path::{Path, PathBuf};
 use touchstone_protocol::{MeasuringPart, Phase};
@@ -60,7 +60,7 @@ fn a_board_becomes_a_tuned_knob() {
         ("torque_constant_n_m_per_a", 1.3 * 0.25, 0.05, 0.0),
         ("inertia_kg_m2", 0.7e-4, 0.05, 0.0),
         ("damping_n_m_s_per_rad", 5.2e-4, 0.2, 2e-6),
-        ("friction_n_m", 1.3e-3, 0.2, 0.0),
+        ("friction_n_m", 1.3e-3, 0.05, 0.0),
     ] {
         let value = kept["measured"][name]["value"].as_f64().unwrap();
         let allowed = (share * truth).max(floor);
@@ -98,7 +98,7 @@ fn a_board_becomes_a_tuned_knob() {
     assert!(out.join("report/index.html").is_file());
 
     // Nothing spins a second time.
-    device.world().1.pulled_in = Some(MeasuringPart::Low);
+    device.world().1.pulled_in = Some(Pulled::In(MeasuringPart::Low));
     let said = setup(&device, &out, &law).done();
     assert!(said.contains("measured before"), "{said}");
 }
@@ -108,7 +108,7 @@ fn a_cable_that_is_pulled_while_it_spins_costs_that_step_alone() {
     let (out, law) = place("setup-cable");
     let device = Spun::new(motor(), &knob(1.3e-3), 2);
     for part in [MeasuringPart::High, MeasuringPart::Coast] {
-        device.world().1.pulled_in = Some(part);
+        device.world().1.pulled_in = Some(Pulled::In(part));
         let said = setup(&device, &out, &law);
         said.failed(1, &["tcp:127.0.0.1:"]);
         assert!(kept(&out)["measured"].is_null());
@@ -146,4 +146,72 @@ fn another_board_and_a_wall_that_is_on_are_refused() {
         Phase::Armed,
         "a refusal switches nothing"
     );
+}
+
+/// A supply that is cut: the board forgets all that it did not save, and the shaft is wherever it came to rest.
+#[test]
+fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
+    let (out, law) = place("setup-power");
+    let device = Spun::new(motor(), &knob(1.3e-3), 6);
+    let cut = |when: Pulled| {
+        device.world().1.pulled_in = Some(when);
+        let said = setup(&device, &out, &law);
+        said.failed(1, &["tcp:127.0.0.1:", "the same command"]);
+        device.power_up();
+    };
+    // The first settings are those that ask for a measurement, the second those that take it back.
+    cut(Pulled::AtSettings(1));
+    cut(Pulled::AtCalibration(1));
+    cut(Pulled::In(MeasuringPart::Brake));
+    cut(Pulled::In(MeasuringPart::Push));
+    assert!(kept(&out)["measured"].is_null());
+    let (given, _) = counted(&device);
+    cut(Pulled::AtSettings(given + 2));
+    // What was heard before the supply went is whole, but nobody could say so: it is measured again.
+    assert!(kept(&out)["measured"].is_null());
+    let (given, _) = counted(&device);
+    cut(Pulled::AtSettings(given + 3));
+    let measured = kept(&out)["measured"].clone();
+    assert!(!measured.is_null());
+
+    // From here on nothing spins again.
+    for when in [Pulled::BeforeSaved, Pulled::AfterSaved] {
+        cut(when);
+        assert_eq!(kept(&out)["measured"], measured);
+    }
+    let (_, calibrated) = counted(&device);
+    cut(Pulled::AtCalibration(calibrated + 1));
+    let said = setup(&device, &out, &law).done();
+    assert!(
+        said.contains("measured before") && said.contains("ready; the wall is at 1 rad"),
+        "{said}"
+    );
+    assert_eq!(kept(&out)["measured"], measured);
+    let before = std::fs::read_to_string(out.join("before.toml")).unwrap();
+    assert!(before.contains("resistance_ohm = 6\n"), "{before}");
+    let (session, world) = &*device.world();
+    let measured = measured["resistance_ohm"]["value"].as_f64().unwrap();
+    assert!((session.settings().motor.resistance_ohm.to_num::<f64>() - measured).abs() < 1e-6);
+    assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
+}
+
+/// New settings and calibrations so far.
+fn counted(device: &Spun) -> (u32, u32) {
+    device.world().1.counted()
+}
+
+/// The motor's supply alone: a board on USB lives on, and says what is wrong.
+#[test]
+fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
+    let (out, law) = place("setup-supply");
+    let device = Spun::new(motor(), &knob(1.3e-3), 7);
+    device.world().1.supply_goes_in = Some(MeasuringPart::Coast);
+    for _ in 0..2 {
+        setup(&device, &out, &law).failed(1, &["fault", "voltage", "the same command"]);
+        assert!(kept(&out)["measured"].is_null());
+    }
+    device.world().1.knob.tamper.0 = 24.0;
+    let said = setup(&device, &out, &law);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("was in fault 03 under-voltage"));
 }

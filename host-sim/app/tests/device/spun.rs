@@ -10,7 +10,7 @@ use touchstone_protocol::{
     Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
     MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk, stored,
 };
-use touchstone_tests::knob::{Honest, Knob, PERIOD_S};
+use touchstone_tests::knob::{Knob, PERIOD_S, Tamper};
 use touchstone_world::motor::MotorParameters;
 use touchstone_world::plant::{BareCoulomb, Device};
 
@@ -18,13 +18,44 @@ const BOARD: Board = Board::NucleoG474re;
 /// Ticks between two looks at the socket.
 const TICKS: u32 = 200;
 
+/// The motor's supply, V: the board lives on without it.
+pub struct Supply(pub f64);
+
+impl Tamper for Supply {
+    fn bus_v(&mut self, _: u32) -> f64 {
+        self.0
+    }
+}
+
+/// When the cable goes, and with it, if the board is not powered otherwise, its supply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pulled {
+    /// With the first tick of this part.
+    In(MeasuringPart),
+    /// With so manieth new settings: before they count.
+    AtSettings(u32),
+    /// While they are written: the flash has what it had.
+    BeforeSaved,
+    /// When they are written, before anybody hears of it.
+    AfterSaved,
+    /// With so manieth calibration, which begins.
+    AtCalibration(u32),
+}
+
 /// The board around the talk.
 pub struct Spinning {
-    pub knob: Knob<Honest, BareCoulomb>,
+    pub knob: Knob<Supply, BareCoulomb>,
     pub saved: bool,
-    /// The cable goes with the first tick of this part.
-    pub pulled_in: Option<MeasuringPart>,
+    /// When the cable goes.
+    pub pulled_in: Option<Pulled>,
     pulled: bool,
+    /// The motor's supply goes with the first tick of this part.
+    pub supply_goes_in: Option<MeasuringPart>,
+    /// The settings that count, and those in the flash.
+    used: DeviceSettings,
+    kept: Option<DeviceSettings>,
+    settings: u32,
+    calibrations: u32,
     number: u8,
     decimation: u16,
 }
@@ -32,6 +63,8 @@ pub struct Spinning {
 /// A running device.
 pub struct Spun {
     address: String,
+    motor: MotorParameters,
+    device: Device,
     both: Arc<Mutex<(Session, Spinning)>>,
 }
 
@@ -39,22 +72,38 @@ impl Spun {
     /// With this motor and knob, and a number of its own.
     pub fn new(motor: MotorParameters, device: &Device, number: u8) -> Self {
         let settings = DeviceSettings::defaults(BOARD);
-        let plant = BareCoulomb::new(device, PERIOD_S / 2.0).unwrap();
-        let mut knob = Knob::with_plant(&settings, motor, plant, 0.3, Honest);
-        knob.rig.bridge.dead_share = 0.01;
         let spinning = Spinning {
-            knob,
+            knob: started(&settings, motor, device, 0.3),
             saved: false,
             pulled_in: None,
             pulled: false,
+            supply_goes_in: None,
+            used: settings.clone(),
+            kept: None,
+            settings: 0,
+            calibrations: 0,
             number,
             decimation: 1,
         };
         let both = Arc::new(Mutex::new((Session::new(settings, true), spinning)));
         Self {
             address: listen(&both),
+            motor,
+            device: *device,
             both,
         }
+    }
+
+    /// Its supply is back, and the cable in: it starts with what is in the flash.
+    pub fn power_up(&self) {
+        let (session, world) = &mut *self.world();
+        let settings = world.kept.clone();
+        let settings = settings.unwrap_or_else(|| DeviceSettings::defaults(BOARD));
+        let angle = world.knob.rig.now().angle_rad;
+        world.knob = started(&settings, self.motor, &self.device, angle);
+        world.used = settings.clone();
+        (world.pulled, world.pulled_in) = (false, None);
+        *session = Session::new(settings, true);
     }
 
     /// The program, spoken to this device.
@@ -74,17 +123,59 @@ impl Spun {
     }
 }
 
+/// The board as it starts.
+fn started(
+    settings: &DeviceSettings,
+    motor: MotorParameters,
+    device: &Device,
+    angle_rad: f64,
+) -> Knob<Supply, BareCoulomb> {
+    let plant = BareCoulomb::new(device, PERIOD_S / 2.0).unwrap();
+    let mut knob = Knob::with_plant(settings, motor, plant, angle_rad, Supply(24.0));
+    knob.rig.bridge.dead_share = 0.01;
+    knob
+}
+
+impl Spinning {
+    /// New settings and calibrations so far.
+    pub fn counted(&self) -> (u32, u32) {
+        (self.settings, self.calibrations)
+    }
+
+    /// Whether the cable goes now.
+    fn goes(&mut self, now: Pulled) -> bool {
+        let goes = self.pulled_in == Some(now);
+        self.pulled |= goes;
+        goes
+    }
+}
+
 impl Served for Spinning {
     fn is_gone(&self) -> bool {
         self.pulled
     }
+    fn answered(&mut self, answer: &FromDevice) -> Vec<u8> {
+        let mut buffer = [0; FRAME_MAX];
+        match self.pulled {
+            true => Vec::new(),
+            false => frame::encode(answer, &mut buffer).unwrap().to_vec(),
+        }
+    }
     fn ticks(&mut self) -> Vec<u8> {
         let mut out = Vec::new();
+        if self.pulled {
+            return out;
+        }
         for _ in 0..TICKS {
             self.knob.tick();
             let telemetry = self.knob.telemetry();
             let part = telemetry.measuring.map(|it| it.part);
-            self.pulled |= part.is_some() && part == self.pulled_in;
+            if let Some(part) = part {
+                self.goes(Pulled::In(part));
+                if self.supply_goes_in.take_if(|it| *it == part).is_some() {
+                    self.knob.tamper.0 = 0.0;
+                }
+            }
             let due =
                 self.decimation > 0 && telemetry.tick.is_multiple_of(u32::from(self.decimation));
             if self.pulled || !due {
@@ -129,14 +220,26 @@ impl Backend for Spinning {
         checked(settings, BOARD)
     }
     fn use_settings(&mut self, settings: &DeviceSettings) {
+        self.settings += 1;
+        if self.goes(Pulled::AtSettings(self.settings)) {
+            return;
+        }
         let configured = self.knob.device.configure(settings, hardware(BOARD));
         configured.unwrap();
+        self.used = settings.clone();
     }
     fn save(&mut self, _: &[u8]) -> Result<(), FlashError> {
-        self.saved = true;
+        if !self.goes(Pulled::BeforeSaved) {
+            (self.saved, self.kept) = (true, Some(self.used.clone()));
+            self.goes(Pulled::AfterSaved);
+        }
         Ok(())
     }
     fn command(&mut self, command: DeviceCommand) -> Option<bool> {
+        if command == DeviceCommand::Calibrate {
+            self.calibrations += 1;
+            self.goes(Pulled::AtCalibration(self.calibrations));
+        }
         self.knob.ask(match command {
             DeviceCommand::Calibrate => Command::Calibrate,
             DeviceCommand::Arm => Command::Arm,

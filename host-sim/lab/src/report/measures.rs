@@ -70,8 +70,8 @@ measures! {
     guard_limited_ticks, "ticks limited by the guard", "1",
         "ticks in which the energy guard gave less force than the law wanted; null without a guard",
         |s| s.guard_limited_ticks.map(|n| n as f64), |_, x| significant(x, 3);
-    guard_tripped_s, "force off for overspeed after", "s",
-        "when the energy guard switched the force off for overspeed; null if it did not",
+    guard_tripped_s, "force off by the guard after", "s",
+        "when the energy guard switched the force off, for overspeed or where positions end; null if it did not",
         |s| s.guard_tripped_s, |_, x| with_unit(x, "s", 3);
     limit_cycle_peak_to_peak, "motion at rest, peak to peak", "rad",
         "largest motion of the device in the last quarter of a hold",

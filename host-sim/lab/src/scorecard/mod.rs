@@ -8,6 +8,7 @@ pub mod cases;
 pub mod direction;
 pub mod in_turn;
 pub mod measure;
+pub mod noticed;
 pub mod on_device;
 pub mod on_device_page;
 pub mod page;

@@ -1,37 +1,16 @@
 //! The scorecard's figures of a run on a haptic device, read off what its encoders said and what its motors were told.
 //!
 //! A simulated hand follows the scorecard's own programme, [`DeedsInTurn`]. A person's does not: then what was done is looked for, where the hand rested
-//! ([`super::touched`]), moved in a rhythm ([`super::rhythm`]) and let go, and what cannot be known is said to be so.
+//! ([`super::noticed`]), moved in a rhythm and let go, and what cannot be known is said to be so.
 
 use super::cases::Deed;
 use super::direction::DirectionFigures;
 use super::in_turn::DeedsInTurn;
 use super::measure::{Figures, Limits, Measure};
-use super::press::DesiredStiffness;
-use super::rhythm::rhythms;
-use super::touched::{RESTING_COUNTS, TouchedSeries, TouchedTick, dot, resting};
+use super::noticed::{DeviceRun, MovedAt, Noticed, SPEED_S, met};
+use super::touched::{TouchedSeries, TouchedTick, dot};
 use serde::Serialize;
-use std::ops::Range;
-use touchstone_sim::run::measure::{
-    DynamicStiffness, RateHardness, Release, Response, Ripple, WorstWindow,
-};
-
-/// What was run.
-#[derive(Debug, Clone, Copy)]
-pub struct DeviceRun<'a> {
-    /// Every tick.
-    pub ticks: &'a [TouchedTick],
-    /// Control rate, Hz.
-    pub rate_hz: u32,
-    /// What the wall was asked for.
-    pub stiffness: DesiredStiffness,
-    /// The force had faded in, in ticks.
-    pub whole_from: u64,
-    /// Whether its commands come half a tick late or more.
-    pub late: bool,
-    /// What the hand was told to do, where it does what it is told.
-    pub turn: Option<DeedsInTurn>,
-}
+use touchstone_sim::run::measure::{Release, WorstWindow};
 
 /// One figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -75,17 +54,6 @@ impl DeviceFigure {
     }
 }
 
-/// What a moving hand met.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MovedAt {
-    /// Its frequency, Hz.
-    pub frequency_hz: f64,
-    /// `|F/x|`, N/m; absent where the hand left the wall.
-    pub modulus_n_per_m: Option<f64>,
-    /// Lead of the force, degrees.
-    pub phase_deg: Option<f64>,
-}
-
 /// All of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceCard {
@@ -123,13 +91,6 @@ const NO_RHYTHM: &str =
 const NO_LEAVING: &str = "the hand did not leave the wall after a quarter of a second in it";
 const NO_TOUCH: &str = "no first touch that lasted three ticks was seen with the whole force";
 const NO_CONTACT: &str = "the wall was not touched for a quarter of a second";
-
-/// A rest, and a contact that is looked at, lasts at least so long, s.
-const STRETCH_S: f64 = 0.25;
-/// Around the moment at which the surface is left its speed is looked at for so long, s.
-const LEAVING_S: f64 = 0.2;
-/// Over which a speed is taken, s: a count in it is a millimetre a second.
-const SPEED_S: f64 = 0.01;
 
 /// The figures of a run.
 #[must_use]
@@ -226,15 +187,6 @@ fn wall_energy(ticks: &[TouchedTick]) -> (f64, f64) {
     (-least, window.worst_j())
 }
 
-fn met(response: &Response, frequency_hz: f64) -> MovedAt {
-    let stiffness: Option<DynamicStiffness> = response.stiffness();
-    MovedAt {
-        frequency_hz,
-        modulus_n_per_m: stiffness.map(|it| it.modulus_n_m_per_rad),
-        phase_deg: stiffness.map(|it| it.phase_deg),
-    }
-}
-
 /// What came of the scorecard's programme.
 struct Scored {
     worst: DirectionFigures,
@@ -276,94 +228,6 @@ fn scored(turn: &DeedsInTurn, series: &TouchedSeries) -> Scored {
         worst,
         release,
         moved,
-    }
-}
-
-/// What was found of a hand that nobody told what to do.
-struct Noticed {
-    moment: Option<f64>,
-    held: Option<f64>,
-    rest_counts: Option<f64>,
-    modulus: Option<f64>,
-    phase: Option<f64>,
-    ripple: Option<f64>,
-    leaving: Option<f64>,
-    hardness: Option<f64>,
-    moved: Vec<MovedAt>,
-}
-
-fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
-    values.reduce(f64::max)
-}
-
-impl Noticed {
-    fn at(run: &DeviceRun, series: &TouchedSeries) -> Self {
-        let rate_hz = f64::from(run.rate_hz);
-        let ticks = |seconds: f64| (seconds * rate_hz).round().max(1.0) as usize;
-        let (from, stiffness) = (series.index(run.whole_from), &run.stiffness);
-        let contacts = series.contacts(from, stiffness, ticks(STRETCH_S));
-        let off = |i: usize| stiffness.off(series.middle[i], series.out[i]);
-        let rests: Vec<Range<usize>> = contacts
-            .iter()
-            .flat_map(|at| resting(&series.depth, at, ticks(STRETCH_S), stiffness.count))
-            .collect();
-        let motion = |at: &Range<usize>| {
-            let part = series.depth[at.clone()].iter().copied();
-            part.clone().fold(f64::NEG_INFINITY, f64::max) - part.fold(f64::INFINITY, f64::min)
-        };
-        let mut figures = Figures::NONE;
-        let mut moved = Vec::new();
-        for contact in &contacts {
-            let least = RESTING_COUNTS * stiffness.count;
-            let depth = &series.middle[contact.clone()];
-            for wiggle in rhythms(depth, contact.start as u64, rate_hz, least) {
-                let mut response = Response::new(wiggle, 1.0 / rate_hz);
-                for i in contact.clone() {
-                    response.record(i as u64, series.middle[i], series.out[i]);
-                }
-                figures.raise_moved(&response, stiffness.k_desired);
-                moved.push(met(&response, wiggle.frequency_hz));
-            }
-        }
-        let ripple = contacts.iter().max_by_key(|at| at.len()).and_then(|at| {
-            let mut ripple = Ripple::new((at.start as u64, at.end as u64), rate_hz);
-            for i in at.clone() {
-                ripple.record(i as u64, series.out[i]);
-            }
-            ripple.tick_to_tick_rms_n_m()
-        });
-        let intervals = ticks(SPEED_S);
-        let leaving = contacts
-            .iter()
-            .filter(|at| at.end < series.out.len())
-            .map(|at| {
-                let mut release = Release::new(0);
-                let around = at.end.saturating_sub(ticks(LEAVING_S)).max(at.start)
-                    ..(at.end + ticks(LEAVING_S)).min(series.out.len());
-                for i in around {
-                    let speed = series.speed(i, intervals, rate_hz);
-                    release.record(i as u64, series.depth[i], speed);
-                }
-                release.speed_rad_per_s()
-            });
-        let mut hardness = RateHardness::new(1.0 / rate_hz);
-        // A contact that was there before the whole force was has no beginning.
-        let free = (from..series.out.len()).find(|i| series.out[*i] <= 0.0);
-        for i in free.unwrap_or(series.out.len())..series.out.len() {
-            hardness.record(series.depth[i], series.out[i]);
-        }
-        let seen = |value: f64| (!moved.is_empty()).then_some(value);
-        Self {
-            moment: largest((from..series.out.len()).filter_map(off)),
-            held: largest(rests.iter().cloned().flatten().filter_map(off)),
-            rest_counts: largest(rests.iter().map(|at| motion(at) / stiffness.count)),
-            modulus: seen(figures.get(Measure::ModulusError)),
-            phase: seen(figures.get(Measure::PhaseDeg)),
-            ripple,
-            leaving: largest(leaving),
-            hardness: hardness.n_m_per_rad(),
-            moved,
-        }
     }
 }
 
@@ -461,6 +325,7 @@ mod tests {
         assert!((value("release_speed_m_per_s").unwrap() - 0.02).abs() < 1e-3);
         assert!(value("stiffness_error_held").unwrap() < 1e-9);
         assert!((value("rate_hardness_n_per_m").unwrap() - 5000.0).abs() < 1.0);
+        assert_eq!(right.moved.len(), 1);
         assert!(
             (right.moved[0].frequency_hz - 1.5).abs() < 0.02,
             "{:?}",

@@ -1,6 +1,7 @@
 //! The scorecard of a run on a device, for people: on the terminal, and as a section of a page.
 
-use super::on_device::{DeviceCard, DeviceFigure, MovedAt};
+use super::noticed::MovedAt;
+use super::on_device::{DeviceCard, DeviceFigure};
 use crate::report::{Block, Section};
 use std::fmt::Write;
 
@@ -27,15 +28,16 @@ fn remark(figure: &DeviceFigure) -> String {
 }
 
 fn moved(at: &MovedAt) -> String {
-    match at.modulus_n_per_m.zip(at.phase_deg) {
-        Some((modulus, phase)) => {
-            format!(
-                "{:.2} Hz: {:.3} N/mm, {phase:.1}°",
-                at.frequency_hz,
-                1e-3 * modulus
-            )
-        }
-        None => format!("{:.2} Hz: the wall was left", at.frequency_hz),
+    let met = match at.modulus_n_per_m.zip(at.phase_deg) {
+        Some((modulus, phase)) => format!("{:.3} N/mm, {phase:.1}°", 1e-3 * modulus),
+        None => "the wall was left".to_owned(),
+    };
+    match at.stretches {
+        1 => format!("{:.2} Hz: {met}", at.frequency_hz),
+        many => format!(
+            "{:.2} Hz: {met}, worst of {many} stretches",
+            at.frequency_hz
+        ),
     }
 }
 

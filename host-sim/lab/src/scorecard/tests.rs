@@ -5,6 +5,7 @@ use super::measure::{Figures, Limits, Measure};
 use super::reference::Reference;
 use super::rivals::{RIVALS, Rival};
 use super::{Entry, asked, figures, scorecard};
+use std::path::Path;
 use touchstone_control::choices::StatesKind;
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::Scene;
@@ -106,6 +107,40 @@ fn known_settings_hold_every_device_and_the_difference_damper_does_not() {
     let nominal = &json["rows"][0]["cells"][0];
     assert!(nominal["figures"]["peak_penetration_ratio"].is_number());
     assert!(nominal["figures"]["ripple_rms_n_m"].is_number());
+}
+
+#[test]
+fn fifty_critical_stiffnesses_hold_to_half_a_tick_and_no_further() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tuning/fifty-critical.toml");
+    let scene = knob(5.0).with_settings(&file).expect("a settings file");
+    assert_eq!(scene.wall.k_desired_n_m_per_rad, 50.0);
+    // What `touchstone scorecard` finds for this wall: 0.6 of a difference spring-damper's ripple.
+    let reference = Reference {
+        limit_n_m: 7.62e-3,
+        ..Reference::none()
+    };
+    let worst_share = |case: &Case| {
+        let (felt, _) = figures(&scene, &Programme::of(&scene), case, false).expect("runs");
+        let shares = felt.shares(&reference.limits(case));
+        shares.into_iter().fold(0.0, f64::max)
+    };
+    let asked: Vec<&Case> = asked(&scene).collect();
+    assert_eq!(asked.len(), 3);
+    for case in asked {
+        let share = worst_share(case);
+        assert!(share <= 1.0, "{}: {share} of a limit", case.name);
+    }
+    // A whole tick is lost, as the matrices say: the delay ends between the two.
+    let late = CASES.iter().find(|case| case.change == Change::Delay(1.0));
+    assert!(worst_share(late.expect("a case")) > 1.0);
+    let grips = crate::certify::Options {
+        family: crate::certify::hands::Family::Grips,
+        ..Default::default()
+    };
+    let said = crate::certify::certify(&scene, &grips).expect("a law");
+    assert_eq!(said.verdict, crate::certify::Verdict::Stable);
+    let most_s = said.margins.expect("asked for").delay_s;
+    assert!((5e-4..6e-4).contains(&most_s), "{most_s}");
 }
 
 #[test]

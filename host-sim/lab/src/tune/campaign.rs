@@ -3,14 +3,12 @@
 //! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved: a press of at most [`MOST_N_M`] must go 20
 //! counts deep, stand above dry friction four times, and stay within a radian. The torque limit is twice that press.
 
-use super::cost::Judgement;
 use super::diagnosis::{self, FailureCause};
 use super::outcome::Outcome;
-use super::{Looks, Tuned, search_by};
+use super::{Tuned, to_rest};
 use crate::certify::{self, Certificate, Verdict, hands::Family};
 use crate::random_device::{FINGERTIP, Random, RandomDevice};
 use crate::scorecard::cases::{Deed, GRIPS, Programme};
-use crate::scorecard::reference::Reference;
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::stiffness_per_tick;
 use serde::{Deserialize, Serialize};
@@ -168,9 +166,6 @@ pub struct Budget {
     pub second: f64,
 }
 
-/// A figure that is so far within its limit needs no better.
-const ENOUGH: f64 = 0.7;
-
 /// Tunes a law for a device and judges it.
 ///
 /// # Errors
@@ -183,9 +178,6 @@ pub fn row(
     budget: Budget,
 ) -> Result<Row> {
     let device = scene(seed, class, number);
-    // Ripple is not judged here.
-    let reference = Reference::none();
-    let judgement = Judgement::at_rest(&device, reference);
     let rate = f64::from(device.timing.rate_hz);
     let mut row = Row {
         class,
@@ -223,14 +215,9 @@ pub fn row(
         if ticks <= 0.0 || best.as_ref().is_some_and(|(_, outcome)| outcome.holds()) {
             continue;
         }
-        let looks = Looks {
-            most: ticks / judgement.ticks(&device),
-            enough: ENOUGH,
-            seed: seed + try_number as u64,
-        };
         let Tuned {
             scene, evaluations, ..
-        } = search_by(&device, rival, reference, &judgement, looks, &mut |_, _| ());
+        } = to_rest(&device, rival, ticks, seed + try_number as u64);
         row.looks += evaluations;
         if let Ok(outcome) = Outcome::of(&scene)
             && best
@@ -267,7 +254,10 @@ fn rank(outcome: &Outcome) -> (bool, bool, bool) {
 }
 
 /// What `certify` says of a wall in the three grips.
-fn certificate(scene: &Scene) -> Result<Certificate> {
+///
+/// # Errors
+/// Settings that the law cannot take.
+pub fn certificate(scene: &Scene) -> Result<Certificate> {
     let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
     let asked = certify::Options {
         family: Family::Grips,

@@ -127,6 +127,34 @@ struct Looks {
     seed: u64,
 }
 
+/// A figure that is so far within its limit needs no better, where a wall only has to hold.
+const ENOUGH: f64 = 0.7;
+
+/// Tunes a law until a press in every grip comes to rest and a moving hand is held, by the limits of [`outcome`], with so many ticks.
+/// Ripple is not judged.
+#[must_use]
+pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> Tuned {
+    let reference = Reference::none();
+    let judgement = Judgement::at_rest(scene, reference);
+    let looks = Looks {
+        most: ticks / judgement.ticks(scene),
+        enough: ENOUGH,
+        seed,
+    };
+    search_by(scene, rival, reference, &judgement, looks, &mut |_, _| ())
+}
+
+/// The scene with a law's settings where its matrices are best, without a run; those of the rule for a law that has none.
+#[must_use]
+pub fn by_matrices(scene: &Scene, rival: &'static Rival, seed: u64) -> Scene {
+    let axes = axes(rival, scene);
+    let point = match axes.is_empty() || !rival.is_linear() {
+        true => vec![0.0; axes.len()],
+        false => linear::start(rival, scene, &axes, &starts(scene, &axes), seed),
+    };
+    at(rival, scene, &axes, &point)
+}
+
 /// Tunes by a judgement of one's own.
 fn search_by(
     scene: &Scene,

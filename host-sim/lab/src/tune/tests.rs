@@ -53,6 +53,18 @@ fn a_bowl_has_a_bottom_and_every_seed_its_own_way_there() {
 }
 
 #[test]
+fn a_quick_search_leaves_no_device_out_where_few_are_asked_for() {
+    // At 50 times the critical stiffness three: the latest, half a tick, decides.
+    for (k_desired, devices) in [(5.0, 5.0), (20.0, 5.0), (50.0, 3.0)] {
+        let scene = knob(k_desired);
+        let judgement = Judgement::new(&scene, Reference::none(), true);
+        let one = judgement.programme().seconds(&scene) * f64::from(scene.timing.rate_hz) * 3.0;
+        let looked = judgement.ticks(&scene) / one;
+        assert!((looked - devices).abs() < 1e-9, "{k_desired}: {looked}");
+    }
+}
+
+#[test]
 fn every_parameter_starts_within_its_bounds_and_is_where_it_says() {
     for rival in &RIVALS {
         for k_desired in [0.5, 5.0, 50.0] {

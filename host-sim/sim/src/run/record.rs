@@ -62,7 +62,7 @@ pub struct Summary {
     pub guard_account_min_j: Option<f64>,
     /// Ticks in which the guard gave less force than the law wanted; `None` without one.
     pub guard_limited_ticks: Option<u64>,
-    /// When the guard switched the force off for overspeed, s; `None` if it did not, or without one.
+    /// When the guard switched the force off, for overspeed or where positions end, s; `None` if it did not, or without one.
     pub guard_tripped_s: Option<f64>,
     /// From the first touch until force over penetration stays within 5 % of the desired stiffness, s; `None` if it does not.
     pub settle_time: Option<f64>,

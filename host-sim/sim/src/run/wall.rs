@@ -25,7 +25,7 @@ pub struct InsideGuard {
     pub account_j: f64,
     /// Whether it gave the law less than it wanted.
     pub limited: bool,
-    /// Whether it has switched the force off for overspeed.
+    /// Whether it has switched the force off, for overspeed or where positions end.
     pub tripped: bool,
 }
 

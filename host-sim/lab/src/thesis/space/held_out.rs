@@ -138,10 +138,18 @@ pub struct HeldOutCell {
     pub drawn: Drawn,
     /// Its figures; ripple has no limit.
     pub found: DirectionFigures,
+    /// The longest force that was wanted of the motors, N.
+    pub longest_n: f64,
     limits: Limits,
 }
 
 impl HeldOutCell {
+    /// Whether the motors were asked for all that they have.
+    #[must_use]
+    pub fn is_at_limit(&self) -> bool {
+        self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
+    }
+
     /// What is beyond its limit, and by what share of it.
     #[must_use]
     pub fn fails(&self) -> Vec<(Measure, f64)> {
@@ -205,13 +213,16 @@ impl HeldOut {
                 hand: hand(drawn.grip),
                 push_n: drawn.push_n,
             };
-            let mut found = DirectionFigures::NONE;
+            let (mut found, mut longest_n) = (DirectionFigures::NONE, 0.0_f64);
             for deed in DEEDS {
-                found = found.worst(&wall.played(deed)?);
+                let (next, force_n) = wall.played_with_force(deed)?;
+                found = found.worst(&next);
+                longest_n = longest_n.max(force_n);
             }
             Ok(HeldOutCell {
                 drawn: *drawn,
                 found,
+                longest_n,
                 limits: Limits::new(drawn.is_late(), f64::INFINITY),
             })
         };
@@ -255,6 +266,13 @@ impl HeldOut {
             .count()
     }
 
+    /// Of those, the ones in which the motors gave all that they have: no law shows a stiffness there.
+    #[must_use]
+    pub fn failed_at_limit(&self) -> usize {
+        let all_of_it = |cell: &&HeldOutCell| cell.is_at_limit() && !cell.fails().is_empty();
+        self.cells.iter().filter(all_of_it).count()
+    }
+
     /// The longest that a press took to stay within 5 %, s; `None` where one never did.
     #[must_use]
     pub fn settle_s(&self) -> Option<f64> {
@@ -291,10 +309,11 @@ impl HeldOut {
                 false => Outcome::NotReproduced,
             },
             measured: format!(
-                "seed {}: {} of {} walls within; worst {}",
+                "seed {}: {} of {} walls within, of the others {} at the motors' limit; worst {}",
                 self.seed,
                 self.cells.len() - self.failed(),
                 self.cells.len(),
+                self.failed_at_limit(),
                 shown.join(", ")
             ),
         }

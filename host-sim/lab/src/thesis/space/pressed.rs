@@ -150,23 +150,32 @@ impl PressedWall {
         }
     }
 
-    /// Plays a deed. Where the mechanism comes to a place that it does not have, all is lost.
+    /// Plays a deed.
     ///
     /// # Errors
     /// Settings that law or guard cannot have.
     pub fn played(&self, deed: Deed) -> Result<DirectionFigures, SettingsError> {
+        self.played_with_force(deed).map(|(found, _)| found)
+    }
+
+    /// The same, and the longest force that was wanted of the motors, N. Where the mechanism comes to a place that it does not have, all is lost.
+    ///
+    /// # Errors
+    /// Settings that law or guard cannot have.
+    pub fn played_with_force(&self, deed: Deed) -> Result<(DirectionFigures, f64), SettingsError> {
         let mut wall = self.wall()?;
-        Ok(self.looped(&mut wall, deed).unwrap_or(DirectionFigures {
+        let lost = DirectionFigures {
             figures: Figures::LOST,
             settle_s: None,
-        }))
+        };
+        Ok(self.looped(&mut wall, deed).unwrap_or((lost, 0.0)))
     }
 
     fn looped(
         &self,
         wall: &mut SpaceWall<N, Shape<N>, AnyLaw<N>>,
         deed: Deed,
-    ) -> Result<DirectionFigures, Stopped> {
+    ) -> Result<(DirectionFigures, f64), Stopped> {
         let interval_s = 1.0 / f64::from(RATE_HZ);
         let approach = self.approach();
         let rest_m = |tick: u64| {
@@ -182,12 +191,13 @@ impl PressedWall {
             rest_m(0),
         )?;
         let mut watch = approach.watch(deed);
-        let (mut energy_j, mut least_j) = (0.0_f64, 0.0_f64);
+        let (mut energy_j, mut least_j, mut longest_n) = (0.0_f64, 0.0_f64, 0.0_f64);
         for tick in 0..approach.ticks(deed) {
             let here = held.place_m();
             let measured = held.measured_m()?.map(|x| 1e3 * x);
             let force = wall.tick(place(measured)).unwrap_or_default();
             let force = force.0.map(Force::to_f64);
+            longest_n = longest_n.max(dot(force, force).sqrt());
             let crossed = held.step(force, rest_m(tick))?;
             energy_j += crossed.loss.device_j - crossed.motors_j;
             least_j = least_j.min(energy_j + held.moving_j()?);
@@ -198,6 +208,6 @@ impl PressedWall {
         }
         let mut found = watch.finish();
         found.figures.raise(Measure::EnergyOutJ, -least_j);
-        Ok(found)
+        Ok((found, longest_n))
     }
 }

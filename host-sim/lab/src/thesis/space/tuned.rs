@@ -195,6 +195,11 @@ fn cards_with(
     let cases: Vec<&Case> = CASES
         .iter()
         .filter(|case| case.is_asked(stiffness))
+        // What a delta may also be is not asked for: the law is another device's.
+        .take(match mechanism {
+            Mechanism::Cartesian => CASES.len(),
+            Mechanism::Delta => 1,
+        })
         .collect();
     normals
         .par_iter()
@@ -241,8 +246,9 @@ pub fn claim(cards: &[DirectionCard]) -> Claim {
         .collect();
     let get = |measure| worst.figures.get(measure);
     let figures = format!(
-        "{} directions, worst of nine devices in three hands: peak {:.3}, settled {}, held {:.1} %, letting go {:.1} %, |F/x| {:.1} %, {:.1}°",
+        "{} directions, worst of {} devices in three hands: peak {:.3}, settled {}, held {:.1} %, letting go {:.1} %, |F/x| {:.1} %, {:.1}°",
         cards.len(),
+        cards.first().map_or(0, |card| card.cells.len()),
         get(Measure::PeakPenetrationRatio),
         worst
             .settle_s

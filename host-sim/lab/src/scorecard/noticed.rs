@@ -1,0 +1,174 @@
+//! What a hand did that nobody told what to do, looked for in the ticks of a run: rests, rhythms, and how it left the wall.
+
+use super::in_turn::DeedsInTurn;
+use super::measure::{Figures, Measure};
+use super::press::DesiredStiffness;
+use super::rhythm::rhythms;
+use super::touched::{RESTING_COUNTS, TouchedSeries, TouchedTick, resting};
+use serde::Serialize;
+use std::ops::Range;
+use touchstone_sim::run::measure::{RateHardness, Release, Response, Ripple};
+
+/// What was run.
+#[derive(Debug, Clone, Copy)]
+pub struct DeviceRun<'a> {
+    /// Every tick.
+    pub ticks: &'a [TouchedTick],
+    /// Control rate, Hz.
+    pub rate_hz: u32,
+    /// What the wall was asked for.
+    pub stiffness: DesiredStiffness,
+    /// The force had faded in, in ticks.
+    pub whole_from: u64,
+    /// Whether its commands come half a tick late or more.
+    pub late: bool,
+    /// What the hand was told to do, where it does what it is told.
+    pub turn: Option<DeedsInTurn>,
+}
+
+/// What a moving hand met at a frequency; of several stretches what is furthest from the stiffness that was asked for, and the largest phase.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MovedAt {
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+    /// `|F/x|`, N/m; absent where the hand left the wall.
+    pub modulus_n_per_m: Option<f64>,
+    /// Lead of the force, degrees.
+    pub phase_deg: Option<f64>,
+    /// How many stretches.
+    pub stretches: usize,
+}
+
+/// A rest, and a contact that is looked at, lasts at least so long, s.
+const STRETCH_S: f64 = 0.25;
+/// Around the moment at which the surface is left its speed is looked at for so long, s.
+const LEAVING_S: f64 = 0.2;
+/// Over which a speed is taken, s: a count in it is a millimetre a second.
+pub(super) const SPEED_S: f64 = 0.01;
+
+pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
+    let stiffness = response.stiffness();
+    MovedAt {
+        frequency_hz,
+        modulus_n_per_m: stiffness.map(|it| it.modulus_n_m_per_rad),
+        phase_deg: stiffness.map(|it| it.phase_deg),
+        stretches: 1,
+    }
+}
+
+/// Frequencies within this share of each other are one.
+const SAME_FREQUENCY: f64 = 0.05;
+
+/// Adds a stretch to those of its frequency.
+fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
+    let same =
+        |at: &&mut MovedAt| (at.frequency_hz / next.frequency_hz - 1.0).abs() <= SAME_FREQUENCY;
+    let Some(at) = moved.iter_mut().find(same) else {
+        moved.push(next);
+        return;
+    };
+    at.stretches += 1;
+    // Where the wall was left there is neither, and nothing is worse.
+    at.modulus_n_per_m = at.modulus_n_per_m.zip(next.modulus_n_per_m).map(|(a, b)| {
+        match (a - k_desired).abs() < (b - k_desired).abs() {
+            true => b,
+            false => a,
+        }
+    });
+    at.phase_deg = at
+        .phase_deg
+        .zip(next.phase_deg)
+        .map(|(a, b)| match a.abs() < b.abs() {
+            true => b,
+            false => a,
+        });
+}
+
+/// What was found of a hand that nobody told what to do.
+pub(super) struct Noticed {
+    pub(super) moment: Option<f64>,
+    pub(super) held: Option<f64>,
+    pub(super) rest_counts: Option<f64>,
+    pub(super) modulus: Option<f64>,
+    pub(super) phase: Option<f64>,
+    pub(super) ripple: Option<f64>,
+    pub(super) leaving: Option<f64>,
+    pub(super) hardness: Option<f64>,
+    pub(super) moved: Vec<MovedAt>,
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
+    values.reduce(f64::max)
+}
+
+impl Noticed {
+    pub(super) fn at(run: &DeviceRun, series: &TouchedSeries) -> Self {
+        let rate_hz = f64::from(run.rate_hz);
+        let ticks = |seconds: f64| (seconds * rate_hz).round().max(1.0) as usize;
+        let (from, stiffness) = (series.index(run.whole_from), &run.stiffness);
+        let contacts = series.contacts(from, stiffness, ticks(STRETCH_S));
+        let off = |i: usize| stiffness.off(series.middle[i], series.out[i]);
+        let rests: Vec<Range<usize>> = contacts
+            .iter()
+            .flat_map(|at| resting(&series.depth, at, ticks(STRETCH_S), stiffness.count))
+            .collect();
+        let motion = |at: &Range<usize>| {
+            let part = series.depth[at.clone()].iter().copied();
+            part.clone().fold(f64::NEG_INFINITY, f64::max) - part.fold(f64::INFINITY, f64::min)
+        };
+        let mut figures = Figures::NONE;
+        let mut moved = Vec::new();
+        for contact in &contacts {
+            let least = RESTING_COUNTS * stiffness.count;
+            let depth = &series.middle[contact.clone()];
+            for wiggle in rhythms(depth, contact.start as u64, rate_hz, least) {
+                let mut response = Response::new(wiggle, 1.0 / rate_hz);
+                for i in wiggle.window.0 as usize..wiggle.window.1 as usize {
+                    response.record(i as u64, series.middle[i], series.out[i]);
+                }
+                figures.raise_moved(&response, stiffness.k_desired);
+                let next = met(&response, wiggle.frequency_hz);
+                join(&mut moved, next, stiffness.k_desired);
+            }
+        }
+        let ripple = contacts.iter().max_by_key(|at| at.len()).and_then(|at| {
+            let mut ripple = Ripple::new((at.start as u64, at.end as u64), rate_hz);
+            for i in at.clone() {
+                ripple.record(i as u64, series.out[i]);
+            }
+            ripple.tick_to_tick_rms_n_m()
+        });
+        let intervals = ticks(SPEED_S);
+        let leaving = contacts
+            .iter()
+            .filter(|at| at.end < series.out.len())
+            .map(|at| {
+                let mut release = Release::new(0);
+                let around = at.end.saturating_sub(ticks(LEAVING_S)).max(at.start)
+                    ..(at.end + ticks(LEAVING_S)).min(series.out.len());
+                for i in around {
+                    let speed = series.speed(i, intervals, rate_hz);
+                    release.record(i as u64, series.depth[i], speed);
+                }
+                release.speed_rad_per_s()
+            });
+        let mut hardness = RateHardness::new(1.0 / rate_hz);
+        // A contact that was there before the whole force was has no beginning.
+        let free = (from..series.out.len()).find(|i| series.out[*i] <= 0.0);
+        for i in free.unwrap_or(series.out.len())..series.out.len() {
+            hardness.record(series.depth[i], series.out[i]);
+        }
+        let seen = |value: f64| (!moved.is_empty()).then_some(value);
+        Self {
+            moment: largest((from..series.out.len()).filter_map(off)),
+            held: largest(rests.iter().cloned().flatten().filter_map(off)),
+            rest_counts: largest(rests.iter().map(|at| motion(at) / stiffness.count)),
+            modulus: seen(figures.get(Measure::ModulusError)),
+            phase: seen(figures.get(Measure::PhaseDeg)),
+            ripple,
+            leaving: largest(leaving),
+            hardness: hardness.n_m_per_rad(),
+            moved,
+        }
+    }
+}
