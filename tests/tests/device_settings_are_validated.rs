@@ -219,7 +219,10 @@ fn settings_are_checked_against_each_other_and_the_board() {
         "drive.kind: this board has no connector for it"
     );
     assert_eq!(
-        refusal(shield, |s| s.limits.trip_current_a = Si::lit("2.6")),
+        refusal(shield, |s| {
+            s.law.force_limit_n_m = Si::lit("0.04");
+            s.limits.trip_current_a = Si::lit("2.6");
+        }),
         "limits.trip_current_a = 2.6 is outside 0.05 to 2.5 A"
     );
     let compensated = refusal(big, |s| {

@@ -8,7 +8,7 @@ use touchstone_drive::{
     BridgeCommand, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport,
     CurrentSample, Device, DeviceSettings, EncoderKind, EncoderReading, Ring, Si, TickTiming,
 };
-use touchstone_protocol::{Command, FaultCode, Outputs, State};
+use touchstone_protocol::{Board, Command, FaultCode, Outputs, State};
 use touchstone_tests::random::Random;
 
 /// A number with few or many bits: the ends of the range come up as often as its middle.
@@ -242,9 +242,14 @@ fn a_million_ticks_keep_the_promises() {
 #[test]
 fn wild_commands_into_the_loop() {
     let mut random = Random::new(77);
-    for hardware in [IHM08M1, B_G431B_ESC1, IHM16M1] {
-        let mut settings = DeviceSettings::default();
-        // Both boards bear it.
+    let boards = [
+        (Board::NucleoG474re, IHM08M1),
+        (Board::BG431bEsc1, B_G431B_ESC1),
+        (Board::NucleoG474reIhm16m1, IHM16M1),
+    ];
+    for (board, hardware) in boards {
+        let mut settings = DeviceSettings::defaults(board);
+        // All boards bear it.
         settings.limits.bus_max_v = Si::lit("25");
         let device = Device::new(&settings, &hardware).unwrap();
         let mut current = CurrentLoop::new(device.current_config());

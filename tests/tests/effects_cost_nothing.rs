@@ -106,10 +106,11 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     let bare = cost["bare"];
     for (planned, by_hand) in [("bare", "bare-by-hand"), ("held", "held-by-hand")] {
         assert_eq!(end(&example, planned), end(&example, by_hand), "{planned}");
-        // The same work in two functions: registers may be allotted differently, by an instruction either way. The cheapest
-        // effect of all costs more than that, see below.
+        // The same work in two functions: registers may be allotted differently, by an instruction. The cheapest effect of all
+        // costs more than that, see below. Written by hand it may be dearer by what the compiler makes of it.
+        let more = cost[planned] - cost[by_hand];
         assert!(
-            (cost[planned] - cost[by_hand]).abs() <= 1.1,
+            (-5.0..=1.1).contains(&more),
             "{planned} {}, by hand {}",
             cost[planned],
             cost[by_hand]
