@@ -72,7 +72,7 @@ impl EstimatorSettings {
             force_limit.max(const { Si::lit("0.76") }),
             const { Si::lit("60000000") },
         );
-        let per_tick2 = self.inertia.saturating_mul(rate).saturating_mul(rate);
+        let per_tick2 = self.inertia_in_ticks(rate);
         if per_tick2 < lightest || per_tick2 > heaviest {
             let inertia = |per_tick2| over(over(per_tick2, rate), rate);
             return Err(SettingsError::OutOfRange {
@@ -83,6 +83,14 @@ impl EstimatorSettings {
             });
         }
         Ok(())
+    }
+
+    /// The torque that moves the inertia by a radian a tick in each tick, N·m (N a metre). A function of its own: where one block calls
+    /// another function three times, small programs call it through a register, and what may be called so is not known to those who
+    /// bound the stack.
+    #[inline(never)]
+    fn inertia_in_ticks(&self, rate: Si) -> Si {
+        self.inertia.saturating_mul(rate).saturating_mul(rate)
     }
 
     /// Validates, and computes the coefficients.
@@ -96,7 +104,7 @@ impl EstimatorSettings {
     ) -> Result<Estimator<N>, SettingsError> {
         self.validate(rate_hz, force_limit)?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
-        let inertia = self.inertia.saturating_mul(rate).saturating_mul(rate);
+        let inertia = self.inertia_in_ticks(rate);
         let angle = per_tick(self.bandwidth_hz, rate_hz);
         let device = DeviceInTicks {
             loss: ratio(self.damping.saturating_mul(rate), inertia).min(angle),

@@ -70,9 +70,9 @@ fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);
     // 1 - r² = (1 - r)(2 - (1 - r)).
     let alpha = lost.saturating_mul(two.saturating_sub(lost));
-    let beta = two.saturating_mul(lost).saturating_mul(lost);
+    let beta = lost.saturating_add(lost).saturating_mul(lost);
     let gamma = if accelerates {
-        let twice = alpha.saturating_mul(two);
+        let twice = alpha.saturating_add(alpha);
         ratio_of_bits(beta.saturating_mul(beta).to_bits(), twice.to_bits())
     } else {
         Exact::ZERO
