@@ -388,7 +388,7 @@ mod tests {
         }
         println!("least {least}");
         assert!(
-            least >= DELTA_DAMPING && least < DELTA_DAMPING + 0.1,
+            (DELTA_DAMPING..DELTA_DAMPING + 0.1).contains(&least),
             "{least}"
         );
     }
