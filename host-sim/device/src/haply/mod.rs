@@ -73,11 +73,9 @@ fn connected(service: &str) -> Result<TcpStream, HapticFault> {
 fn version(service: &str) -> Result<String, HapticFault> {
     let mut stream = connected(service)?;
     let wrong = |why: std::io::Error| absent(service, &why);
-    write!(
-        stream,
-        "GET /version HTTP/1.1\r\nHost: {service}\r\nConnection: close\r\n\r\n"
-    )
-    .map_err(wrong)?;
+    // In one piece: a service may answer, and close, at the first that comes.
+    let asked = format!("GET /version HTTP/1.1\r\nHost: {service}\r\nConnection: close\r\n\r\n");
+    stream.write_all(asked.as_bytes()).map_err(wrong)?;
     let mut answer = Vec::new();
     // A service that keeps the connection ends it by the time-out: what came until then is the answer.
     let _ = stream.take(65_536).read_to_end(&mut answer);
