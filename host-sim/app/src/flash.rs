@@ -87,7 +87,7 @@ pub fn main(options: &Options) -> Result<()> {
     write(board, elf, probe)
 }
 
-/// Says what [`write`] would do.
+/// Says what [`write()`] would do.
 fn rehearse(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Result<()> {
     let program = checked(board, elf)?;
     say!("{} into {}", program.display(), board.board().chip());

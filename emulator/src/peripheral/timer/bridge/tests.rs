@@ -132,7 +132,7 @@ fn enables_fall_with_the_main_output() {
     let idle = BKE | OSSI | OSSR;
     assert!(!tim.is_on());
     tim.write(BDTR, idle | MOE, 0);
-    assert_eq!(tim.duty(), [Some(0.5); 3]);
+    assert_eq!(tim.duty(), [Some(0.5), Some(0.0), Some(0.0)]);
     tim.set_break(false, 0, 10);
     assert!(!tim.is_on(), "a break takes them down");
     tim.set_break(true, 0, 20);
