@@ -4,7 +4,7 @@
 //! `b T/J`, the share of its speed that the device loses in one. Damping limits a spring at `k_c = b/(T/2 + t_d)`, which is a line of
 //! slope one half over these two; what inertia limits is a level one. Each cell of the plane is a device and a wall. Its law has the settings
 //! at which the matrices are best or, where these do not hold, settings that a search by runs finds; its press and its moving hand are run,
-//! and [`certify`](crate::certify) is asked beside. [`map`] draws it.
+//! and [`certify`] is asked beside. [`map`] draws it.
 
 pub mod map;
 #[cfg(test)]
