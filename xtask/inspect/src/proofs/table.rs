@@ -79,7 +79,8 @@ fn table(
         let cells = cells.map(|cell| cell.replace('|', "\\|"));
         let _ = writeln!(text, "| {} |", cells.join(" | "));
     }
-    if shown == found.len() {
+    // A property that two modules have under one name is shown with both.
+    if shown >= found.len() {
         Ok(text)
     } else {
         Err(format!(
