@@ -24,6 +24,10 @@ use crate::{analogue, board, cycles, pwm, supply, window};
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// Cycle counter when the control tick became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
+/// The same interrupt is pended for the encoder alone, which is to be read now and in no tick.
+static READS_CHANGE: AtomicBool = AtomicBool::new(false);
+/// A reading that comes later is of another moment than the one that it is for: none.
+const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
 /// New compare values came after the counter's turn in the last period, so that they count a period later.
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
@@ -99,7 +103,9 @@ fn ADC1_2() {
         analogue::off();
     }
     REPORT.put(current.report());
-    if output.pend_control {
+    if output.pend_control || output.reads_change {
+        // A tick that is due leaves no time for a reading that did not come.
+        READS_CHANGE.store(output.reads_change, Relaxed);
         DUE.store(begun, Relaxed);
         NVIC::pend(interrupt::LPTIM1);
     }
@@ -132,7 +138,7 @@ fn PVD_PVM() {
     supply::take();
 }
 
-/// Priority 2, one control tick. No timer raises it: the current loop pends it.
+/// Priority 2, one control tick, or within one a reading of the encoder. No timer raises it: the current loop pends it.
 #[interrupt]
 fn LPTIM1() {
     let begun = cycles::now();
@@ -140,11 +146,18 @@ fn LPTIM1() {
     let Some(control) = (unsafe { CONTROL.mine() }) else {
         return;
     };
+    let lateness = begun.wrapping_sub(DUE.load(Relaxed));
+    if READS_CHANGE.load(Relaxed) {
+        if lateness < CHANGE_LATE {
+            control.read_change();
+        }
+        return;
+    }
     control.tick(&Readings {
         report: REPORT.get(),
         hardware_break: BREAK.load(Relaxed),
         brown_out: BROWN_OUT.load(Relaxed),
-        lateness: begun.wrapping_sub(DUE.load(Relaxed)),
+        lateness,
     });
     CONTROL_LIVES.store(true, Relaxed);
     control.ended(cycles::now().wrapping_sub(begun));

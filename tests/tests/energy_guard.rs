@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
 use touchstone_tests::adversary::Way;
+use touchstone_tests::board_loop::BoardLoop;
 use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringDamper, wiggle};
 
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
@@ -84,6 +85,47 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
         } else {
             // The force that 45 mJ allow is 0.75 N·m.
             assert!(taken.max(longer) <= capacity_j + 0.76 * COUNT_RAD);
+        }
+    }
+}
+
+/// A board as it ships: its current loop as it acts, and one more reading of the encoder when half of a change of force is there. What
+/// remains is the rest of a change that comes after the tick. With the same guard and without that reading, or with positions taken once a
+/// tick, the same search takes more.
+#[test]
+fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
+    let (board, law) = BoardLoop::shipped();
+    let capacity_j = law.guard.capacity.to_num::<f64>();
+    let untold = GuardSettings {
+        delay: Si::ZERO,
+        lag: Si::ZERO,
+        change: ChangeOfForce::Estimated,
+        ..law.guard
+    };
+    // The force that 45 mJ allow is 0.75 N·m.
+    let bound_j = capacity_j + 0.76 * COUNT_RAD;
+    for (name, settings, reads) in [
+        ("as it ships", law.guard, true),
+        ("without the reading", law.guard, false),
+        ("not told", untold, false),
+    ] {
+        for way in [Way::Policy, Way::Sines, Way::Gripped] {
+            let mut port = Port::new(law, 0.0, true, true);
+            port.guard = Some(settings);
+            port.board = Some(board);
+            port.reads = reads;
+            let (numbers, taken) = way.worst(&port, 600, 500, 1);
+            let longer = way.play(&port, &numbers, 10_000).above_refill_j;
+            println!(
+                "a board's loop, {name}, {way:?}: {:.1} mJ in half a second, {:.1} mJ in 10 s",
+                1e3 * taken,
+                1e3 * longer
+            );
+            if reads {
+                assert!(taken.max(longer) <= bound_j, "{way:?}: {numbers:?}");
+            } else if way == Way::Sines {
+                assert!(longer > 4.0 * bound_j, "{name}");
+            }
         }
     }
 }

@@ -1,13 +1,19 @@
 //! The whole knob, from encoder frame to motor current: its force is the simulator's controller's, to the bit, for the counts that
 //! it read; the motor's torque is that force; and the wall holds the hand.
 
-use touchstone_control::{Controller, CountScale, Fixed32, Force, Si};
+use touchstone_control::{ChangeOfForce, Controller, CountScale, Fixed32, Force, Position, Si};
+use touchstone_drive::change::law_settings;
+use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{DeviceSettings, EncoderKind, Record};
-use touchstone_protocol::{Limit, State};
+use touchstone_protocol::{Board, Limit, State};
 use touchstone_tests::knob::{Honest, Knob, honest};
 
 fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings {
-    let mut settings = DeviceSettings::default();
+    let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+    if rate_hz > 1_000 {
+        // The current loop is not done with a change within such a tick.
+        settings.law.guard.change = ChangeOfForce::Estimated;
+    }
     settings.wall.k_desired_n_m_per_rad = Si::from_str(k_desired).unwrap();
     settings.timing.rate_hz = rate_hz;
     settings.encoder.kind = kind;
@@ -36,14 +42,16 @@ fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
 
 /// The force of a fresh controller for the recorded counts, and whether each equals the recorded one.
 fn replayed(settings: &DeviceSettings, records: &[Record]) {
-    let mut wall = Controller::<Fixed32>::new(&settings.law()).unwrap();
+    let (law, change) = law_settings(settings, &IHM08M1).unwrap();
+    let mut wall = Controller::<Fixed32>::new(&law).unwrap();
     let scale =
         CountScale::new(settings.encoder.counts_per_rev, settings.wall.surface_rad).unwrap();
-    let mut felt = 0;
+    let (mut felt, mut held, mut told) = (0, false, false);
     for record in records {
         assert!(record.law_ran && record.state == State::Armed, "{record:?}");
         let e = scale.penetration::<Fixed32>(record.count);
-        let force = wall.tick(e);
+        let at_change = change.map(|_| e - record.since_change);
+        let force = wall.tick_with_change(e, at_change);
         wall.commanded(Force::zero() - record.torque);
         assert_eq!(
             (record.penetration, record.force),
@@ -54,8 +62,12 @@ fn replayed(settings: &DeviceSettings, records: &[Record]) {
         let view = wall.view();
         assert_eq!((record.offset, record.energy), (view.offset, view.energy));
         felt += u32::from(force != Force::zero());
+        held |= wall.guard.is_some_and(|guard| guard.limited);
+        told |= record.since_change != Position::zero();
     }
     assert!(felt > 500, "{felt} ticks in the wall");
+    assert!(!held, "the guard made the wall softer");
+    assert_eq!(told, change.is_some());
 }
 
 #[test]

@@ -25,6 +25,7 @@ pub mod shaft;
 pub mod stuck;
 
 use crate::current::CurrentReport;
+use crate::encoder::EncoderReading;
 use crate::hardware::Hardware;
 use crate::input::ControlInput;
 use crate::settings::DriveKind;
@@ -150,11 +151,12 @@ impl Supervisor {
         &self.shaft
     }
 
-    /// Inspects everything that was read.
+    /// Inspects everything that was read; the encoder's reading by itself, as it may be another than the input's.
     pub fn inspect(
         &mut self,
         config: &SupervisorConfig,
         input: &ControlInput,
+        encoder: EncoderReading,
         watch: Watch,
     ) -> Verdict {
         let Watch {
@@ -163,7 +165,7 @@ impl Supervisor {
             driven,
         } = watch;
         let report = &input.current;
-        let seen = self.shaft.read(&config.shaft, input.encoder, watched);
+        let seen = self.shaft.read(&config.shaft, encoder, watched);
         let (count, shaft_fault) = match seen {
             Seen::Good { count, .. } => (Some(count), None),
             Seen::Bad => (None, None),

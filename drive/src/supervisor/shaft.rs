@@ -176,6 +176,15 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
+    /// The count of a reading between two ticks, if it is good; nothing is remembered of it.
+    #[inline(never)]
+    #[must_use]
+    pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
+        let word = reading.decode(config.kind).ok()?;
+        let mut unwrapped = self.unwrapped?;
+        Some(unwrapped.update(word))
+    }
+
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
         if !watched {
             // Nobody counts on it: begin anew with the next good one.

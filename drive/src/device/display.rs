@@ -1,0 +1,97 @@
+//! A tick of the law, and what becomes of its force.
+
+use super::Device;
+use crate::command::{Drive, DriveCommand, Driven};
+use crate::units::clamp_i32;
+use fixed::types::I8F24;
+use touchstone_control::law::Contact;
+use touchstone_control::{Controller, Fixed32, Force, Position};
+use touchstone_protocol::{FaultCode, Limit, Limits};
+
+impl Device {
+    /// How far the device has moved since the force changed, from the last position on; 0 where that is not measured.
+    pub(super) fn since_change(
+        &mut self,
+        last: Position<Fixed32>,
+        read: Option<Position<Fixed32>>,
+    ) {
+        if let (Some(change), Some(at)) = (&self.configs.now().change, read) {
+            let now = self.record.penetration;
+            self.record.since_change = change.since_change(at - last, now - at);
+        }
+    }
+
+    /// One tick of the law, and what becomes of its force.
+    pub(super) fn display(
+        &mut self,
+        tick: u32,
+        derating: u32,
+        count: Option<i64>,
+    ) -> (DriveCommand, Limits) {
+        let now = self.record.penetration;
+        let measures = self.configs.now().change.is_some();
+        let at_change = measures.then_some(now - self.record.since_change);
+        let force = law_tick(&mut self.law, now, at_change);
+        let view = self.law.view();
+        let fading = self.fade < u32::MAX;
+        self.fade = self.fade.saturating_add(self.configs.now().fade_step);
+        let torque = torque_of(force, fading.then_some(self.fade));
+
+        let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
+        let driven = self.configs.now().drive.command(torque, &rotor);
+        if fading || driven.torque != torque {
+            self.law.commanded(Force(I8F24::from_bits(
+                driven.torque.0.to_bits().saturating_neg(),
+            )));
+        }
+        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
+        if self.law.tripped() {
+            if pushed || view.contact != Contact::Free {
+                let speed = self.record.speed_rad_per_s;
+                self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
+            } else {
+                // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
+                self.law.resume(&self.configs.now().law);
+            }
+        }
+        let Driven {
+            command: drive,
+            limits,
+            ..
+        } = driven;
+        let record = &mut self.record;
+        record.law_ran = true;
+        record.force = force;
+        record.torque = driven.torque;
+        record.offset = view.offset;
+        record.energy = view.energy;
+        record.contact = view.contact;
+        let full = force.modulus().0 >= self.configs.now().force_limit;
+        (
+            drive,
+            limits.with(Limit::FadeIn, fading).with(Limit::Force, full),
+        )
+    }
+}
+
+/// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
+/// 1 - 2^-32, and all of it when the fading is over.
+#[inline(always)]
+pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
+    let wide = i64::from(force.0.to_bits());
+    let faded = match share {
+        Some(share) => (wide * i64::from(share >> 1)) >> 31,
+        None => wide,
+    };
+    Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
+}
+
+/// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
+#[inline(never)]
+fn law_tick(
+    law: &mut Controller<Fixed32>,
+    penetration: Position<Fixed32>,
+    at_change: Option<Position<Fixed32>>,
+) -> Force<Fixed32> {
+    law.tick_with_change(penetration, at_change)
+}
