@@ -52,8 +52,6 @@ pub struct Device {
     pushes: bool,
     /// What the encoder said when the force changed since the last tick.
     read: Option<Position<Fixed32>>,
-    /// The last of such readings that said nothing.
-    bad_read: EncoderReading,
     record: Record,
 }
 
@@ -79,7 +77,6 @@ impl Device {
             saturated: 0,
             pushes: false,
             read: None,
-            bad_read: EncoderReading::Silent,
             record: Record::empty(),
         })
     }
@@ -188,11 +185,6 @@ impl Device {
             .shaft()
             .at(config.supervisor.shaft(), reading);
         self.read = count.map(|count| config.scale.penetration(count.saturating_sub(self.zero)));
-        self.bad_read = if self.read.is_some() {
-            EncoderReading::Silent
-        } else {
-            reading
-        };
     }
 
     /// One control tick.
@@ -201,21 +193,16 @@ impl Device {
         let before = self.machine.state();
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
             || input.command == Some(Command::Calibrate);
+        let read = self.read.take();
         let watch = Watch {
             watched,
             may_be_on: self.machine.outputs() == Outputs::On,
             driven: before == State::Armed && self.record.law_ran,
+            untold: read.is_none() && self.configs.now().change.is_some(),
         };
-        let read = self.read.take();
-        let is_missing = read.is_none() && watch.driven && self.configs.now().change.is_some();
-        let encoder = if is_missing {
-            self.bad_read
-        } else {
-            input.encoder
-        };
-        let verdict =
-            self.supervisor
-                .inspect(&self.configs.now().supervisor, input, encoder, watch);
+        let verdict = self
+            .supervisor
+            .inspect(&self.configs.now().supervisor, input, watch);
 
         let refused = (self.settings_refused && watched).then_some((FaultCode::SettingsInvalid, 0));
         let found = self.reported.take().or(verdict.fault).or(refused);

@@ -2,13 +2,14 @@
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_drive::change::law_settings;
+use touchstone_drive::encoder::Frames;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::wire::checked;
 use touchstone_drive::{DriveCommand, EncoderReading};
 use touchstone_protocol::settings::DriveKind;
-use touchstone_protocol::{Board, DeviceSettings, FaultCode, Limit, State};
+use touchstone_protocol::{Board, DeviceSettings, Limit, State};
 use touchstone_tests::knob::{Knob, Tamper};
-use touchstone_world::motor::GIMBAL;
+use touchstone_world::motor::{GIMBAL, as5047p_frame};
 
 const BOARD: Board = Board::NucleoG474re;
 
@@ -46,7 +47,13 @@ fn leaning() -> Knob<Spoilt> {
 
 #[test]
 fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
-    for reading in [None, Some(EncoderReading::Mt6701(0))] {
+    // Not made; a check that fails; and half a turn in a part of a tick.
+    let far = Frames::alone(as5047p_frame(8_192));
+    for reading in [
+        None,
+        Some(EncoderReading::Silent),
+        Some(EncoderReading::As5047p(far)),
+    ] {
         for ticks in 1..=3 {
             let mut knob = leaning();
             let next = knob.record.tick + 1;

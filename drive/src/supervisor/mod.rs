@@ -25,7 +25,6 @@ pub mod shaft;
 pub mod stuck;
 
 use crate::current::CurrentReport;
-use crate::encoder::EncoderReading;
 use crate::hardware::Hardware;
 use crate::input::ControlInput;
 use crate::settings::DriveKind;
@@ -109,6 +108,8 @@ pub struct Watch {
     pub may_be_on: bool,
     /// The tick before drove the motor by the law.
     pub driven: bool,
+    /// The encoder did not say where it was when the force changed.
+    pub untold: bool,
 }
 
 impl Default for Supervisor {
@@ -151,21 +152,23 @@ impl Supervisor {
         &self.shaft
     }
 
-    /// Inspects everything that was read; the encoder's reading by itself, as it may be another than the input's.
+    /// Inspects everything that was read.
     pub fn inspect(
         &mut self,
         config: &SupervisorConfig,
         input: &ControlInput,
-        encoder: EncoderReading,
         watch: Watch,
     ) -> Verdict {
         let Watch {
             watched,
             may_be_on,
             driven,
+            untold,
         } = watch;
         let report = &input.current;
-        let seen = self.shaft.read(&config.shaft, encoder, watched);
+        let seen = self
+            .shaft
+            .read(&config.shaft, input.encoder, watched, driven && untold);
         let (count, shaft_fault) = match seen {
             Seen::Good { count, .. } => (Some(count), None),
             Seen::Bad => (None, None),

@@ -134,10 +134,17 @@ impl Shaft {
         }
     }
 
-    /// Takes a tick's reading.
-    pub fn read(&mut self, config: &ShaftConfig, reading: EncoderReading, watched: bool) -> Seen {
+    /// Takes a tick's reading, which is worth nothing where the one before it is missing.
+    pub fn read(
+        &mut self,
+        config: &ShaftConfig,
+        reading: EncoderReading,
+        watched: bool,
+        is_one_missing: bool,
+    ) -> Seen {
         let word = match reading.decode(config.kind) {
-            Ok(word) => word,
+            Ok(word) if !is_one_missing => word,
+            Ok(_) => return self.bad(config, EncoderError::Silent, watched),
             Err(error) => return self.bad(config, error, watched),
         };
         let Some(unwrapped) = &mut self.unwrapped else {
@@ -176,13 +183,16 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The count of a reading between two ticks, if it is good; nothing is remembered of it.
+    /// The count of a reading between two ticks, if it is good and no jump; nothing is remembered of it.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
         let word = reading.decode(config.kind).ok()?;
         let mut unwrapped = self.unwrapped?;
-        Some(unwrapped.update(word))
+        let before = unwrapped.count();
+        let count = unwrapped.update(word);
+        let moved = count.saturating_sub(before).saturating_abs();
+        (moved <= i64::from(config.jump)).then_some(count)
     }
 
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
@@ -250,7 +260,7 @@ mod tests {
         let mut shaft = Shaft::new();
         for tick in 0..200_u32 {
             let counter = (i64::from(tick) * counts) as u32;
-            let seen = shaft.read(&config, EncoderReading::Counter32(counter), true);
+            let seen = shaft.read(&config, EncoderReading::Counter32(counter), true, false);
             if matches!(seen, Seen::Fault(..)) {
                 return Some((tick, seen));
             }
