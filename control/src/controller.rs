@@ -246,6 +246,18 @@ impl<N: Number> AnyLaw<N> {
         }
     }
 
+    /// All memory is new.
+    pub fn forget(&mut self) {
+        match self {
+            Self::Spring(_, state) => *state = SpringState::default(),
+            Self::Damped(_, state) => *state = DampedState::default(),
+            Self::Tdpa(_, state) => *state = TdpaState::default(),
+            Self::Fba(_, state) => *state = FbaState::default(),
+            Self::Sfa(_, state) => *state = SfaState::default(),
+            Self::Enhanced(_, state) => *state = EnhancedState::default(),
+        }
+    }
+
     /// The inside after the last tick.
     pub fn view(&self) -> View<N> {
         match self {
@@ -351,6 +363,12 @@ impl<N: Number> Controller<N> {
         if let Some(Guarded { guard, state, .. }) = &mut self.guard {
             guard.commanded(state, force);
         }
+    }
+
+    /// What became of the last tick's force.
+    #[must_use]
+    pub const fn last_commanded(&self) -> Force<N> {
+        self.commanded
     }
 
     /// Whether the guard has switched the force off for overspeed.

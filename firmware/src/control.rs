@@ -80,6 +80,10 @@ fn heard() -> bool {
 
 /// The control tick's state, which lies in a static of its own; nothing before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
+/// What there is to touch beside the wall. As large as the ring is, so it never moves either.
+#[cfg(feature = "g474re")]
+pub static AROUND: Guarded<touchstone_drive::around::Around> =
+    Guarded::new(touchstone_drive::around::Around::new());
 /// The last second. Too large for a stack, so it never moves.
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
@@ -114,7 +118,7 @@ impl Control {
             self.device.report_fault(FaultCode::BrownOut, 0);
         }
         let command = self.command.take();
-        let output = self.device.tick(&ControlInput {
+        let input = ControlInput {
             encoder: reading(self.encoder),
             current: readings.report,
             command,
@@ -126,7 +130,12 @@ impl Control {
                 lateness: readings.lateness,
                 duration: self.duration,
             },
-        });
+        };
+        #[cfg(not(feature = "g474re"))]
+        let output = self.device.tick(&input);
+        #[cfg(feature = "g474re")]
+        // SAFETY: once in a tick, and the control interrupt runs it.
+        let output = self.device.tick_around(&input, unsafe { AROUND.mine() });
         self.tick = output.record.tick;
         self.state = output.record.state;
         if command.is_some() {
