@@ -1,7 +1,7 @@
 //! More than one wall on the emulated device: detents, a wall on the other side and endstops under a hand, compared with the same environment
 //! on this machine to the bit; changed under the hand; kept in flash; and what is refused.
 
-use touchstone_control::environment::Counted;
+use touchstone_control::environment::{Counted, Environment};
 use touchstone_control::{CountScale, Fixed32, Force, Si};
 use touchstone_protocol::settings::environment::{DetentsBeside, TravelEnds, WallBeside};
 use touchstone_protocol::{
@@ -17,8 +17,10 @@ use crate::cpu::elf::Program;
 
 /// The most that a force changes in a tick for a change alone, N·m/s.
 const CHANGE: &str = "0.5";
-/// How far the hand goes to either side, rad.
-const REACH_RAD: f64 = 0.45;
+/// In so many ticks the environments before and after a change may show the same force.
+const SAME_FORCES: usize = 50;
+/// How far the hand would go to either side without a force, rad: beyond both ends.
+const REACH_RAD: f64 = 0.35;
 
 /// All of it on boards with room for it; on the others, that it is refused.
 pub fn around(program: &Program, setup: &Setup, tally: &mut Tally) {
@@ -93,9 +95,12 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
     let here = bench.machine.chip().world.angle_rad();
+    // And as much further as a press of this board takes.
+    let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
+    let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
     let world = &mut bench.machine.chip_mut().world;
     world.hold(&MEDIUM, move |time| {
-        here + REACH_RAD * (std::f64::consts::TAU * time / 1.6).sin()
+        here + reach * (std::f64::consts::TAU * time / 1.6).sin()
     });
     // Under the hand: all of it comes, all but the wall goes, and comes back.
     let mut answered_after = 0;
@@ -129,8 +134,8 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok(format!("{compared}; answered within {answered_after} ms"))
 }
 
-/// The environments on this machine, given the counts that the device was given. When a change counts is in no record: it is the tick from
-/// which on the forces are those of the next one, and all of them.
+/// The environments on this machine, given the counts that the device was given. From which tick on a change counts is in no record but the first
+/// one's: it is found by the forces, which are those of the next environment from there on, all of them.
 fn compared(
     settings: &DeviceSettings,
     environments: &[Surround],
@@ -146,36 +151,44 @@ fn compared(
     let mut next = left.next();
     let (mut changes, mut pushed) = (Vec::new(), [0_u32; 2]);
     let mut most = 0.0_f64;
-    for record in armed {
-        let at = Counted {
-            scale,
-            count: i64::from(record.count),
-        };
-        let mut same = running;
-        let force = same.tick(&at, None);
-        if force.0 == record.force_n_m {
-            running = same;
-        } else {
-            let environment = next.ok_or_else(|| differs(record, force))?;
-            let mut new = built(environment)?;
-            new.take_over(&running, environment.change_per_tick(settings));
-            let force = new.tick(&at, None);
-            if force.0 != record.force_n_m {
-                return Err(differs(record, force));
-            }
-            (running, next) = (new, left.next());
-            changes.push(record.tick);
+    // Before each of the last ticks.
+    let mut before: Vec<Environment<Fixed32>> = Vec::new();
+    let tick = |environment: &mut Environment<Fixed32>, record: &Telemetry| {
+        let count = i64::from(record.count);
+        environment.tick(&Counted { scale, count }, None)
+    };
+    for (index, record) in armed.iter().enumerate() {
+        before.push(running);
+        let force = tick(&mut running, record);
+        if force.0 != record.force_n_m {
+            let new = next.ok_or_else(|| differs(record, force))?;
+            let fresh = built(new)?;
+            // The one that was taken over from last, with forces that were the same in the ticks since.
+            let found = (0..SAME_FORCES.min(index + 1)).find_map(|back| {
+                let mut taken = fresh;
+                taken.take_over(before.get(index - back)?, new.change_per_tick(settings));
+                let since = armed.get(index - back..=index)?;
+                let same = since
+                    .iter()
+                    .all(|record| tick(&mut taken, record).0 == record.force_n_m);
+                same.then_some((taken, record.tick - back as u32))
+            });
+            let (taken, at) = found.ok_or_else(|| differs(record, force))?;
+            (running, next) = (taken, left.next());
+            changes.push(at);
         }
         let torque: f64 = record.force_n_m.to_num();
         pushed[usize::from(torque < 0.0)] += u32::from(torque != 0.0);
         most = most.max(torque.abs());
-        if Limits::from_wire(record.limits).has(Limit::Beside) == changes.is_empty() {
-            return Err(format!("tick {}: `Beside` does not say what there is", record.tick));
-        }
         // What held the torque back is told to the guard, and in no record of the law's.
         if Limits::from_wire(record.limits).has(Limit::FadeIn) && record.force_n_m != 0 {
             return Err("a force while the torque fades in: nothing to compare with".into());
         }
+    }
+    let beside = |record: &&Telemetry| Limits::from_wire(record.limits).has(Limit::Beside);
+    let told = armed.iter().find(beside).map(|record| record.tick);
+    if told != changes.first().copied() {
+        return Err(format!("`Beside` from tick {told:?}, changes at {changes:?}"));
     }
     if next.is_some() || pushed.iter().any(|ticks| *ticks < 300) {
         return Err(format!("changes {changes:?}; pushed one way and the other {pushed:?}"));
