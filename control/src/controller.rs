@@ -232,9 +232,8 @@ impl<N: Number> AnyLaw<N> {
     }
 
     /// One control period: where the HIP is and how it moves, to the force pushing out.
-    // A law called from two places would be a call in both, and another fifteen instructions.
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_pointer_width = "64"), inline)]
+    // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
+    #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
             Self::Spring(law, state) => law.tick(state, e),

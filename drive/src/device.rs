@@ -396,6 +396,8 @@ impl Device {
     }
 
     /// What telemetry shows in every state.
+    // A call would have the whole input in memory, and it is copied there.
+    #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
         let record = &mut self.record;

@@ -1,7 +1,7 @@
 //! What there is to touch beside the wall, from the thread to the control tick.
 
-use touchstone_drive::{DeviceSettings, SettingsError};
 use touchstone_drive::around::Surrounding;
+use touchstone_drive::{DeviceSettings, SettingsError};
 use touchstone_protocol::{CountsFrom, Surround};
 
 use crate::control::AROUND;
