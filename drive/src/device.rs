@@ -9,6 +9,8 @@
 //! current limit, temperature) comes after it and is told to its estimator and its guard.
 
 use crate::angle::Angle;
+#[cfg(feature = "large")]
+use crate::around::{Around, Surrounding};
 use crate::calibration::{Alignment, Calibration, Progress, failed};
 use crate::command::{DriveCommand, Rotor};
 use crate::config::{Config, Configs};
@@ -20,10 +22,13 @@ use crate::measurement::{Measurement, Measuring};
 use crate::output::ControlOutput;
 use crate::record::Record;
 use crate::reset::ResetReason;
+use crate::scenery::{Scenery, WallAlone};
 use crate::supervisor::power::Power;
 use crate::supervisor::{Found, Supervisor, Watch};
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, Force, Position};
+#[cfg(feature = "large")]
+use touchstone_protocol::CountsFrom;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
@@ -187,8 +192,27 @@ impl Device {
         self.read = count.map(|count| config.scale.penetration(count.saturating_sub(self.zero)));
     }
 
-    /// One control tick.
+    /// One control tick, with the wall of the settings alone.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
+        self.tick_with(input, &mut WallAlone)
+    }
+
+    /// One control tick, with what there is to touch.
+    #[cfg(feature = "large")]
+    pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
+        self.tick_with(input, around)
+    }
+
+    /// Takes what there is to touch, and from when on it counts. Computed before, with the settings that [`Device::prepare`] got last.
+    #[cfg(feature = "large")]
+    pub fn surround(&mut self, around: &mut Around, surrounding: &Surrounding) -> CountsFrom {
+        let is_armed = self.machine.state() == State::Armed;
+        let settings_wait = self.configs.has_next();
+        around.prepare(surrounding, &mut self.law, is_armed, settings_wait)
+    }
+
+    #[inline(always)]
+    fn tick_with(&mut self, input: &ControlInput, scenery: &mut impl Scenery) -> ControlOutput {
         let tick = self.record.tick.wrapping_add(1);
         let before = self.machine.state();
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
@@ -224,13 +248,13 @@ impl Device {
         let outputs = self.machine.tick(fault, calibrated, input.command);
         let after = self.machine.state();
 
-        let reconfigure = self.change(before, after, progress, verdict.count);
+        let reconfigure = self.change(before, after, progress, verdict.count, scenery);
         let last = self.record.penetration;
         self.observe(tick, input, verdict.count);
         let (drive, limits) = match (after, verdict.count) {
             (State::Armed, Some(_)) => {
                 self.since_change(last, read);
-                self.display(tick, verdict.derating, verdict.count)
+                self.display(tick, verdict.derating, verdict.count, scenery)
             }
             (State::Calibrating, _) => (calibration_drive(progress), Limits::NONE),
             _ => (DriveCommand::Off, Limits::NONE),
@@ -323,6 +347,7 @@ impl Device {
         after: State,
         progress: Option<Progress>,
         count: Option<i64>,
+        scenery: &mut impl Scenery,
     ) -> bool {
         if before == after {
             return false;
@@ -334,7 +359,7 @@ impl Device {
             self.zero = count;
         }
         if after == State::Armed {
-            self.law.resume(&self.configs.now().law);
+            scenery.armed(&mut self.law, &self.configs.now().law);
             self.fade = 0;
             self.pushes = false;
         }
@@ -346,11 +371,14 @@ impl Device {
         let is_new = self.configs.turn();
         if is_new {
             self.supervisor.restart();
+            scenery.calibrated(&mut self.law);
         }
         is_new
     }
 
     /// What telemetry shows in every state.
+    // A call would have the whole input in memory, and it is copied there.
+    #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
         let record = &mut self.record;

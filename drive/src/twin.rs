@@ -82,6 +82,11 @@ impl Twin {
         if limits.has(Limit::Encoder) {
             return None;
         }
+        // What else there is to touch is in no record.
+        if limits.has(Limit::Beside) {
+            self.knows = Knows::Little(0);
+            return None;
+        }
         let now = Position(record.penetration_rad);
         let at_change = now - Position(record.since_change_rad);
         let measures = self.config.change.is_some();

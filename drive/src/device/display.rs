@@ -2,10 +2,12 @@
 
 use super::Device;
 use crate::command::{Drive, DriveCommand, Driven};
+use crate::scenery::{Here, Scenery};
 use crate::units::clamp_i32;
 use fixed::types::I8F24;
+use touchstone_control::environment::Counted;
 use touchstone_control::law::Contact;
-use touchstone_control::{Controller, Fixed32, Force, Position};
+use touchstone_control::{Fixed32, Force, Position};
 use touchstone_protocol::{FaultCode, Limit, Limits};
 
 impl Device {
@@ -27,12 +29,19 @@ impl Device {
         tick: u32,
         derating: u32,
         count: Option<i64>,
+        scenery: &mut impl Scenery,
     ) -> (DriveCommand, Limits) {
-        let now = self.record.penetration;
         let measures = self.configs.now().change.is_some();
-        let at_change = measures.then_some(now - self.record.since_change);
-        let force = law_tick(&mut self.law, now, at_change);
-        let view = self.law.view();
+        let here = Here {
+            at: Counted {
+                scale: self.configs.now().scale,
+                count: self.record.count,
+            },
+            penetration: self.record.penetration,
+            since_change: measures.then_some(self.record.since_change),
+        };
+        let force = scenery.tick(&mut self.law, &here);
+        let view = scenery.view(&self.law);
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.configs.now().fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
@@ -40,18 +49,17 @@ impl Device {
         let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
         let driven = self.configs.now().drive.command(torque, &rotor);
         if fading || driven.torque != torque {
-            self.law.commanded(Force(I8F24::from_bits(
-                driven.torque.0.to_bits().saturating_neg(),
-            )));
+            let torque = driven.torque.0.to_bits().saturating_neg();
+            scenery.commanded(&mut self.law, Force(I8F24::from_bits(torque)));
         }
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
-        if self.law.tripped() {
+        if scenery.is_tripped(&self.law) {
             if pushed || view.contact != Contact::Free {
                 let speed = self.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
                 // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
-                self.law.resume(&self.configs.now().law);
+                scenery.again(&mut self.law, &self.configs.now().law);
             }
         }
         let Driven {
@@ -69,7 +77,10 @@ impl Device {
         let full = force.modulus().0 >= self.configs.now().force_limit;
         (
             drive,
-            limits.with(Limit::FadeIn, fading).with(Limit::Force, full),
+            limits
+                .with(Limit::FadeIn, fading)
+                .with(Limit::Force, full)
+                .with(Limit::Beside, scenery.runs()),
         )
     }
 }
@@ -84,14 +95,4 @@ pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixe
         None => wide,
     };
     Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
-}
-
-/// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
-#[inline(never)]
-fn law_tick(
-    law: &mut Controller<Fixed32>,
-    penetration: Position<Fixed32>,
-    at_change: Option<Position<Fixed32>>,
-) -> Force<Fixed32> {
-    law.tick_with_change(penetration, at_change)
 }

@@ -80,7 +80,7 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
 }
 
 /// A board by the name of its program.
-fn board_named(name: &str) -> Result<Board, String> {
+pub fn board_named(name: &str) -> Result<Board, String> {
     let board = Board::ALL.into_iter().find(|board| board.name() == name);
     board.ok_or_else(|| format!("no board is called {name}"))
 }

@@ -1,4 +1,4 @@
-//! Certificates against runs: `cargo run --release -p touchstone-lab --example certify_campaign -- FILE.csv [RUNS] [SEED]`.
+//! Certificates against runs: `cargo run --release -p touchstone-lab --example certify_campaign -- FILE.csv [RUNS] [SEED] [STATES]`.
 //!
 //! Rows are appended to the file; a campaign that was stopped goes on where it stopped, with the same seed. At the end it prints
 //! what was said beside what happened, and why some were not decided.
@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
+use touchstone_control::{Choice as _, StatesKind};
 use touchstone_lab::certify::campaign::{Row, Tally, row};
 use touchstone_lab::journal::Journal;
 
@@ -14,17 +15,24 @@ const CHUNK: u64 = 48;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
-    let usage = "give FILE.csv [RUNS, default 2000] [SEED, default 1]";
+    let usage = "give FILE.csv [RUNS, default 2000] [SEED, default 1] [STATES, measured or estimated, default measured]";
     let file = words.next().ok_or(usage)?;
     let runs: u64 = words.next().map_or(Ok(2000), |word| word.parse())?;
     let seed: u64 = words.next().map_or(Ok(1), |word| word.parse())?;
+    let states = words.next().map_or(Ok(StatesKind::Measured), |word| {
+        StatesKind::of_word(&word).ok_or(usage)
+    })?;
     let (mut journal, mut rows) = Journal::open::<Row>(Path::new(&file))?;
-    println!("seed {seed}: {} of {runs} runs are done", rows.len());
+    println!(
+        "seed {seed}, {} states: {} of {runs} runs are done",
+        states.word(),
+        rows.len()
+    );
     while (rows.len() as u64) < runs {
         let done = rows.len() as u64;
         let chunk: Vec<_> = (done..runs.min(done + CHUNK))
             .into_par_iter()
-            .map(|index| row(seed, index))
+            .map(|index| row(seed, index, states))
             .collect::<Result<_, _>>()?;
         journal.append(None, &chunk)?;
         rows.extend(chunk);

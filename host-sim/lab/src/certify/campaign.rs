@@ -29,9 +29,10 @@ use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scen
 /// Least `k_v` that the settings take, N·m/rad: a soft wall's share may be below it.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// The scene of a number: device, wall and law are drawn for every three, which differ in the grip.
+/// The scene of a number: device, wall and law are drawn for every three, which differ in the grip. With estimated states what the estimator
+/// supposes of the device is drawn too, half to twice of what is true.
 #[must_use]
-pub fn scene(seed: u64, index: u64) -> Scene {
+pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
     let mut scene = Scene {
         name: format!("random-{seed}-{index}"),
@@ -61,6 +62,20 @@ pub fn scene(seed: u64, index: u64) -> Scene {
         scene.law.energy_credit_j = stored * random.between(4.0, 32.0);
     }
     scene.law.force_limit_n_m = 20.0 * push;
+    scene.law.states = states;
+    if states == StatesKind::Estimated {
+        let own_hz = (stiffness / inertia).sqrt() / std::f64::consts::TAU;
+        let estimator = &mut scene.law.estimator;
+        // Its settings take a 500th of the rate to a fifth, and two ticks.
+        estimator.bandwidth_hz =
+            (own_hz * random.between(0.3, 4.0)).clamp(0.0021 * rate, 0.19 * rate);
+        // Not below what its arithmetic takes at this force.
+        let lightest = 1.01 * scene.law.force_limit_n_m.max(0.76) / (rate * rate);
+        estimator.inertia_kg_m2 = (inertia * random.between(0.5, 2.0)).max(lightest);
+        estimator.damping_n_m_s_per_rad = damping * random.between(0.5, 2.0);
+        let late_s = scene.timing.computational_delay_s + 0.5 / rate;
+        estimator.delay_s = (late_s * random.between(0.5, 2.0)).min(2.0 / rate);
+    }
 
     scene.operator.grip = [Grip::Light, Grip::Medium, Grip::Firm][(index % 3) as usize];
     let press = RampAndHold {
@@ -80,7 +95,6 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
     let law = &mut scene.law;
     // The law's own arithmetic is not what is looked at.
     law.number = Number::F64;
-    law.states = StatesKind::Measured;
     law.guard.on = false;
     law.device_damping_n_m_s_per_rad = c_i;
     law.k_soft_n_m_per_rad = 0.8 * k_c;
@@ -203,8 +217,8 @@ impl Row {
 ///
 /// # Errors
 /// A scene that cannot be.
-pub fn row(seed: u64, index: u64) -> Result<Row> {
-    let scene = scene(seed, index);
+pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
+    let scene = scene(seed, index, states);
     let options = Options {
         family: Family::Own,
         margins: false,

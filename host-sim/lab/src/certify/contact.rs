@@ -35,6 +35,8 @@ pub struct Contact {
     pub k_desired: f64,
     /// Torque of the scene's press, N·m, where its motion has one.
     pub press_n_m: Option<f64>,
+    /// Torque of the light touch before it, N·m, where its motion has one.
+    pub touch_n_m: Option<f64>,
     /// Time of the scene's last hold, s, where its motion has one.
     pub hold_s: Option<f64>,
     /// `c_i`, the damping that the law counts on, N·m·s/rad.
@@ -60,6 +62,10 @@ impl Contact {
             estimator: Estimator::of(scene)?,
             count_rad: scene.encoder.as_ref().map(|encoder| encoder.step_rad()),
             k_desired: scene.wall.k_desired_n_m_per_rad,
+            touch_n_m: match &scene.operator.motion {
+                MotionSpec::TouchAndPress(press) => Some(press.touch_torque_n_m),
+                _ => None,
+            },
             press_n_m: match &scene.operator.motion {
                 MotionSpec::RampAndHold(press) => Some(press.push_torque_n_m),
                 MotionSpec::TouchAndPress(press) => Some(press.push_torque_n_m),

@@ -89,6 +89,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
         loan_used: played.loan_used,
         ends: None,
         friction_holds_rad: friction_holds(undamped, hand, &mode),
+        stirred_by_ramp: false,
     };
     judge(undamped, &mut report, phase);
     report

@@ -2,6 +2,7 @@
 
 use super::Verdict;
 use super::contact::Contact;
+use super::law::OFFSET_UPDATED;
 use serde::Serialize;
 
 /// Slowest decay that still is called stable where the scene has no hold in which it must end, 1/s.
@@ -23,6 +24,9 @@ pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
 pub const BOUNCE: f64 = 1.0;
 /// The same from which on it is called unstable.
 pub const BOUNCE_GROWS: f64 = 1.7;
+/// Largest `T sqrt(k_de/J)` of a wall that is called stable: campaigns draw walls up to it, and beyond a touch that is hard enough may keep
+/// a device bouncing that comes to rest from every touch that is played.
+pub const STIFFEST_PER_TICK: f64 = 1.0;
 /// Amplitude of a motion that still is rest, counts.
 pub const LEFT_COUNTS: f64 = 1.5;
 
@@ -83,6 +87,9 @@ pub struct HandReport {
     pub ends: Option<[f64; 2]>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,
+    /// Whether a motion is left that a press which comes slowly stirs more than a touch: that of an offset, which dies out too slowly.
+    #[serde(skip)]
+    pub stirred_by_ramp: bool,
 }
 
 /// Gives a report its verdict and causes; `phase` is that of its slowest motion.
@@ -123,6 +130,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
             say(Verdict::Unstable, what);
         }
     } else {
+        report.stirred_by_ramp = phase == OFFSET_UPDATED;
         say(
             Verdict::Undecided,
             format!("{phase}: decays at {:.2} /s only", report.decay_per_s),
@@ -183,6 +191,16 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     report.causes = found.into_iter().map(|(_, cause)| cause).collect();
 }
 
+/// Takes back what was called stable of a wall that is stiffer than certificates were held against.
+pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
+    if report.verdict == Verdict::Stable && stiffness_per_tick > STIFFEST_PER_TICK {
+        report.verdict = Verdict::Undecided;
+        report.causes.push(format!(
+            "T sqrt(k_de/J) is {stiffness_per_tick:.2}, and certificates were held against runs up to {STIFFEST_PER_TICK} only"
+        ));
+    }
+}
+
 /// Decides what the matrices left open by how touches end, and holds what they called stable against it; where some rest and some do not,
 /// it is open.
 pub(super) fn settle(report: &mut HandReport, ends: [f64; 2]) {
@@ -190,7 +208,7 @@ pub(super) fn settle(report: &mut HandReport, ends: [f64; 2]) {
     report.ends = Some(ends);
     // A touch borrows less than a press that comes slowly.
     let lent = report.loan_used.is_none_or(|used| used <= LOAN_USED);
-    if most <= RESTS && lent {
+    if most <= RESTS && lent && !report.stirred_by_ramp {
         if report.verdict == Verdict::Stable {
             return;
         }

@@ -32,6 +32,9 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
+/// The phase in which an offset changes at every tick.
+pub const OFFSET_UPDATED: &str = "offset updated";
+
 /// How a law's phases may follow each other.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Switching {
@@ -121,7 +124,7 @@ impl Phases {
                 if law.augmentation.of_ideal.0 > 0.0 {
                     lasting.push(Phase {
                         name: if law.update == OffsetUpdate::EveryTick {
-                            "offset updated"
+                            OFFSET_UPDATED
                         } else {
                             "offset updated inward"
                         },

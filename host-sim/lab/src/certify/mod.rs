@@ -11,8 +11,8 @@
 //! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
 //! hold. **Unstable** where a phase in which the law stays grows by more than [`judge::FASTEST_GROWTH_PER_S`], and dry friction could not hold most
 //! of the depth of the press, or where bounces grow. Of everything else, and of what
-//! would be called stable of a law with more than one phase, touches are played to
-//! their end: **stable** where all come to rest, **unstable** where none does, **undecided** where some do; the certificate gives the cause. The
+//! would be called stable, touches are played to
+//! their end, as a matrix knows neither what comes between two phases nor a device that leaves the wall and comes back: **stable** where all come to rest, **unstable** where none does, **undecided** where some do; the certificate gives the cause. The
 //! matrices are exact. Bounces, loan and ends are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
 //! [`campaign`].
 
@@ -37,8 +37,7 @@ pub mod touch;
 use contact::Contact;
 use hand_report::{Played, report};
 use hands::Family;
-use judge::{HandReport, settle};
-use law::Switching;
+use judge::{HandReport, settle, within_reach};
 use margins::Margins;
 use serde::Serialize;
 use touchstone_sim::error::Result;
@@ -151,13 +150,12 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
             let mut report = report(&contact, name, hand.as_ref(), played);
             // A law that clamps or switches by direction may yet do what no touch here has shown.
             let shown = contact.phases.clamps.is_none() && !contact.phases.by_direction;
-            // Nor do matrices of phases say what happens between them.
-            let alone = report.verdict == Verdict::Unstable
-                || report.verdict == Verdict::Stable
-                    && matches!(contact.phases.switching, Switching::Never);
+            // Nor do matrices say what happens between phases, or where a device leaves the wall and comes back.
+            let alone = report.verdict == Verdict::Unstable;
             if let (Some(hand), true, false) = (hand, shown, alone) {
                 settle(&mut report, touch::ends(scene, &contact, hand)?);
             }
+            within_reach(&mut report, per_tick(&contact));
             Ok(report)
         })
         .collect::<Result<_>>()?;

@@ -100,19 +100,18 @@ struct Touched {
 }
 
 impl Touched {
-    fn of(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Self {
+    fn of(scene: &Scene, contact: &Contact, hand: Option<&Hand>, push_n_m: f64) -> Self {
         let mut bare = scene.clone();
         bare.operator.grip = hand.map_or(Grip::None, |_| Grip::Custom);
         bare.operator.hand = hand.map(of_plant);
         bare.operator.motion = MotionSpec::None;
         bare.law.number = Number::F64;
         bare.law.guard.on = false;
-        let push = contact.press_n_m.unwrap_or(PRESS_N_M);
         // The pad pressed together by the push, and the hand held where it is by its own rest point.
         let by = |stiffness: fn(&Hand) -> f64| {
             hand.map(stiffness)
                 .filter(|stiffness| *stiffness > 0.0)
-                .map_or(0.0, |stiffness| push / stiffness)
+                .map_or(0.0, |stiffness| push_n_m / stiffness)
         };
         let natural = (contact.k_desired / contact.device.inertia).sqrt();
         Self {
@@ -120,7 +119,7 @@ impl Touched {
             ahead_rad: by(|hand| hand.pad_stiffness),
             beyond_rad: by(|hand| hand.stiffness),
             period_s: contact.clock.period_s,
-            speed_rad_per_s: push / contact.k_desired * natural,
+            speed_rad_per_s: push_n_m / contact.k_desired * natural,
         }
     }
 
@@ -172,7 +171,8 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
 /// # Errors
 /// Settings that the law cannot take.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
-    let touched = Touched::of(scene, contact, hand);
+    let push_n_m = contact.press_n_m.unwrap_or(PRESS_N_M);
+    let touched = Touched::of(scene, contact, hand, push_n_m);
     let (period_s, inertia) = (contact.clock.period_s, contact.device.inertia);
     let swing_ticks = std::f64::consts::TAU * (inertia / contact.k_desired).sqrt() / period_s;
     let ticks = (SWINGS * swing_ticks).max(TICKS) as u64;
@@ -204,31 +204,35 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
 }
 
 /// How the touches of a hand end that presses on: the least and the largest motion that is left of them, peak to peak, over what counts as
-/// a limit cycle. Each is played to the end of a hold as long as the scene's, of which the last quarter is looked at, as in a run.
+/// a limit cycle. Each is played to the end of a hold as long as the scene's, of which the last quarter is looked at, as in a run. A press
+/// that begins with a light touch is held there too: the less a hand pushes, the less keeps the device in the wall.
 ///
 /// # Errors
 /// Settings that the law cannot take.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
-    let touched = Touched::of(scene, contact, Some(hand));
     let hold_s = contact.hold_s.unwrap_or(HOLD_S).min(LONGEST_HOLD_S);
     let ticks = (hold_s / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
     let mut found = [f64::INFINITY, 0.0_f64];
-    for share in SPEEDS_TO_THE_END {
-        for before in phases(PHASES_TO_THE_END) {
-            let mut rest = Rest {
-                from: (ticks as f64 * JUDGED_AFTER) as u64,
-                ticks: 0,
-                ends_rad: [f64::INFINITY, f64::NEG_INFINITY],
-            };
-            touched.play((share, before), ticks, &mut rest, |_| false)?;
-            let motion = (rest.ends_rad[1] - rest.ends_rad[0]) / limit_rad;
-            let motion = if motion.is_nan() {
-                f64::INFINITY
-            } else {
-                motion
-            };
-            found = [found[0].min(motion), found[1].max(motion)];
+    let press_n_m = contact.press_n_m.unwrap_or(PRESS_N_M);
+    for push_n_m in [Some(press_n_m), contact.touch_n_m].into_iter().flatten() {
+        let touched = Touched::of(scene, contact, Some(hand), push_n_m);
+        for share in SPEEDS_TO_THE_END {
+            for before in phases(PHASES_TO_THE_END) {
+                let mut rest = Rest {
+                    from: (ticks as f64 * JUDGED_AFTER) as u64,
+                    ticks: 0,
+                    ends_rad: [f64::INFINITY, f64::NEG_INFINITY],
+                };
+                touched.play((share, before), ticks, &mut rest, |_| false)?;
+                let motion = (rest.ends_rad[1] - rest.ends_rad[0]) / limit_rad;
+                let motion = if motion.is_nan() {
+                    f64::INFINITY
+                } else {
+                    motion
+                };
+                found = [found[0].min(motion), found[1].max(motion)];
+            }
         }
     }
     Ok(found)
