@@ -86,6 +86,37 @@ fn the_force_is_the_simulators_to_the_bit() {
     }
 }
 
+/// What a guard that is told of the board's delay, and reads the encoder when the force changes, costs a hand that means no harm: nothing.
+#[test]
+fn a_guard_that_is_told_changes_no_force_of_a_press() {
+    for (k, kind) in [
+        ("1", EncoderKind::As5047p),
+        ("5", EncoderKind::Incremental),
+        ("5", EncoderKind::Mt6701),
+    ] {
+        let forces = |change: ChangeOfForce, capacity: &str| {
+            let mut settings = settings(k, 1_000, kind);
+            settings.law.guard.change = change;
+            settings.law.guard.capacity_j = Si::from_str(capacity).unwrap();
+            let mut knob = honest(&settings).armed();
+            let mut records = press(&mut knob, 3.0, 1_000);
+            // To and fro in the wall, at 4 Hz.
+            let start = knob.rig.now().angle_rad;
+            for tick in 0..1_000 {
+                let turns = f64::from(tick) / 250.0;
+                knob.rest_rad = start + 3.0 + (std::f64::consts::TAU * turns).sin();
+                records.push(knob.tick());
+            }
+            let forces = records.iter().map(|record| record.force);
+            forces.collect::<Vec<_>>()
+        };
+        let untold = forces(ChangeOfForce::Estimated, "0.045");
+        assert!(forces(ChangeOfForce::Measured, "0.045") == untold, "{k} {kind:?}");
+        // A wall that gives way would be seen.
+        assert!(k == "5" || forces(ChangeOfForce::Measured, "0.015") != untold);
+    }
+}
+
 #[test]
 fn the_motor_gives_the_force_of_the_law() {
     let settings = settings("5", 1_000, EncoderKind::Incremental);
