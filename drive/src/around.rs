@@ -12,9 +12,9 @@
 use crate::change::ChangeConfig;
 use crate::hardware::Hardware;
 use crate::scenery::{Here, Scenery, law_tick};
-use touchstone_control::environment::{Environment, WallSettings};
+use touchstone_control::environment::{Counted, Environment, WallSettings};
 use touchstone_control::law::{Contact, View};
-use touchstone_control::{Controller, Fixed32, Force, Guarded, Position, Si};
+use touchstone_control::{Controller, CountScale, Fixed32, Force, Guarded, Position, Si};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::settings::environment::{CountsFrom, Surround};
@@ -182,7 +182,7 @@ impl Around {
     /// Changes over under a hand.
     #[cold]
     #[inline(never)]
-    fn take_over(&mut self, law: &Law, here: &Here) {
+    fn take_over(&mut self, law: &Law, scale: CountScale) {
         self.turn();
         let [first, second] = &mut self.places;
         let (new, before) = if self.use_second {
@@ -196,7 +196,7 @@ impl Around {
                 new.environment.take_over(&before.environment, new.per_tick)
             }
             _ if self.ticked => {
-                let angle = here.at.scale.angle(self.count);
+                let angle = scale.angle(self.count);
                 new.environment
                     .take_over_from(law, &new.first, (angle, self.shown), new.per_tick);
             }
@@ -238,11 +238,11 @@ impl Scenery for Around {
     #[inline(always)]
     fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
         if self.waits == Waits::ForTheTick {
-            self.take_over(law, here);
+            self.take_over(law, here.at.scale);
         }
         let force = match (self.runs, self.now()) {
-            (true, Some(now)) => environment_tick(&mut now.environment, here),
-            _ => law_tick(law, here),
+            (true, Some(now)) => environment_tick(&mut now.environment, here.at, here.since_change),
+            _ => law_tick(law, here.penetration, here.since_change),
         };
         self.ticked = true;
         self.count = here.at.count;
@@ -298,10 +298,14 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
 
 /// The environment's tick, a function of its own in every program, as the law's.
 #[inline(never)]
-fn environment_tick(environment: &mut Environment<Fixed32>, here: &Here) -> Force<Fixed32> {
+fn environment_tick(
+    environment: &mut Environment<Fixed32>,
+    at: Counted,
+    since_change: Option<Position<Fixed32>>,
+) -> Force<Fixed32> {
     let angle_since = |since: Position<Fixed32>| {
-        let angle = here.at.scale.angle(here.at.count);
+        let angle = at.scale.angle(at.count);
         angle.saturating_sub(Si::from_num(since.0))
     };
-    environment.tick(&here.at, here.since_change.map(angle_since))
+    environment.tick(&at, since_change.map(angle_since))
 }

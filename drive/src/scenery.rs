@@ -60,7 +60,7 @@ impl Scenery for WallAlone {
 
     #[inline(always)]
     fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
-        law_tick(law, here)
+        law_tick(law, here.penetration, here.since_change)
     }
 
     #[inline(always)]
@@ -89,7 +89,11 @@ impl Scenery for WallAlone {
 
 /// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
 #[inline(never)]
-pub(crate) fn law_tick(law: &mut Law, here: &Here) -> Force<Fixed32> {
-    let at_change = here.since_change.map(|since| here.penetration - since);
-    law.tick_with_change(here.penetration, at_change)
+pub(crate) fn law_tick(
+    law: &mut Law,
+    penetration: Position<Fixed32>,
+    since_change: Option<Position<Fixed32>>,
+) -> Force<Fixed32> {
+    let at_change = since_change.map(|since| penetration - since);
+    law.tick_with_change(penetration, at_change)
 }

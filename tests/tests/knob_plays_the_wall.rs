@@ -111,7 +111,10 @@ fn a_guard_that_is_told_changes_no_force_of_a_press() {
             forces.collect::<Vec<_>>()
         };
         let untold = forces(ChangeOfForce::Estimated, "0.045");
-        assert!(forces(ChangeOfForce::Measured, "0.045") == untold, "{k} {kind:?}");
+        assert!(
+            forces(ChangeOfForce::Measured, "0.045") == untold,
+            "{k} {kind:?}"
+        );
         // A wall that gives way would be seen.
         assert!(k == "5" || forces(ChangeOfForce::Measured, "0.015") != untold);
     }

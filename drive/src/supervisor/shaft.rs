@@ -142,9 +142,13 @@ impl Shaft {
         watched: bool,
         is_one_missing: bool,
     ) -> Seen {
+        let reading = if is_one_missing {
+            EncoderReading::Silent
+        } else {
+            reading
+        };
         let word = match reading.decode(config.kind) {
-            Ok(word) if !is_one_missing => word,
-            Ok(_) => return self.bad(config, EncoderError::Silent, watched),
+            Ok(word) => word,
             Err(error) => return self.bad(config, error, watched),
         };
         let Some(unwrapped) = &mut self.unwrapped else {
