@@ -2,6 +2,7 @@
 
 pub mod adversary;
 pub mod board_loop;
+pub mod environment;
 pub mod estimator;
 pub mod flash;
 pub mod grain;
