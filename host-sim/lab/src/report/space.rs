@@ -17,7 +17,8 @@ use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
 use crate::thesis::space::held_out::HeldOut;
 use crate::thesis::space::tuned::DirectionCard;
-use crate::thesis::space::{Mechanism, Phase, Record, figures};
+use crate::thesis::space::tuned_wall::TunedWall;
+use crate::thesis::space::{Mechanism, Phase, RATE_HZ, Record, figures};
 
 const SIZE: Size = Size {
     width: 460,
@@ -265,11 +266,14 @@ fn claims_section(page: &mut String, claims: &[Claim]) {
 }
 
 /// The tuned law in each direction.
-fn directions_section(page: &mut String, cards: &[DirectionCard]) {
+fn directions_section(page: &mut String, mechanism: Mechanism, cards: &[DirectionCard]) {
     page.push_str("<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n");
     table(
         page,
-        "At 25 N/mm and 1 kHz; in each direction the worst of all devices (on a delta the nominal one alone) in three hands",
+        &format!(
+            "At {} N/mm and 1 kHz; in each direction the worst of all devices in three hands",
+            1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
+        ),
         &[
             "Direction",
             "Peak (limit 1.1; 1.3 late)",
@@ -356,7 +360,7 @@ pub fn page(input: &Input) -> String {
     );
     page.push_str("</section>\n");
     if !input.cards.is_empty() {
-        directions_section(&mut page, input.cards);
+        directions_section(&mut page, input.mechanism, input.cards);
     }
     if let Some(found) = input.held_out {
         page.push_str(

@@ -4,10 +4,10 @@
 //! a hand between the light and the firm one, a push of 4 to 9 N, inertia and damping up to a fifth off, a delay of none, 0.1 or 0.5 of a tick. A fifth of them
 //! are the ball, with a hand that is stiff enough to stay on it.
 
-use super::RADIUS_MM;
 use super::mechanism::{Deviation, Mechanism};
 use super::pressed::{PressedSurface, PressedWall};
-use super::tuned;
+use super::tuned_wall::OMEGA3_WALL;
+use super::{RADIUS_MM, RATE_HZ};
 use crate::random_device::Random;
 use crate::scorecard::cases::LATE_TICKS;
 use crate::scorecard::direction::DirectionFigures;
@@ -190,7 +190,9 @@ impl HeldOut {
     /// # Errors
     /// Settings that no law can have.
     pub fn played(seed: u64, count: usize) -> Result<Self, SettingsError> {
-        Self::with(seed, count, &tuned::settings(), &tuned::estimator())
+        let force_n = Mechanism::Cartesian.force_n();
+        let law = OMEGA3_WALL.settings(RATE_HZ, force_n);
+        Self::with(seed, count, &law, &OMEGA3_WALL.estimator())
     }
 
     /// Plays another setting on them.
@@ -338,7 +340,7 @@ mod tests {
             let normal = wall.surface.normal();
             let length: f64 = normal.iter().map(|n| n * n).sum();
             assert!((length - 1.0).abs() < 1e-12);
-            for at in tuned::NORMALS {
+            for at in super::super::tuned::NORMALS {
                 let cosine: f64 = (0..3).map(|i| at.normal[i] * normal[i]).sum();
                 assert!(cosine < 1.0 - 1e-6, "{}", wall.text());
             }
@@ -354,11 +356,12 @@ mod tests {
     fn a_sample_of_the_check() {
         let found = HeldOut::played(1, 10).expect("settings");
         println!("{}", found.claim().measured);
+        let law = OMEGA3_WALL.settings(RATE_HZ, Mechanism::Cartesian.force_n());
         let lost = EstimatorSettings {
             delay_s: touchstone_control::Si::from_num(0.004),
-            ..tuned::estimator()
+            ..OMEGA3_WALL.estimator()
         };
-        let lost = HeldOut::with(1, 10, &tuned::settings(), &lost).expect("settings");
+        let lost = HeldOut::with(1, 10, &law, &lost).expect("settings");
         assert!(lost.failed() > 5, "{}", lost.claim().measured);
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }

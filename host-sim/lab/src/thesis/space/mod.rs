@@ -12,6 +12,7 @@ pub mod pressed;
 mod record;
 pub mod scene;
 pub mod tuned;
+pub mod tuned_wall;
 
 pub use mechanism::{Crossed, Deviation, HeldMechanism, Mechanism, Stopped};
 pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
