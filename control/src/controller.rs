@@ -232,9 +232,8 @@ impl<N: Number> AnyLaw<N> {
     }
 
     /// One control period: where the HIP is and how it moves, to the force pushing out.
-    // A law called from two places would be a call in both, and another fifteen instructions.
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_pointer_width = "64"), inline)]
+    // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
+    #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
             Self::Spring(law, state) => law.tick(state, e),
@@ -243,6 +242,18 @@ impl<N: Number> AnyLaw<N> {
             Self::Fba(law, state) => law.tick(state, e),
             Self::Sfa(law, state) => law.tick(state, e),
             Self::Enhanced(law, state) => law.tick(state, e),
+        }
+    }
+
+    /// All memory is new.
+    pub fn forget(&mut self) {
+        match self {
+            Self::Spring(_, state) => *state = SpringState::default(),
+            Self::Damped(_, state) => *state = DampedState::default(),
+            Self::Tdpa(_, state) => *state = TdpaState::default(),
+            Self::Fba(_, state) => *state = FbaState::default(),
+            Self::Sfa(_, state) => *state = SfaState::default(),
+            Self::Enhanced(_, state) => *state = EnhancedState::default(),
         }
     }
 
@@ -351,6 +362,12 @@ impl<N: Number> Controller<N> {
         if let Some(Guarded { guard, state, .. }) = &mut self.guard {
             guard.commanded(state, force);
         }
+    }
+
+    /// What became of the last tick's force.
+    #[must_use]
+    pub const fn last_commanded(&self) -> Force<N> {
+        self.commanded
     }
 
     /// Whether the guard has switched the force off for overspeed.

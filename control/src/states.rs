@@ -38,6 +38,14 @@ impl<N: Number> States<N> {
         }
     }
 
+    /// All memory is new.
+    pub fn forget(&mut self) {
+        match self {
+            Self::Measured { last } => *last = Position::zero(),
+            Self::Estimated(_, state) => *state = EstimatorState::default(),
+        }
+    }
+
     /// The force that was commanded, after every stage that may change it.
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {

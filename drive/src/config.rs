@@ -139,6 +139,12 @@ impl Configs {
         self.has_next = true;
     }
 
+    /// Whether something was prepared for the next turn.
+    #[cfg(feature = "large")]
+    pub(crate) const fn has_next(&self) -> bool {
+        self.has_next
+    }
+
     /// Changes over to what was prepared; whether there was anything.
     pub(crate) const fn turn(&mut self) -> bool {
         let turns = self.has_next;

@@ -9,6 +9,8 @@
 //! current limit, temperature) comes after it and is told to its estimator and its guard.
 
 use crate::angle::Angle;
+#[cfg(feature = "large")]
+use crate::around::{Around, Surrounding};
 use crate::calibration::{Alignment, Calibration, Progress, failed};
 use crate::command::{DacCode, Drive, DriveCommand, Driven, Rotor};
 use crate::config::{Config, Configs};
@@ -18,12 +20,16 @@ use crate::input::ControlInput;
 use crate::measurement::{Measurement, Measuring};
 use crate::record::Record;
 use crate::reset::ResetReason;
+use crate::scenery::{Here, Scenery, WallAlone};
 use crate::supervisor::power::Power;
 use crate::supervisor::{Found, Supervisor, Watch};
 use crate::units::clamp_i32;
 use fixed::types::I8F24;
+use touchstone_control::environment::Counted;
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, Force, Position};
+#[cfg(feature = "large")]
+use touchstone_protocol::CountsFrom;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
@@ -211,8 +217,27 @@ impl Device {
         self.alignment
     }
 
-    /// One control tick.
+    /// One control tick, with the wall of the settings alone.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
+        self.tick_with(input, &mut WallAlone)
+    }
+
+    /// One control tick, with what there is to touch.
+    #[cfg(feature = "large")]
+    pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
+        self.tick_with(input, around)
+    }
+
+    /// Takes what there is to touch, and from when on it counts. Computed before, with the settings that [`Device::prepare`] got last.
+    #[cfg(feature = "large")]
+    pub fn surround(&mut self, around: &mut Around, surrounding: &Surrounding) -> CountsFrom {
+        let is_armed = self.machine.state() == State::Armed;
+        let settings_wait = self.configs.has_next();
+        around.prepare(surrounding, &mut self.law, is_armed, settings_wait)
+    }
+
+    #[inline(always)]
+    fn tick_with(&mut self, input: &ControlInput, scenery: &mut impl Scenery) -> ControlOutput {
         let tick = self.record.tick.wrapping_add(1);
         let before = self.machine.state();
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
@@ -246,10 +271,10 @@ impl Device {
         let outputs = self.machine.tick(fault, calibrated, input.command);
         let after = self.machine.state();
 
-        let reconfigure = self.change(before, after, progress, verdict.count);
+        let reconfigure = self.change(before, after, progress, verdict.count, scenery);
         self.observe(tick, input, verdict.count);
         let (drive, limits) = match (after, verdict.count) {
-            (State::Armed, Some(_)) => self.display(tick, verdict.derating, verdict.count),
+            (State::Armed, Some(_)) => self.display(tick, verdict.derating, verdict.count, scenery),
             (State::Calibrating, _) => (calibration_drive(progress), Limits::NONE),
             _ => (DriveCommand::Off, Limits::NONE),
         };
@@ -341,6 +366,7 @@ impl Device {
         after: State,
         progress: Option<Progress>,
         count: Option<i64>,
+        scenery: &mut impl Scenery,
     ) -> bool {
         if before == after {
             return false;
@@ -352,7 +378,7 @@ impl Device {
             self.zero = count;
         }
         if after == State::Armed {
-            self.law.resume(&self.configs.now().law);
+            scenery.armed(&mut self.law, &self.configs.now().law);
             self.fade = 0;
             self.pushes = false;
         }
@@ -364,11 +390,14 @@ impl Device {
         let is_new = self.configs.turn();
         if is_new {
             self.supervisor.restart();
+            scenery.calibrated(&mut self.law);
         }
         is_new
     }
 
     /// What telemetry shows in every state.
+    // A call would have the whole input in memory, and it is copied there.
+    #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
         let record = &mut self.record;
@@ -392,9 +421,22 @@ impl Device {
     }
 
     /// One tick of the law, and what becomes of its force.
-    fn display(&mut self, tick: u32, derating: u32, count: Option<i64>) -> (DriveCommand, Limits) {
-        let force = law_tick(&mut self.law, self.record.penetration);
-        let view = self.law.view();
+    fn display(
+        &mut self,
+        tick: u32,
+        derating: u32,
+        count: Option<i64>,
+        scenery: &mut impl Scenery,
+    ) -> (DriveCommand, Limits) {
+        let here = Here {
+            at: Counted {
+                scale: self.configs.now().scale,
+                count: self.record.count,
+            },
+            penetration: self.record.penetration,
+        };
+        let force = scenery.tick(&mut self.law, &here);
+        let view = scenery.view(&self.law);
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.configs.now().fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
@@ -402,18 +444,17 @@ impl Device {
         let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
         let driven = self.configs.now().drive.command(torque, &rotor);
         if fading || driven.torque != torque {
-            self.law.commanded(Force(I8F24::from_bits(
-                driven.torque.0.to_bits().saturating_neg(),
-            )));
+            let torque = driven.torque.0.to_bits().saturating_neg();
+            scenery.commanded(&mut self.law, Force(I8F24::from_bits(torque)));
         }
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
-        if self.law.tripped() {
+        if scenery.is_tripped(&self.law) {
             if pushed || view.contact != Contact::Free {
                 let speed = self.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
                 // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
-                self.law.resume(&self.configs.now().law);
+                scenery.again(&mut self.law, &self.configs.now().law);
             }
         }
         let Driven {
@@ -431,7 +472,10 @@ impl Device {
         let full = force.modulus().0 >= self.configs.now().force_limit;
         (
             drive,
-            limits.with(Limit::FadeIn, fading).with(Limit::Force, full),
+            limits
+                .with(Limit::FadeIn, fading)
+                .with(Limit::Force, full)
+                .with(Limit::Beside, scenery.runs()),
         )
     }
 
@@ -474,12 +518,6 @@ pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixe
         None => wide,
     };
     Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
-}
-
-/// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
-#[inline(never)]
-fn law_tick(law: &mut Controller<Fixed32>, penetration: Position<Fixed32>) -> Force<Fixed32> {
-    law.tick(penetration)
 }
 
 #[cfg(test)]

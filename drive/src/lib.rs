@@ -24,6 +24,8 @@
 #![forbid(unsafe_code)]
 
 pub mod angle;
+#[cfg(feature = "large")]
+pub mod around;
 pub mod calibration;
 pub mod command;
 pub mod config;
@@ -40,6 +42,7 @@ pub mod pi;
 pub mod record;
 pub mod reset;
 pub mod ring;
+mod scenery;
 pub mod settings;
 pub mod supervisor;
 pub mod thermistor;

@@ -82,6 +82,11 @@ impl Twin {
         if limits.has(Limit::Encoder) {
             return None;
         }
+        // What else there is to touch is in no record.
+        if limits.has(Limit::Beside) {
+            self.knows = Knows::Little(0);
+            return None;
+        }
         let force = self.law.tick(Position(record.penetration_rad));
         self.becomes_of(force, limits);
         if let Knows::Little(outside) = &mut self.knows {

@@ -141,6 +141,15 @@ pub enum FaultLink {
 }
 
 impl Board {
+    /// Whether its program has more than one wall.
+    #[must_use]
+    pub fn is_large(&self) -> bool {
+        let named = touchstone_protocol::Board::ALL
+            .into_iter()
+            .find(|board| board.name() == self.name);
+        named.is_some_and(touchstone_protocol::Board::is_large)
+    }
+
     /// NUCLEO-G474RE with X-NUCLEO-IHM08M1.
     #[must_use]
     pub fn nucleo_g474re(encoder: Encoder) -> Self {

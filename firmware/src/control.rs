@@ -5,8 +5,8 @@ use core::sync::atomic::Ordering::Relaxed;
 use heapless::Deque;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
-    ControlInput, CurrentCommand, CurrentMode, CurrentReport, Device, DeviceSettings, DriveCommand,
-    EncoderKind, EncoderReading, Ring, TickTiming, wire,
+    ControlInput, ControlOutput, CurrentCommand, CurrentMode, CurrentReport, Device,
+    DeviceSettings, DriveCommand, EncoderKind, EncoderReading, Ring, TickTiming, wire,
 };
 use touchstone_protocol::{Command, FaultCode, MeasuringPart, Outputs, State, Telemetry};
 
@@ -78,8 +78,22 @@ fn heard() -> bool {
     heard
 }
 
+/// The device's tick, once in a control tick. A function, as what is told to it is to be built in its place and not copied there.
+#[inline(always)]
+fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
+    #[cfg(not(feature = "g474re"))]
+    return device.tick(input);
+    #[cfg(feature = "g474re")]
+    // SAFETY: once in a tick, and the control interrupt runs it.
+    device.tick_around(input, unsafe { AROUND.mine() })
+}
+
 /// The control tick's state, which lies in a static of its own; nothing before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
+/// What there is to touch beside the wall. As large as the ring is, so it never moves either.
+#[cfg(feature = "g474re")]
+pub static AROUND: Guarded<touchstone_drive::around::Around> =
+    Guarded::new(touchstone_drive::around::Around::new());
 /// The last second. Too large for a stack, so it never moves.
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
@@ -114,19 +128,22 @@ impl Control {
             self.device.report_fault(FaultCode::BrownOut, 0);
         }
         let command = self.command.take();
-        let output = self.device.tick(&ControlInput {
-            encoder: reading(self.encoder),
-            current: readings.report,
-            command,
-            hardware_break: readings.hardware_break,
-            gate_driver_error: board::driver_complains(),
-            stop_button: board::is_stop_pressed(),
-            host_heard: heard(),
-            timing: TickTiming {
-                lateness: readings.lateness,
-                duration: self.duration,
+        let output = tick_of(
+            &mut self.device,
+            &ControlInput {
+                encoder: reading(self.encoder),
+                current: readings.report,
+                command,
+                hardware_break: readings.hardware_break,
+                gate_driver_error: board::driver_complains(),
+                stop_button: board::is_stop_pressed(),
+                host_heard: heard(),
+                timing: TickTiming {
+                    lateness: readings.lateness,
+                    duration: self.duration,
+                },
             },
-        });
+        );
         self.tick = output.record.tick;
         self.state = output.record.state;
         if command.is_some() {

@@ -44,5 +44,7 @@ pub mod serial;
 pub mod shared;
 pub mod storage;
 pub mod supply;
+#[cfg(feature = "g474re")]
+pub mod surround;
 pub mod watchdog;
 pub mod window;

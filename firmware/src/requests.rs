@@ -4,7 +4,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use touchstone_drive::config::Config;
 use touchstone_drive::{CompactRecord, wire};
-use touchstone_protocol::session::{Backend, FlashError};
+use touchstone_protocol::session::{Backend, FlashError, Session};
 use touchstone_protocol::settings::{DeviceSettings, SettingsError};
 use touchstone_protocol::{
     Command, Counters, DeviceCommand, Fault, FaultCode, Identity, PROTOCOL_VERSION, Phase,
@@ -59,11 +59,15 @@ impl Thread {
     /// Gives the control tick what is made of the settings. Computed here, where time does not matter, and after the answer, whose
     /// messages are gone from the stack then.
     #[inline(never)]
-    pub fn apply(&mut self, settings: &DeviceSettings) {
+    pub fn apply(&mut self, session: &Session) {
         self.new_settings = false;
+        let settings = session.settings();
         match Config::new(settings, &board::HARDWARE) {
             Ok(config) => {
                 control(self.here, |control| control.prepare(settings, config));
+                // What there is to touch was checked with them.
+                #[cfg(feature = "g474re")]
+                let _ = crate::surround::give(self.here, settings, session.environment());
             }
             // They were checked, so this does not happen.
             Err(_) => {
@@ -188,6 +192,15 @@ impl Backend for Thread {
 
     fn telemetry(&mut self, decimation: u16) {
         control(self.here, |control| control.decimation = decimation);
+    }
+
+    #[cfg(feature = "g474re")]
+    fn use_environment(
+        &mut self,
+        settings: &DeviceSettings,
+        environment: &touchstone_protocol::Surround,
+    ) -> Option<Result<touchstone_protocol::CountsFrom, SettingsError>> {
+        crate::surround::give(self.here, settings, environment).transpose()
     }
 }
 

@@ -58,6 +58,11 @@ fn start(
     );
     let (session, are_refused) = session(&mut storage);
     let current = control(session.settings(), reason, are_refused, here);
+    // It takes its time to compute, and the watchdog waits for nobody.
+    #[cfg(feature = "g474re")]
+    watchdog::feed();
+    #[cfg(feature = "g474re")]
+    let _ = crate::surround::give(here, session.settings(), session.environment());
     let device = Thread::new(storage, reason.into(), here);
     match link(serial, session, device) {
         Ok(task) => spawner.spawn(task),
@@ -74,10 +79,10 @@ fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
         wire::checked(settings, board::BOARD)
     });
     let are_refused = start.refused.is_some();
-    (
-        SESSION.init(Session::new(start.settings, !are_refused)),
-        are_refused,
-    )
+    let session = Session::new(start.settings, !are_refused);
+    #[cfg(feature = "g474re")]
+    let session = session.with_environment(start.environment);
+    (SESSION.init(session), are_refused)
 }
 
 /// The control tick's state, and the current loop.

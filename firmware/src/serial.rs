@@ -75,7 +75,7 @@ pub async fn link(
             let _ = port.write_all(&frame[..length]).await;
         }
         if device.has_new_settings() {
-            device.apply(session.settings());
+            device.apply(session);
         }
         // Not until there is none left: more may come than the port carries, and requests are to be read as well.
         for _ in 0..RECORDS_A_ROUND {

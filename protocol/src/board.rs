@@ -45,6 +45,12 @@ impl Board {
         !matches!(self, Self::BG431bEsc1)
     }
 
+    /// Whether there is room for more than one wall: what a program for it needs more flash than the smallest board has.
+    #[must_use]
+    pub const fn is_large(self) -> bool {
+        !matches!(self, Self::BG431bEsc1)
+    }
+
     /// Whether an analogue output for an external amplifier is.
     #[must_use]
     pub const fn has_analogue(self) -> bool {

@@ -17,7 +17,7 @@
 use crate::frame::crc_of;
 use crate::session::FlashError;
 use crate::settings::DeviceSettings;
-use crate::stored::{self, Check, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
+use crate::stored::{self, Check, IMAGE_MAX, Refused, Start};
 use core::ops::Range;
 use embedded_storage::nor_flash::NorFlash;
 
@@ -55,7 +55,7 @@ pub fn load<F: NorFlash>(
             Page::Erased => {}
             Page::Damaged => refused = refused.or(Some(Refused::Damaged)),
             Page::Whole(slot) => match stored::layout_version(slot.image) {
-                Some(LAYOUT_VERSION) => {
+                Some(version) if stored::is_readable(version) => {
                     if newest.is_none_or(|(sequence, _)| slot.sequence > sequence) {
                         newest = Some((slot.sequence, page));
                     }
@@ -70,10 +70,7 @@ pub fn load<F: NorFlash>(
     {
         return stored::start(Some(slot.image), defaults, check);
     }
-    Start {
-        settings: defaults,
-        refused,
-    }
+    Start::defaults(defaults, refused)
 }
 
 /// Writes an image, and reads it back.

@@ -38,6 +38,9 @@ pub use measuring::MeasuringPart;
 pub use settings::{Decimal, DeviceSettings};
 pub use unwrap::{Unwrap16, Unwrap32};
 
+#[cfg(feature = "large")]
+pub use settings::environment::{CountsFrom, Surround};
+
 #[cfg(feature = "wire")]
 pub use measuring::MeasuringTick;
 #[cfg(feature = "wire")]

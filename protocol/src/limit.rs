@@ -16,17 +16,20 @@ pub enum Limit {
     FadeIn = 4,
     /// The encoder's reading was bad in this tick and the outputs are off until it is good again; too many in a row are a fault.
     Encoder = 5,
+    /// Nothing is held back, but the force is not that of the wall alone: further walls or detents are at work.
+    Beside = 6,
 }
 
 impl Limit {
     /// All of them, in the order of their bits.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Temperature,
         Self::Current,
         Self::Voltage,
         Self::Force,
         Self::FadeIn,
         Self::Encoder,
+        Self::Beside,
     ];
 
     /// The set of this one.

@@ -42,6 +42,12 @@ pub enum Reply {
     Ring(RingChunk),
     /// To `Counters`.
     Counters(Counters),
+    /// To `Environment`.
+    #[cfg(feature = "large")]
+    Environment(crate::settings::environment::Surround),
+    /// To `SetEnvironment`: taken.
+    #[cfg(feature = "large")]
+    Taken(crate::settings::environment::CountsFrom),
 }
 
 /// Why not.

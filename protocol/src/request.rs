@@ -61,6 +61,12 @@ pub enum Request<'a> {
     },
     /// What was counted since the reset.
     Counters,
+    /// What there is to touch.
+    #[cfg(feature = "large")]
+    Environment,
+    /// Other things to touch, also while the device is armed; the largest change of force in a tick is in it.
+    #[cfg(feature = "large")]
+    SetEnvironment(crate::settings::environment::Surround),
 }
 
 /// What a person tells the device to do.

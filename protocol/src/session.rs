@@ -5,6 +5,8 @@
 use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
 use crate::request::{DeviceCommand, Request, ToDevice};
+#[cfg(feature = "large")]
+use crate::settings::environment::{CountsFrom, Surround};
 use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
@@ -39,6 +41,16 @@ pub trait Backend {
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
     /// Telemetry from now on, one record every so many control ticks; 0 for none.
     fn telemetry(&mut self, decimation: u16);
+    /// Takes what there is to touch beside the wall of these settings, and says from when on it counts, or what of it is refused.
+    /// `None`: this device has no room for it.
+    #[cfg(feature = "large")]
+    fn use_environment(
+        &mut self,
+        _settings: &DeviceSettings,
+        _environment: &Surround,
+    ) -> Option<Result<CountsFrom, SettingsError>> {
+        None
+    }
 }
 
 /// The flash could not be written.
@@ -49,6 +61,8 @@ pub struct FlashError;
 #[derive(Debug, Clone)]
 pub struct Session {
     settings: DeviceSettings,
+    #[cfg(feature = "large")]
+    environment: Surround,
     unsaved: bool,
     /// A command of which nobody knows yet what became, and the request's number.
     waiting: Option<(u8, DeviceCommand)>,
@@ -70,12 +84,29 @@ pub enum Answered {
 impl Session {
     /// With the settings that the device started with; `saved` if they are those in flash.
     #[must_use]
-    pub const fn new(settings: DeviceSettings, saved: bool) -> Self {
+    pub fn new(settings: DeviceSettings, saved: bool) -> Self {
         Self {
             settings,
+            #[cfg(feature = "large")]
+            environment: Surround::default(),
             unsaved: !saved,
             waiting: None,
         }
+    }
+
+    /// With what there is to touch, as the device started with it.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub const fn with_environment(mut self, environment: Surround) -> Self {
+        self.environment = environment;
+        self
+    }
+
+    /// What there is to touch.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub const fn environment(&self) -> &Surround {
+        &self.environment
     }
 
     /// The settings in use.
@@ -151,6 +182,10 @@ impl Session {
             | Request::Defaults
             | Request::Save
             | Request::Telemetry { .. } => self.act(request, device).map(|()| Reply::Done),
+            #[cfg(feature = "large")]
+            Request::SetEnvironment(environment) => {
+                self.surround(environment, device).map(Reply::Taken)
+            }
             _ => self.tell(request, decode_errors, device),
         }
     }
@@ -189,6 +224,10 @@ impl Session {
                 decode_errors,
                 ..device.counters()
             })),
+            #[cfg(feature = "large")]
+            Request::Environment => Ok(Reply::Environment(self.environment)),
+            #[cfg(feature = "large")]
+            Request::SetEnvironment(_) => Err(Refusal::NotUnderstood),
             // Nothing to tell: `act` has these.
             Request::Set { .. }
             | Request::SetAll(_)
@@ -238,15 +277,36 @@ impl Session {
             Phase::Boot | Phase::Ready | Phase::Stopped | Phase::Fault => {}
             phase @ (Phase::Calibrating | Phase::Armed) => return Err(Refusal::NotNow(phase)),
         }
-        device
-            .check(settings)
-            .map_err(|error| Refusal::Invalid(error.into()))?;
+        let refused = |error: SettingsError| Refusal::Invalid(error.into());
+        device.check(settings).map_err(refused)?;
+        #[cfg(feature = "large")]
+        self.environment.check(settings).map_err(refused)?;
         if *settings != self.settings {
             self.unsaved = true;
             self.settings.clone_from(settings);
         }
         device.use_settings(&self.settings);
         Ok(())
+    }
+
+    /// Takes what there is to touch, in every state but the calibration: the field that turns the shaft is none of it.
+    #[cfg(feature = "large")]
+    #[inline(never)]
+    fn surround(
+        &mut self,
+        environment: &Surround,
+        device: &mut impl Backend,
+    ) -> Result<CountsFrom, Refusal> {
+        if let phase @ Phase::Calibrating = device.phase() {
+            return Err(Refusal::NotNow(phase));
+        }
+        let from = device
+            .use_environment(&self.settings, environment)
+            .ok_or(Refusal::NotUnderstood)?
+            .map_err(|error| Refusal::Invalid(error.into()))?;
+        self.unsaved |= self.environment != *environment;
+        self.environment = *environment;
+        Ok(from)
     }
 
     /// Writes the settings. Not in `Ready`: the erase of a page stalls the processor for longer than a command to arm takes.
@@ -259,7 +319,11 @@ impl Session {
             }
         }
         let mut buffer = [0; stored::IMAGE_MAX];
-        let image = stored::encode(&self.settings, &mut buffer).map_err(|_| Refusal::Flash)?;
+        #[cfg(not(feature = "large"))]
+        let image = stored::encode(&self.settings, &mut buffer);
+        #[cfg(feature = "large")]
+        let image = stored::encode_with(&self.settings, &self.environment, &mut buffer);
+        let image = image.map_err(|_| Refusal::Flash)?;
         device.save(image).map_err(|FlashError| Refusal::Flash)?;
         self.unsaved = false;
         Ok(())

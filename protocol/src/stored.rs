@@ -2,20 +2,37 @@
 //!
 //! ```text
 //! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
+//! layout version u16 | postcard of DeviceSettings | postcard of Surround | CRC-32 of all before
 //! ```
+//!
+//! The second form is that of boards with room for an environment; they read the first one as well, with the wall alone.
 //!
 //! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
 //! the device then uses the defaults and latches `SettingsInvalid`. There is no guessing at half of an image. An image of
 //! another layout is left alone until its place is needed, so that a step back to the firmware before finds its settings.
 
 use crate::frame::{PAYLOAD_MAX, crc_of};
+#[cfg(feature = "large")]
+use crate::settings::environment::Surround;
 use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
-pub const LAYOUT_VERSION: u16 = 4;
+pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
+    5
+} else {
+    WALL_ALONE
+};
+
+/// The layout without an environment: that of boards without room for one, and of all before there was one.
+const WALL_ALONE: u16 = 4;
 
 /// No image is longer, bytes.
-pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + CRC_BYTES;
+pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
+
+#[cfg(feature = "large")]
+const SURROUND_MAX: usize = crate::settings::environment::ENVIRONMENT_MAX;
+#[cfg(not(feature = "large"))]
+const SURROUND_MAX: usize = 0;
 
 const VERSION_BYTES: usize = 2;
 const CRC_BYTES: usize = 4;
@@ -39,6 +56,9 @@ pub enum Refused {
 pub struct Start {
     /// The settings to use.
     pub settings: DeviceSettings,
+    /// What there is to touch.
+    #[cfg(feature = "large")]
+    pub environment: Surround,
     /// Why they are the defaults although something was stored: the device latches `SettingsInvalid`.
     pub refused: Option<Refused>,
 }
@@ -51,12 +71,35 @@ pub fn encode<'b>(
     settings: &DeviceSettings,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], postcard::Error> {
+    #[cfg(not(feature = "large"))]
+    return sealed(settings, buffer);
+    #[cfg(feature = "large")]
+    encode_with(settings, &Surround::default(), buffer)
+}
+
+/// The image of settings and of what there is to touch.
+///
+/// # Errors
+/// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
+#[cfg(feature = "large")]
+pub fn encode_with<'b>(
+    settings: &DeviceSettings,
+    environment: &Surround,
+    buffer: &'b mut [u8],
+) -> Result<&'b [u8], postcard::Error> {
+    sealed(&(settings, environment), buffer)
+}
+
+fn sealed<'b>(
+    content_of: &impl serde::Serialize,
+    buffer: &'b mut [u8],
+) -> Result<&'b [u8], postcard::Error> {
     const FULL: postcard::Error = postcard::Error::SerializeBufferFull;
     let (version, rest) = buffer
         .split_first_chunk_mut::<VERSION_BYTES>()
         .ok_or(FULL)?;
     *version = LAYOUT_VERSION.to_le_bytes();
-    let content = VERSION_BYTES + postcard::to_slice(settings, rest)?.len();
+    let content = VERSION_BYTES + postcard::to_slice(content_of, rest)?.len();
     let sum = crc_of(buffer.get(..content).ok_or(FULL)?);
     let place = buffer.get_mut(content..content + CRC_BYTES).ok_or(FULL)?;
     place.copy_from_slice(&sum.to_le_bytes());
@@ -74,18 +117,58 @@ pub fn layout_version(image: &[u8]) -> Option<u16> {
     Some(u16::from_le_bytes(*version))
 }
 
+/// Whether this program can read an image of this layout.
+pub(crate) const fn is_readable(version: u16) -> bool {
+    version == LAYOUT_VERSION || version == WALL_ALONE
+}
+
+/// The content of an image, and its layout.
+fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
+    let version = layout_version(image).ok_or(Refused::Damaged)?;
+    if !is_readable(version) {
+        return Err(Refused::OtherLayout(version));
+    }
+    image
+        .get(VERSION_BYTES..image.len().saturating_sub(CRC_BYTES))
+        .map(|content| (version, content))
+        .ok_or(Refused::Damaged)
+}
+
+/// The settings of an image and what there is to touch, validated by `check` and with each other.
+///
+/// # Errors
+/// Whatever is not whole, of a layout that is known, and valid.
+#[cfg(feature = "large")]
+pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<(DeviceSettings, Surround), Refused> {
+    let (version, content) = content(image)?;
+    let read = if version == WALL_ALONE {
+        crate::frame::message(content).map(|settings| (settings, Surround::default()))
+    } else {
+        crate::frame::message(content)
+    };
+    let (settings, environment): (DeviceSettings, Surround) = read.ok_or(Refused::Damaged)?;
+    check(&settings)
+        .and_then(|()| environment.check(&settings))
+        .map_err(Refused::Invalid)?;
+    Ok((settings, environment))
+}
+
 /// The settings of an image, validated by `check`.
 ///
 /// # Errors
 /// Whatever is not whole, of this layout, and valid.
+#[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
-    let version = layout_version(image).ok_or(Refused::Damaged)?;
-    if version != LAYOUT_VERSION {
-        return Err(Refused::OtherLayout(version));
-    }
-    let content = image
-        .get(VERSION_BYTES..image.len().saturating_sub(CRC_BYTES))
-        .ok_or(Refused::Damaged)?;
+    decode_with(image, check).map(|(settings, _)| settings)
+}
+
+/// The settings of an image, validated by `check`.
+///
+/// # Errors
+/// Whatever is not whole, of this layout, and valid.
+#[cfg(not(feature = "large"))]
+pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
+    let (_, content) = content(image)?;
     let settings: DeviceSettings = crate::frame::message(content).ok_or(Refused::Damaged)?;
     match check(&settings) {
         Ok(()) => Ok(settings),
@@ -96,18 +179,31 @@ pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused>
 /// What to start with: the stored settings; the defaults where nothing is stored, or where what is stored is refused.
 #[must_use]
 pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -> Start {
-    match image.map(|image| decode(image, check)) {
-        None => Start {
-            settings: defaults,
-            refused: None,
+    #[cfg(not(feature = "large"))]
+    let read = image.map(|image| decode(image, check));
+    #[cfg(feature = "large")]
+    let read = image.map(|image| decode_with(image, check));
+    match read {
+        None => Start::defaults(defaults, None),
+        Some(Err(refused)) => Start::defaults(defaults, Some(refused)),
+        #[cfg(not(feature = "large"))]
+        Some(Ok(settings)) => Start::defaults(settings, None),
+        #[cfg(feature = "large")]
+        Some(Ok((settings, environment))) => Start {
+            environment,
+            ..Start::defaults(settings, None)
         },
-        Some(Ok(settings)) => Start {
+    }
+}
+
+impl Start {
+    /// With settings and the wall alone.
+    pub(crate) fn defaults(settings: DeviceSettings, refused: Option<Refused>) -> Self {
+        Self {
             settings,
-            refused: None,
-        },
-        Some(Err(refused)) => Start {
-            settings: defaults,
-            refused: Some(refused),
-        },
+            #[cfg(feature = "large")]
+            environment: Surround::default(),
+            refused,
+        }
     }
 }

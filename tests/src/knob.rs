@@ -5,6 +5,7 @@
 //! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
 //! ```
 
+use touchstone_drive::around::Around;
 use touchstone_drive::encoder::Frames;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
@@ -44,6 +45,8 @@ impl Tamper for Honest {}
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The control tick.
     pub device: Device,
+    /// What there is to touch beside the wall.
+    pub around: Around,
     /// The current loop.
     pub current: CurrentLoop,
     /// Motor, knob and hand.
@@ -115,6 +118,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         Self {
             current: CurrentLoop::new(device.current_config()),
             device,
+            around: Around::new(),
             rig: Rig::new(
                 motor,
                 Bridge::ideal(24.0, hardware.timer_top),
@@ -212,7 +216,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         if !self.tamper.input(self.record.tick + 1, &mut input) {
             return;
         }
-        let output = self.device.tick(&input);
+        let output = self.device.tick_around(&input, &mut self.around);
         self.mailbox = output.mailbox();
         if output.outputs == Outputs::Off {
             // The firmware clears the main output enable.

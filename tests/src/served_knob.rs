@@ -7,14 +7,15 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+use touchstone_drive::around::Surrounding;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
-    Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
-    PROTOCOL_VERSION, Phase, ResetReason, RingChunk, State, Telemetry, stored,
+    Board, Command, Counters, CountsFrom, DeviceCommand, DeviceSettings, Fault, FromDevice,
+    Identity, PROTOCOL_VERSION, Phase, ResetReason, RingChunk, State, Surround, Telemetry, stored,
 };
 use touchstone_world::motor::GIMBAL;
 
@@ -188,6 +189,15 @@ impl Backend for ServedKnob {
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
+    }
+    fn use_environment(
+        &mut self,
+        settings: &DeviceSettings,
+        environment: &Surround,
+    ) -> Option<Result<CountsFrom, SettingsError>> {
+        let surrounding = Surrounding::new(settings, environment);
+        let knob = &mut self.knob;
+        Some(surrounding.map(|it| knob.device.surround(&mut knob.around, &it)))
     }
 }
 

@@ -34,7 +34,23 @@ pub struct Detents<N: Number> {
 /// Of a pitch, as its fraction of `2^32`.
 const QUARTER: u32 = 1 << 30;
 
+/// A turn, in 2^-64 rad.
+const TURN: u128 = 0x6_487e_d511_0b46_11a6;
+
 impl DetentSettings {
+    /// Evenly around a turn, of 1 to 6283 of them.
+    #[must_use]
+    pub fn around_a_turn(per_rev: u32, strength: Si, centre: Si) -> Self {
+        let per_rev = u128::from(per_rev.max(1));
+        // To the nearest of the 2^-32 rad of a setting.
+        let pitch = TURN.saturating_add(per_rev << 31) / (per_rev << 32);
+        Self {
+            pitch: Si::from_bits(i64::try_from(pitch).unwrap_or(i64::MAX)),
+            strength,
+            centre,
+        }
+    }
+
     /// Checks the settings, and computes the coefficients.
     ///
     /// # Errors

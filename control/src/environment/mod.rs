@@ -15,10 +15,12 @@
 //!
 //! Objects of three axes are in [`crate::space::environment`]: there a point is inside of one shape, here of any number.
 
+mod changing;
 mod detents;
 mod face;
 mod refused;
 
+use changing::Carried;
 pub use detents::{DetentSettings, Detents};
 pub use face::{Counted, Face, Reading, Side};
 pub use refused::Refused;
@@ -49,7 +51,7 @@ pub struct WallSettings {
 /// A wall at work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Walled<N: Number> {
-    face: Face,
+    wall: WallSettings,
     states: States<N>,
     law: AnyLaw<N>,
 }
@@ -66,6 +68,10 @@ pub struct Environment<N: Number> {
     step: Si,
     last: Option<Si>,
     commanded: Force<N>,
+    /// The force of the last tick, before any later stage.
+    shown: Force<N>,
+    /// What is left of the force before a change.
+    carried: Option<Carried<N>>,
 }
 
 impl<N: Number> Environment<N> {
@@ -97,6 +103,8 @@ impl<N: Number> Environment<N> {
             step: quantum::<N>(),
             last: None,
             commanded: Force::zero(),
+            shown: Force::zero(),
+            carried: None,
         };
         settings.validate().map_err(Refused::Law)?;
         if settings.guard.on {
@@ -104,17 +112,25 @@ impl<N: Number> Environment<N> {
             environment.guard = Some(Guarded::new(guard.map_err(Refused::Law)?));
         }
         let slots = environment.walls.iter_mut();
+        // A law is long to compute on a board, and walls are often alike.
+        let mut last: Option<Walled<N>> = None;
         for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
             let own = Settings {
                 k_desired: wall.k_desired,
                 ..*settings
             };
             let refused = |error| Refused::Wall(place, error);
-            *slot = Some(Walled {
-                face: wall.face,
-                states: Controller::<N>::states_of(&own).map_err(refused)?,
-                law: AnyLaw::new(&own).map_err(refused)?,
-            });
+            let states = match &last {
+                Some(last) => last.states,
+                None => Controller::<N>::states_of(&own).map_err(refused)?,
+            };
+            let law = match &last {
+                Some(last) if last.wall.k_desired == wall.k_desired => last.law,
+                _ => AnyLaw::new(&own).map_err(refused)?,
+            };
+            let wall = *wall;
+            last = Some(Walled { wall, states, law });
+            *slot = last;
         }
         if let Some(detents) = detents {
             environment.detents = Some(detents.detents(settings.force_limit)?);
@@ -144,14 +160,19 @@ impl<N: Number> Environment<N> {
             Some(detents) => detents.force(angle),
         };
         for wall in self.walls.iter_mut().flatten() {
-            let Walled { face, states, law } = wall;
+            let Walled { wall, states, law } = wall;
+            let face = &wall.face;
             states.commanded(face.side.seen(self.commanded));
             let force = law.tick(states.sample(at.penetration(face)));
             wanted = wanted + face.side.seen(force);
         }
+        if self.carried.is_some() {
+            wanted = self.carried_onto(wanted);
+        }
         let wanted = wanted.within(self.limit);
         let force = self.guarded(angle, at_change, wanted);
         self.commanded = force;
+        self.shown = force;
         force
     }
 
@@ -161,15 +182,8 @@ impl<N: Number> Environment<N> {
             return wanted;
         };
         // In whole steps of the format, so that the displacements of a way add up to the way, and without end: a knob turns on.
-        let on_step = |angle: Si| {
-            let bits = angle.to_bits();
-            let down = |size: i64| size & self.step.to_bits().wrapping_neg();
-            Si::from_bits(if bits < 0 {
-                down(bits.wrapping_neg()).wrapping_neg()
-            } else {
-                down(bits)
-            })
-        };
+        let step = self.step;
+        let on_step = |angle| on_step(angle, step);
         let now = on_step(angle);
         let last = self.last.replace(now).unwrap_or(now);
         let since = |angle: Si| Position(N::saturating_signal(angle.saturating_sub(last)));
@@ -210,4 +224,15 @@ impl<N: Number> Environment<N> {
         let touched = views.find(|view| view.contact != Contact::Free);
         Some(touched.unwrap_or(first))
     }
+}
+
+/// An angle towards 0 to a whole step, whose size is a power of two.
+fn on_step(angle: Si, step: Si) -> Si {
+    let bits = angle.to_bits();
+    let down = |size: i64| size & step.to_bits().wrapping_neg();
+    Si::from_bits(if bits < 0 {
+        down(bits.wrapping_neg()).wrapping_neg()
+    } else {
+        down(bits)
+    })
 }

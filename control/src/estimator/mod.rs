@@ -121,8 +121,7 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
 impl<N: Number> Estimator<N> {
     /// One control period: the measured penetration to penetration and displacement per tick at the time at which the command
     /// that follows will begin to act. [`Estimator::commanded`] must follow.
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_pointer_width = "64"), inline)]
+    #[inline(always)]
     pub fn tick(&self, state: &mut EstimatorState<N>, measured: Position<N>) -> Sample<N> {
         let motion = state
             .motion

@@ -302,8 +302,7 @@ impl<N: Number> EnhancedSfa<N> {
 impl<N: Number> Law<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
 
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_pointer_width = "64"), inline)]
+    #[inline(always)]
     fn tick(&self, state: &mut EnhancedState<N>, sample: Sample<N>) -> Force<N> {
         let Sample { e, moved } = sample;
         if state.contact == Contact::Free && e > Position::zero() {

@@ -1,6 +1,7 @@
 use super::*;
 use crate::encoder::{EncoderKind, EncoderReading};
 use crate::hardware::IHM08M1;
+use crate::scenery::WallAlone;
 use crate::timing::TickTiming;
 use touchstone_control::Si;
 
@@ -40,7 +41,7 @@ fn where_positions_end_a_pushed_shaft_is_a_fault_and_a_free_one_is_none() {
         while at < Si::lit("127.95") {
             let place = Position::from_si(at).unwrap();
             device.record.penetration = if inside { place } else { -place };
-            device.display(0, 1 << 16, Some(0));
+            device.display(0, 1 << 16, Some(0), &mut WallAlone);
             // Two displacements of the guard's 60 rad/s before the format's end.
             let is_there = at > Si::lit("127.88");
             assert_eq!(

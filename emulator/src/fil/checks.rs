@@ -4,7 +4,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{lasting, press, registers, storage};
+use super::{around, lasting, press, registers, storage};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -17,6 +17,7 @@ pub const CHECKS: &[Check] = &[
     ("boot and presses", presses),
     ("power cuts", power_cuts),
     ("damaged settings", damaged_settings),
+    ("more than one wall", around::around),
     ("random frames", random_frames),
     ("registers after the start", registers::registers),
     ("cable pulled", lasting::cable_pulled),

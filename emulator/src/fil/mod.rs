@@ -1,5 +1,6 @@
 //! Firmware in the loop: boot, calibration, arming, the thesis' press to the bit, every fault.
 
+pub mod around;
 pub mod campaign;
 pub mod checks;
 pub mod fault;

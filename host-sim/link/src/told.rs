@@ -81,6 +81,7 @@ const fn limit_words(limit: Limit) -> &'static str {
         Limit::Force => "force limit",
         Limit::FadeIn => "fading in",
         Limit::Encoder => "bad encoder reading",
+        Limit::Beside => "more than the wall to touch",
     }
 }
 

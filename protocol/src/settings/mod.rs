@@ -10,6 +10,8 @@
 #[cfg(feature = "wire")]
 mod access;
 pub(crate) mod decimal;
+#[cfg(feature = "large")]
+pub mod environment;
 pub mod fields;
 mod gimbal_kit;
 #[cfg(feature = "wire")]

@@ -1,5 +1,6 @@
 //! `touchstone config`: the settings of a device, one by one or all at once.
 
+pub mod environment;
 pub mod toml_file;
 
 use super::out::{self, print, say, tell};
@@ -55,6 +56,9 @@ enum Action {
     Defaults,
     /// Keeps the settings in the device's flash.
     Save,
+    /// Shows what there is to touch beside the wall, or sends a scene's: further walls, endstops, detents. Counts at once, also under a
+    /// hand; `save` keeps it.
+    Environment(environment::EnvironmentOptions),
     /// Lists all settings with units, ranges and meanings; needs no device.
     Schema {
         /// Prints the JSON schema of a file of settings instead.
@@ -108,6 +112,7 @@ pub fn main(options: &Options) -> Result<()> {
                 },
             )
         }
+        Action::Environment(options) => environment::main(&mut connect()?, options),
         Action::Schema { json_schema: true } => {
             print(format_args!("{:#}\n", crate::json_schema::settings()))
         }

@@ -10,9 +10,9 @@ use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::telemetry::RING_CHUNK;
 use touchstone_protocol::{
-    Board, Command, Context, Counters, Decimal, DeviceCommand, DeviceSettings, Event, Fault,
-    FaultCode, FromDevice, Identity, Machine, PROTOCOL_VERSION, Phase, ResetReason, RingChunk,
-    RingRecord, State, Telemetry, stored,
+    Board, Command, Context, Counters, CountsFrom, Decimal, DeviceCommand, DeviceSettings, Event,
+    Fault, FaultCode, FromDevice, Identity, Machine, PROTOCOL_VERSION, Phase, ResetReason,
+    RingChunk, RingRecord, State, Surround, Telemetry, stored,
 };
 
 /// What may be wrong with it.
@@ -36,6 +36,8 @@ pub struct Trouble {
     pub records: Option<u32>,
     /// Its calibration ends with a fault.
     pub calibration_fails: bool,
+    /// It is the board without room for more than one wall.
+    pub small: bool,
 }
 
 /// Ticks between two looks at the socket, and how long one takes.
@@ -108,7 +110,11 @@ impl Fake {
     }
 
     fn switched_on(trouble: Trouble) -> Arc<Mutex<(Session, World)>> {
-        let board = Board::NucleoG474re;
+        let board = if trouble.small {
+            Board::BG431bEsc1
+        } else {
+            Board::NucleoG474re
+        };
         let settings = DeviceSettings::defaults(board);
         let world = World {
             machine: Machine::new(),
@@ -399,5 +405,16 @@ impl Backend for World {
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
+    }
+    fn use_environment(
+        &mut self,
+        settings: &DeviceSettings,
+        environment: &Surround,
+    ) -> Option<Result<CountsFrom, SettingsError>> {
+        let from = match self.phase() {
+            Phase::Armed => CountsFrom::NextTick,
+            _ => CountsFrom::Arming,
+        };
+        Some(environment.check(settings).map(|()| from))
     }
 }

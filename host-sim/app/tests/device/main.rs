@@ -4,6 +4,7 @@ mod board_page;
 mod compare;
 mod config;
 mod doctor;
+mod environment;
 mod failures;
 mod fake;
 mod flash;

@@ -1,0 +1,125 @@
+//! An environment that takes the place of another while a hand is at it.
+//!
+//! **No jump.** The first tick shows what the last one showed. What that is more or less than the new environment asks for is carried along and
+//! let go of at a stated rate: `f(n) = g(n) + d(n)` with `g` the new environment's own force and `|d(n+1)| <= |d(n)|`, `|d(n+1) - d(n)| <= r T`.
+//! So a change adds at most `r T` a tick to what `g` does by itself.
+//!
+//! **No new account.** The guard goes on with its books, and answers for what is carried as for any other force: a wall that appears under a
+//! hand, deep inside of it, pushes it out with what the account has.
+
+use super::{Environment, WallSettings, Walled, on_step};
+use crate::{Controller, Energy, Force, Number, Si};
+
+/// A force that belongs to no wall any more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Carried<N: Number> {
+    /// The last force before the change, until the first tick after it.
+    before: Option<Force<N>>,
+    /// What is added to the walls' own force.
+    left: Force<N>,
+    /// By how much it shrinks in a tick.
+    per_tick: Force<N>,
+}
+
+impl<N: Number> Environment<N> {
+    /// By how much a force may change in a tick at so many N·m/s (N/s): never by nothing.
+    #[must_use]
+    pub fn change_per_tick(rate: Si, rate_hz: u32) -> Force<N> {
+        let ticks = Si::saturating_from_num(rate_hz.max(1));
+        let per_tick = Force(N::saturating_signal(rate.saturating_div(ticks)));
+        if per_tick < Force(N::QUANTUM) {
+            Force(N::QUANTUM)
+        } else {
+            per_tick
+        }
+    }
+
+    /// At the beginning of an arming: all memory is new, in place. The guard begins with an account where one is given, else goes on
+    /// with its own.
+    pub fn begin(&mut self, account: Option<Energy<N>>) {
+        for Walled { states, law, .. } in self.walls.iter_mut().flatten() {
+            states.forget();
+            law.forget();
+        }
+        if let Some(guard) = &mut self.guard {
+            guard.resume(account.unwrap_or(guard.account()));
+            (guard.last, guard.limited, guard.tripped) = (None, false, false);
+        }
+        self.last = None;
+        self.commanded = Force::zero();
+        self.shown = Force::zero();
+        self.carried = None;
+    }
+
+    /// From now on in the place of another one with the same settings of law and guard, while that is at work. Walls that both have
+    /// go on as they are.
+    pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
+        for place in self.walls.iter_mut().flatten() {
+            let same = before
+                .walls
+                .iter()
+                .flatten()
+                .find(|it| it.wall == place.wall);
+            if let Some(same) = same {
+                *place = *same;
+            }
+        }
+        self.guard = before.guard;
+        self.last = before.last;
+        self.commanded = before.commanded;
+        self.carry(before.shown, per_tick);
+    }
+
+    /// The same in the place of a wall alone, solid above its surface: that wall, where its last tick was, and what it showed then.
+    pub fn take_over_from(
+        &mut self,
+        before: &Controller<N>,
+        wall: &WallSettings,
+        (angle, shown): (Si, Force<N>),
+        per_tick: Force<N>,
+    ) {
+        let mut places = self.walls.iter_mut().flatten();
+        if let Some(place) = places.find(|place| place.wall == *wall) {
+            (place.states, place.law) = (before.states, before.law);
+        }
+        self.guard = before.guard;
+        self.last = Some(on_step(angle, self.step));
+        self.commanded = before.last_commanded();
+        self.carry(shown, per_tick);
+    }
+
+    fn carry(&mut self, shown: Force<N>, per_tick: Force<N>) {
+        self.shown = shown;
+        self.carried = Some(Carried {
+            before: Some(shown),
+            left: Force::zero(),
+            per_tick,
+        });
+    }
+
+    /// The walls' own force with what is carried along.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn carried_onto(&mut self, own: Force<N>) -> Force<N> {
+        let Some(carried) = &mut self.carried else {
+            return own;
+        };
+        // The walls' force as it could be shown: what is beyond the limit is none that has to be let go of.
+        let own = own.within(self.limit);
+        carried.left = match carried.before.take() {
+            Some(before) => before - own,
+            None => carried.left - carried.left.within(carried.per_tick),
+        };
+        let left = carried.left;
+        if left == Force::zero() {
+            self.carried = None;
+        }
+        own + left
+    }
+
+    /// Whether a change is still being carried out.
+    #[must_use]
+    pub fn is_changing(&self) -> bool {
+        self.carried.is_some()
+    }
+}

@@ -1,0 +1,92 @@
+//! What there is to touch: the wall of the settings alone, or on boards with room for it an environment in its place.
+//!
+//! Not a part of the device: an environment is some kilobytes, too large for a stack.
+
+use touchstone_control::environment::Counted;
+use touchstone_control::law::View;
+use touchstone_control::{Controller, Fixed32, Force, Position};
+
+type Law = Controller<Fixed32>;
+
+/// Where the device is at a tick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Here {
+    /// The count, before whatever surface.
+    #[cfg_attr(
+        not(feature = "large"),
+        allow(dead_code, reason = "the wall alone has one surface")
+    )]
+    pub at: Counted,
+    /// How deep that is behind the surface of the settings' wall.
+    pub penetration: Position<Fixed32>,
+}
+
+/// What a control tick does with what there is to touch. The law of the settings' wall is the device's own.
+pub(crate) trait Scenery {
+    /// The device was just armed: all memory is new but the guard's account.
+    fn armed(&mut self, law: &mut Law, fresh: &Law);
+    /// The same where it stays armed, after a motion too fast for any force.
+    fn again(&mut self, law: &mut Law, fresh: &Law);
+    /// One tick while armed: the force against `+x`.
+    fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32>;
+    /// What became of that force.
+    fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
+    /// Whether the guard has switched the force off for overspeed.
+    fn is_tripped(&self, law: &Law) -> bool;
+    /// The inside of what is touched.
+    fn view(&self, law: &Law) -> View<Fixed32>;
+    /// Whether an environment runs in the place of the wall alone.
+    fn runs(&self) -> bool;
+    /// A calibration changed over to other settings.
+    fn calibrated(&mut self, law: &mut Law);
+}
+
+/// The wall of the settings, and nothing else.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WallAlone;
+
+impl Scenery for WallAlone {
+    #[inline(always)]
+    fn armed(&mut self, law: &mut Law, fresh: &Law) {
+        law.resume(fresh);
+    }
+
+    #[inline(always)]
+    fn again(&mut self, law: &mut Law, fresh: &Law) {
+        law.resume(fresh);
+    }
+
+    #[inline(always)]
+    fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
+        law_tick(law, here.penetration)
+    }
+
+    #[inline(always)]
+    fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>) {
+        law.commanded(force);
+    }
+
+    #[inline(always)]
+    fn is_tripped(&self, law: &Law) -> bool {
+        law.tripped()
+    }
+
+    #[inline(always)]
+    fn view(&self, law: &Law) -> View<Fixed32> {
+        law.view()
+    }
+
+    #[inline(always)]
+    fn runs(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn calibrated(&mut self, _law: &mut Law) {}
+}
+
+/// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
+#[inline(never)]
+pub(crate) fn law_tick(law: &mut Law, penetration: Position<Fixed32>) -> Force<Fixed32> {
+    law.tick(penetration)
+}

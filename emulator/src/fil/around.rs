@@ -1,0 +1,287 @@
+//! More than one wall on the emulated device: detents, a wall on the other side and endstops under a hand, compared with the same environment
+//! on this machine to the bit; changed under the hand; kept in flash; and what is refused.
+
+use touchstone_control::environment::{Counted, Environment};
+use touchstone_control::{CountScale, Fixed32, Force, Si};
+use touchstone_protocol::settings::environment::{DetentsBeside, TravelEnds, WallBeside};
+use touchstone_protocol::{
+    CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal, Reply,
+    Request, Surround, Telemetry,
+};
+use touchstone_world::plant::MEDIUM;
+
+use super::tally::Tally;
+use crate::bench::{Bench, MS, Setup};
+use crate::chip::ResetCause;
+use crate::cpu::elf::Program;
+
+/// The most that a force changes in a tick for a change alone, N·m/s.
+const CHANGE: &str = "0.5";
+/// In so many ticks the environments before and after a change may show the same force.
+const SAME_FORCES: usize = 50;
+/// How far the hand would go to either side without a force, rad: beyond both ends.
+const REACH_RAD: f64 = 0.35;
+
+/// All of it on boards with room for it; on the others, that it is refused.
+pub fn around(program: &Program, setup: &Setup, tally: &mut Tally) {
+    if !setup.board.is_large() {
+        return tally.check("more than one wall", refused(program, setup));
+    }
+    tally.check("more than one wall", played(program, setup));
+    tally.check("an environment in flash", kept(program, setup));
+}
+
+fn si(text: &str) -> Decimal {
+    text.parse().unwrap_or_default()
+}
+
+/// Detents all around, a wall behind the hand, and ends on both sides.
+fn all(setup: &Setup) -> Surround {
+    let strength = Si::saturating_from_num(0.2 * setup.board.press_n_m);
+    let [wall, ..] = setup.board.walls;
+    Surround {
+        further: [
+            Some(WallBeside {
+                at_rad: si("-0.25"),
+                below: true,
+                stiffness_n_m_per_rad: None,
+            }),
+            None,
+            None,
+        ],
+        endstops: Some(TravelEnds {
+            lower_rad: si("-0.3"),
+            upper_rad: si("0.32"),
+            stiffness_n_m_per_rad: Some(Decimal(wall)),
+        }),
+        detents: Some(DetentsBeside {
+            per_rev: 48,
+            strength_n_m: Decimal(strength),
+            centre_rad: si("0.01"),
+        }),
+        change_n_m_per_s: si(CHANGE),
+        ..Surround::default()
+    }
+}
+
+fn configured(program: &Program, setup: &Setup) -> Result<Bench, String> {
+    let mut bench = Bench::new(program, setup)?;
+    bench.boot()?;
+    let kind = setup.board.encoder.kind();
+    let [stiffness, _] = setup.board.walls;
+    bench.configure(|settings| {
+        settings.encoder.kind = kind;
+        settings.wall.surface_rad = Si::lit("0.2");
+        settings.wall.k_desired_n_m_per_rad = stiffness;
+    })?;
+    Ok(bench)
+}
+
+fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> {
+    match bench.demand(Request::SetEnvironment(*environment))? {
+        Reply::Taken(from) => Ok(from),
+        other => Err(format!("{other:?} for an environment")),
+    }
+}
+
+/// A hand sweeps to and fro through all of it, and what there is to touch is changed while it does.
+fn played(program: &Program, setup: &Setup) -> Result<String, String> {
+    let mut bench = configured(program, setup)?;
+    bench.calibrate()?;
+    let (alone, all) = (Surround::default(), all(setup));
+    let mut steps = vec![(set(&mut bench, &alone)?, alone)];
+    let from = bench.link.telemetry.len();
+    bench.demand(Request::Command(DeviceCommand::Arm))?;
+    bench.wait_for(Phase::Armed, 100 * MS)?;
+    bench.run(250 * MS)?;
+    let here = bench.machine.chip().world.angle_rad();
+    // And as much further as a press of this board takes.
+    let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
+    let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
+    let world = &mut bench.machine.chip_mut().world;
+    world.hold(&MEDIUM, move |time| {
+        here + reach * (std::f64::consts::TAU * time / 1.6).sin()
+    });
+    // Under the hand: all of it comes, all but the wall goes, and comes back.
+    let mut answered_after = 0;
+    for environment in [all, alone, all] {
+        let asked = bench.now();
+        steps.push((set(&mut bench, &environment)?, environment));
+        answered_after = answered_after.max((bench.now() - asked) / MS);
+        bench.run(1_650 * MS)?;
+    }
+    let status = bench.status()?;
+    if status.phase != Phase::Armed {
+        return Err(format!("{} with {:?}", status.phase.name(), status.fault));
+    }
+    let whens: Vec<CountsFrom> = steps.iter().map(|(from, _)| *from).collect();
+    let now = CountsFrom::NextTick;
+    if whens != [CountsFrom::Arming, now, now, now] {
+        return Err(format!("the environments count from {whens:?}"));
+    }
+    let gaps = bench.link.gaps(from);
+    if gaps > 0 {
+        return Err(format!("{gaps} records of telemetry are missing"));
+    }
+    let settings = bench.settings()?;
+    let armed: Vec<Telemetry> = bench.link.telemetry[from..]
+        .iter()
+        .filter(|record| record.phase == Phase::Armed)
+        .cloned()
+        .collect();
+    let environments: Vec<Surround> = steps.iter().map(|(_, environment)| *environment).collect();
+    let compared = compared(&settings, &environments, &armed)?;
+    Ok(format!("{compared}; answered within {answered_after} ms"))
+}
+
+/// The environments on this machine, given the counts that the device was given. From which tick on a change counts is in no record but the first
+/// one's: it is found by the forces, which are those of the next environment from there on, all of them.
+fn compared(
+    settings: &DeviceSettings,
+    environments: &[Surround],
+    armed: &[Telemetry],
+) -> Result<String, String> {
+    let refused = |error| format!("refused here: {error:?}");
+    let scale = CountScale::new(settings.encoder.counts_per_rev, Si::ZERO)
+        .ok_or("the encoder's counts are refused here")?;
+    let built = |environment: &Surround| environment.built(settings).map_err(refused);
+    let mut left = environments.iter();
+    let first = left.next().ok_or("nothing to compare")?;
+    let mut running = built(first)?;
+    let mut next = left.next();
+    let (mut changes, mut pushed) = (Vec::new(), [0_u32; 2]);
+    let mut most = 0.0_f64;
+    // Before each of the last ticks.
+    let mut before: Vec<Environment<Fixed32>> = Vec::new();
+    let tick = |environment: &mut Environment<Fixed32>, record: &Telemetry| {
+        let count = i64::from(record.count);
+        environment.tick(&Counted { scale, count }, None)
+    };
+    for (index, record) in armed.iter().enumerate() {
+        before.push(running);
+        let force = tick(&mut running, record);
+        if force.0 != record.force_n_m {
+            let new = next.ok_or_else(|| differs(record, force))?;
+            let fresh = built(new)?;
+            // The one that was taken over from last, with forces that were the same in the ticks since.
+            let found = (0..SAME_FORCES.min(index + 1)).find_map(|back| {
+                let mut taken = fresh;
+                taken.take_over(before.get(index - back)?, new.change_per_tick(settings));
+                let since = armed.get(index - back..=index)?;
+                let same = since
+                    .iter()
+                    .all(|record| tick(&mut taken, record).0 == record.force_n_m);
+                same.then_some((taken, record.tick - back as u32))
+            });
+            let (taken, at) = found.ok_or_else(|| differs(record, force))?;
+            (running, next) = (taken, left.next());
+            changes.push(at);
+        }
+        let torque: f64 = record.force_n_m.to_num();
+        pushed[usize::from(torque < 0.0)] += u32::from(torque != 0.0);
+        most = most.max(torque.abs());
+        // What held the torque back is told to the guard, and in no record of the law's.
+        if Limits::from_wire(record.limits).has(Limit::FadeIn) && record.force_n_m != 0 {
+            return Err("a force while the torque fades in: nothing to compare with".into());
+        }
+    }
+    let beside = |record: &&Telemetry| Limits::from_wire(record.limits).has(Limit::Beside);
+    let told = armed.iter().find(beside).map(|record| record.tick);
+    if told != changes.first().copied() {
+        return Err(format!("`Beside` from tick {told:?}, changes at {changes:?}"));
+    }
+    if next.is_some() || pushed.iter().any(|ticks| *ticks < 300) {
+        return Err(format!("changes {changes:?}; pushed one way and the other {pushed:?}"));
+    }
+    Ok(format!(
+        "{} ticks equal to the bit, {} and {} of them pushing one way and the other, at most {most:.3} N·m; changed at ticks {changes:?}",
+        armed.len(),
+        pushed[0],
+        pushed[1],
+    ))
+}
+
+fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
+    format!(
+        "tick {}, count {}: force {} there and {} here",
+        record.tick,
+        record.count,
+        record.force_n_m.to_bits(),
+        here.0.to_bits()
+    )
+}
+
+/// What is invalid is refused, and changes nothing; what is saved is there after a start.
+fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
+    let mut bench = configured(program, setup)?;
+    // As many laws to compute as there can be, as the watchdog runs from the start on.
+    let [softer, stiffer] = setup.board.walls;
+    let far = |k: Si, at| WallBeside {
+        at_rad: si(at),
+        below: true,
+        stiffness_n_m_per_rad: Some(Decimal(k)),
+    };
+    let half = Si::lit("0.5");
+    let all = Surround {
+        further: [
+            Some(far(stiffer, "-0.6")),
+            Some(far(softer.saturating_mul(half), "-0.7")),
+            Some(far(stiffer.saturating_mul(half), "-0.8")),
+        ],
+        ..all(setup)
+    };
+    set(&mut bench, &all)?;
+    let wrong = Surround {
+        endstops: Some(TravelEnds {
+            lower_rad: si("0.3"),
+            upper_rad: si("0.2"),
+            stiffness_n_m_per_rad: None,
+        }),
+        ..all
+    };
+    match bench.ask(Request::SetEnvironment(wrong))? {
+        Err(Refusal::Invalid(invalid)) if &*invalid.path == "environment.endstops.upper_rad" => {}
+        other => return Err(format!("ends the wrong way round: {other:?}")),
+    }
+    // Settings that it would not be valid with.
+    let mut settings = bench.settings()?;
+    settings.law.force_limit_n_m = Si::lit("0.002");
+    match bench.ask(Request::SetAll(settings))? {
+        Err(Refusal::Invalid(invalid)) if invalid.path.starts_with("environment.detents") => {}
+        other => return Err(format!("a limit below the detents' strength: {other:?}")),
+    }
+    bench.demand(Request::Save)?;
+    bench.machine.power_on(ResetCause::PowerOn);
+    bench.halted = None;
+    bench
+        .boot()
+        .map_err(|error| format!("{error}; resets {:?}", bench.machine.resets))?;
+    match bench.demand(Request::Environment)? {
+        Reply::Environment(read) if read == all => {}
+        other => return Err(format!("after a start: {other:?}")),
+    }
+    bench.arm()?;
+    let at_work = |bench: &Bench| {
+        let last = bench.link.telemetry.last();
+        last.is_some_and(|record| Limits::from_wire(record.limits).has(Limit::Beside))
+    };
+    bench.run_until("the environment at work", 50 * MS, |bench| at_work(bench))?;
+    Ok("saved, read and at work after a start; two wrong ones refused".into())
+}
+
+/// A board without room for it says that it does not know it, and goes on.
+fn refused(program: &Program, setup: &Setup) -> Result<String, String> {
+    let mut bench = Bench::new(program, setup)?;
+    bench.boot()?;
+    for request in [
+        Request::Environment,
+        Request::SetEnvironment(all(setup)),
+    ] {
+        match bench.ask(request)? {
+            Err(Refusal::NotUnderstood) => {}
+            other => return Err(format!("{other:?} of a board without room for it")),
+        }
+    }
+    bench.settings()?;
+    Ok("not known here, as it should be".into())
+}

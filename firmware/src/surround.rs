@@ -1,0 +1,23 @@
+//! What there is to touch beside the wall, from the thread to the control tick.
+
+use touchstone_drive::around::Surrounding;
+use touchstone_drive::{DeviceSettings, SettingsError};
+use touchstone_protocol::{CountsFrom, Surround};
+
+use crate::control::AROUND;
+use crate::requests::control;
+use crate::shared::InThread;
+
+/// Checks and computes an environment, and gives it to the control tick; from when on it counts. Computed before the control tick
+/// is held off, which then only waits for the copy.
+#[inline(never)]
+pub fn give(
+    here: InThread,
+    settings: &DeviceSettings,
+    environment: &Surround,
+) -> Result<Option<CountsFrom>, SettingsError> {
+    let surrounding = Surrounding::new(settings, environment)?;
+    Ok(control(here, |control| {
+        AROUND.in_thread(here, |around| control.device.surround(around, &surrounding))
+    }))
+}

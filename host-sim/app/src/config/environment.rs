@@ -1,0 +1,204 @@
+//! `touchstone config environment`: what there is to touch beside the wall, in the words of a scene.
+
+use crate::number;
+use crate::out::{self, say, tell};
+use touchstone_control::Si;
+use touchstone_control::environment::Side;
+use touchstone_device::Client;
+use touchstone_protocol::settings::environment::{
+    CountsFrom, DetentsBeside, Surround, TravelEnds, WallBeside,
+};
+use touchstone_protocol::{Board, Decimal, DeviceSettings, Reply, Request};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene};
+
+/// Options of `config environment`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct EnvironmentOptions {
+    /// A scene, by file or name: its `[environment]` is sent. Without it, that of the device is taken.
+    scene: Option<String>,
+    /// Changes a field of it, e.g. environment.detents.strength_n_m=0.02; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Back to the wall alone.
+    #[arg(long, conflicts_with_all = ["scene", "sets"])]
+    wall_alone: bool,
+    /// How fast a force may change while this takes the place of another under a hand, N·m/s.
+    #[arg(long, value_name = "N_M_PER_S", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/s"))]
+    change: Option<f64>,
+}
+
+impl EnvironmentOptions {
+    const fn changes(&self) -> bool {
+        self.scene.is_some() || !self.sets.is_empty() || self.wall_alone || self.change.is_some()
+    }
+}
+
+/// Shows it, or sends another.
+pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
+    let board = client.identity().board;
+    if !board.is_large() {
+        return Err(small(client.place(), board));
+    }
+    let before = match client.ask(&Request::Environment)? {
+        Reply::Environment(environment) => environment,
+        other => return Err(client.odd(&other)),
+    };
+    if !options.changes() {
+        return out::result(|| json(&before), || shown(&before));
+    }
+    let settings = client.settings()?;
+    let after = wanted(options, &before, &settings)?;
+    // The check of the device, with the place that a person wrote.
+    if let Err(error) = after.check(&settings) {
+        return Err(Error::Option {
+            option: error.path.into(),
+            problem: error.to_string(),
+            fix: "choose another value; nothing was changed".into(),
+        });
+    }
+    let from = match client.ask(&Request::SetEnvironment(after))? {
+        Reply::Taken(from) => from,
+        other => return Err(client.odd(&other)),
+    };
+    let when = match from {
+        CountsFrom::NextTick => "at work now",
+        CountsFrom::Arming => "from the next arming on",
+        CountsFrom::Calibration => {
+            "from the next calibration on, as the settings that it was checked with"
+        }
+    };
+    out::result(
+        || serde_json::json!({ "environment": json(&after), "counts": when }),
+        || {
+            shown(&after)?;
+            tell!("{when}; keep it with: touchstone config save");
+            Ok(())
+        },
+    )
+}
+
+/// Why there is no room, and what to do.
+fn small(place: &str, board: Board) -> Error {
+    let fix = "use a NUCLEO-G474RE for it; on this board, `touchstone config set wall.surface_rad` moves its one wall";
+    let problem = format!(
+        "{} has one wall: further walls and detents do not fit into its 128 KiB of flash",
+        board.name()
+    );
+    Error::device(place, problem, fix)
+}
+
+/// What was asked for, on top of what there is.
+fn wanted(
+    options: &EnvironmentOptions,
+    before: &Surround,
+    settings: &DeviceSettings,
+) -> Result<Surround> {
+    let mut after = if options.wall_alone {
+        Surround::default()
+    } else if options.scene.is_some() || !options.sets.is_empty() {
+        let mut scene = match &options.scene {
+            Some(name) => Scene::load(name)?,
+            None => {
+                let mut scene = Scene::load("thesis-knob")?;
+                scene.environment = Some(as_scene(before));
+                scene
+            }
+        };
+        // What it is checked against is the device's.
+        scene.law.force_limit_n_m = settings.law.force_limit_n_m.to_num();
+        let scene = scene.with_overrides(&options.sets)?;
+        of_scene(&scene.environment.unwrap_or_default())
+    } else {
+        *before
+    };
+    after.change_n_m_per_s = match options.change {
+        Some(rate) => decimal(rate),
+        None => before.change_n_m_per_s,
+    };
+    Ok(after)
+}
+
+fn decimal(value: f64) -> Decimal {
+    Decimal(Si::saturating_from_num(value))
+}
+
+fn plain(value: Decimal) -> f64 {
+    // As a person wrote it: the exact format has more digits.
+    let value: f64 = value.0.to_num();
+    format!("{value:.9}").parse().unwrap_or(value)
+}
+
+/// A scene's, for a board.
+fn of_scene(named: &scene::Environment) -> Surround {
+    let further = |wall: &Option<FurtherWall>| {
+        wall.as_ref().map(|wall| WallBeside {
+            at_rad: decimal(wall.at_rad),
+            below: wall.solid == Side::Below,
+            stiffness_n_m_per_rad: wall.stiffness_n_m_per_rad.map(decimal),
+        })
+    };
+    let ring = named.detents.as_ref().filter(|it| it.strength_n_m > 0.0);
+    Surround {
+        first_wall: named.first_wall,
+        further: [&named.wall2, &named.wall3, &named.wall4].map(further),
+        endstops: named.endstops.as_ref().map(|ends| TravelEnds {
+            lower_rad: decimal(ends.lower_rad),
+            upper_rad: decimal(ends.upper_rad),
+            stiffness_n_m_per_rad: ends.stiffness_n_m_per_rad.map(decimal),
+        }),
+        detents: ring.map(|ring| DetentsBeside {
+            per_rev: u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
+            strength_n_m: decimal(ring.strength_n_m),
+            centre_rad: decimal(ring.centre_rad),
+        }),
+        ..Surround::default()
+    }
+}
+
+/// A board's, for a scene.
+fn as_scene(there: &Surround) -> scene::Environment {
+    let further = |wall: Option<WallBeside>| {
+        wall.map(|wall| FurtherWall {
+            at_rad: plain(wall.at_rad),
+            solid: if wall.below { Side::Below } else { Side::Above },
+            stiffness_n_m_per_rad: wall.stiffness_n_m_per_rad.map(plain),
+        })
+    };
+    let [wall2, wall3, wall4] = there.further.map(further);
+    scene::Environment {
+        first_wall: there.first_wall,
+        wall2,
+        wall3,
+        wall4,
+        endstops: there.endstops.map(|ends| Endstops {
+            lower_rad: plain(ends.lower_rad),
+            upper_rad: plain(ends.upper_rad),
+            stiffness_n_m_per_rad: ends.stiffness_n_m_per_rad.map(plain),
+        }),
+        detents: there.detents.map(|ring| DetentRing {
+            per_rev: ring.per_rev.into(),
+            strength_n_m: plain(ring.strength_n_m),
+            centre_rad: plain(ring.centre_rad),
+        }),
+    }
+}
+
+fn json(environment: &Surround) -> serde_json::Value {
+    serde_json::json!({
+        "environment": as_scene(environment),
+        "change_n_m_per_s": plain(environment.change_n_m_per_s),
+    })
+}
+
+/// As a scene says it, which can be put into one.
+fn shown(environment: &Surround) -> Result<()> {
+    let table = serde_json::json!({ "environment": as_scene(environment) });
+    let text = toml::to_string(&table).unwrap_or_default();
+    say!("{}", text.trim_end());
+    say!(
+        "# a force changes by at most {} N·m/s under a hand",
+        plain(environment.change_n_m_per_s)
+    );
+    Ok(())
+}

@@ -1,0 +1,131 @@
+//! `touchstone config environment`.
+
+use crate::fake::{Fake, Trouble};
+use crate::folder;
+use std::path::PathBuf;
+use touchstone_protocol::stored;
+
+/// A knob with ends to both sides and detents between them.
+const DIAL: &str = r#"
+[environment]
+first_wall = false
+[environment.endstops]
+lower_rad = -1.2
+upper_rad = 1.2
+[environment.detents]
+per_rev = 36
+strength_n_m = 0.02
+centre_rad = 0.0
+"#;
+
+fn dial(test: &str) -> PathBuf {
+    let path = folder(test).join("dial.toml");
+    let scene = include_str!("../../../../scenes/thesis-knob.toml");
+    std::fs::write(&path, format!("{scene}{DIAL}")).unwrap();
+    path
+}
+
+#[test]
+fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
+    let device = Fake::new();
+    let ask = |more: &[&str]| device.run(&[&["config", "environment"], more].concat());
+    let alone = ask(&[]).done();
+    assert!(!alone.contains("endstops"), "{alone}");
+
+    let path = dial("environment_is_sent");
+    let said = ask(&[path.to_str().unwrap(), "--change", "0.25"]).done();
+    for part in [
+        "lower_rad = -1.2",
+        "per_rev = 36",
+        "strength_n_m = 0.02",
+        "at most 0.25 N·m/s",
+        "from the next arming on",
+        "touchstone config save",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let sent = *device.world().0.environment();
+    assert!(!sent.first_wall);
+
+    // What it shows is a part of a scene: the same again changes nothing.
+    let shown = ask(&[]).done();
+    let path = folder("environment_is_shown").join("again.toml");
+    let scene = include_str!("../../../../scenes/thesis-knob.toml");
+    std::fs::write(&path, format!("{scene}\n{shown}")).unwrap();
+    ask(&[path.to_str().unwrap()]).done();
+    assert_eq!(*device.world().0.environment(), sent);
+
+    // One field of what is there.
+    ask(&["--set", "environment.detents.per_rev=24"]).done();
+    let mut expected = sent;
+    expected.detents.as_mut().unwrap().per_rev = 24;
+    assert_eq!(*device.world().0.environment(), expected);
+
+    device.run(&["config", "save"]).done();
+    let image = device.world().1.saved.clone().expect("saved");
+    let (_, kept) = stored::decode_with(&image, &|_| Ok(())).expect("readable");
+    assert_eq!(kept, expected);
+
+    ask(&["--wall-alone"]).done();
+    assert_eq!(ask(&[]).done(), alone.replace("0.5 N·m/s", "0.25 N·m/s"));
+}
+
+#[test]
+fn an_armed_device_takes_it_at_once() {
+    let device = Fake::new();
+    for command in ["calibrate", "arm"] {
+        device.run(&["device", command]).done();
+    }
+    let path = dial("environment_at_once");
+    let said = device
+        .run(&["config", "environment", path.to_str().unwrap()])
+        .done();
+    assert!(said.contains("at work now"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_nothing_changes() {
+    let device = Fake::new();
+    let path = dial("environment_is_refused");
+    let before = *device.world().0.environment();
+    for (sets, parts) in [
+        // Ends the wrong way round.
+        (
+            &["environment.endstops.lower_rad=1.5"][..],
+            &["environment.endstops"][..],
+        ),
+        // Stronger than anything that the device may show.
+        (
+            &["environment.detents.strength_n_m=3"],
+            &["environment.detents.strength_n_m"],
+        ),
+        (
+            &["environment.detent.strength_n_m=0.1"],
+            &["environment.detent"],
+        ),
+    ] {
+        let mut arguments = vec!["config", "environment", path.to_str().unwrap()];
+        for set in sets {
+            arguments.extend(["--set", set]);
+        }
+        device.run(&arguments).failed(2, parts);
+        assert_eq!(*device.world().0.environment(), before);
+    }
+    device
+        .run(&["config", "environment", "no-such-scene"])
+        .failed(2, &["no-such-scene"]);
+    device
+        .run(&["config", "environment", "--wall-alone", "--change", "-1"])
+        .failed(2, &["N·m/s"]);
+}
+
+#[test]
+fn the_board_without_room_says_so() {
+    let device = Fake::with(Trouble {
+        small: true,
+        ..Trouble::default()
+    });
+    device
+        .run(&["config", "environment"])
+        .failed(1, &["one wall", "wall.surface_rad"]);
+}

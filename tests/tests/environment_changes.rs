@@ -1,0 +1,282 @@
+//! An environment that is changed under a hand: no jump in force beyond the stated rate, and no new account.
+
+use touchstone_control::environment::{
+    Counted, DetentSettings, Environment, Face, Side, WallSettings,
+};
+use touchstone_control::{
+    Controller, CountScale, Fixed32, Force, LawKind, Settings, Si, StatesKind,
+};
+use touchstone_tests::random::Random;
+use touchstone_tests::si::si;
+
+const RATE_HZ: u32 = 1_000;
+/// N·m/s.
+const RATE: &str = "0.5";
+
+fn encoder() -> CountScale {
+    CountScale::new(40_000, Si::ZERO).unwrap()
+}
+
+fn at(count: i64) -> Counted {
+    Counted {
+        scale: encoder(),
+        count,
+    }
+}
+
+fn wall(surface: &str, side: Side) -> WallSettings {
+    WallSettings {
+        face: Face {
+            surface: si(surface),
+            side,
+        },
+        k_desired: si("5"),
+    }
+}
+
+fn settings(law: LawKind, states: StatesKind) -> Settings {
+    let mut settings = Settings {
+        law,
+        states,
+        rate_hz: RATE_HZ,
+        ..Settings::thesis()
+    };
+    settings.guard.on = true;
+    settings
+}
+
+fn laws() -> impl Iterator<Item = Settings> {
+    <LawKind as touchstone_control::Choice>::ALL
+        .iter()
+        .flat_map(|law| {
+            [StatesKind::Measured, StatesKind::Estimated].map(|states| settings(*law, states))
+        })
+}
+
+/// What there may be: nothing, walls near and far and on either side, detents.
+fn environments(settings: &Settings) -> Vec<Environment<Fixed32>> {
+    let near = wall("0.05", Side::Above);
+    let below = wall("0.09", Side::Below);
+    let deep = wall("0.01", Side::Above);
+    let detents = DetentSettings::around_a_turn(24, si("0.1"), si("0.03"));
+    let built = |walls: &[WallSettings], detents: Option<&DetentSettings>| {
+        Environment::new(settings, walls, detents).unwrap_or_else(|error| panic!("{error}"))
+    };
+    vec![
+        built(&[], None),
+        built(&[near], None),
+        built(&[near, below], Some(&detents)),
+        built(&[deep], None),
+        built(&[below], None),
+        built(&[], Some(&detents)),
+        built(&[near, deep], None),
+    ]
+}
+
+fn per_tick() -> Force<Fixed32> {
+    Environment::<Fixed32>::change_per_tick(si(RATE), RATE_HZ)
+}
+
+fn newton_metres(force: Force<Fixed32>) -> f64 {
+    force.0.to_num()
+}
+
+/// A change adds the difference at its first tick, and lets go of it at the rate: beside it, the same environment without a change and
+/// without a guard that would know of both.
+#[test]
+fn a_change_adds_what_is_let_go_of_and_nothing_else() {
+    let mut random = Random::new(7);
+    let (mut changes, mut compared, mut at_limit) = (0, 0_u32, 0_u32);
+    for mut settings in laws() {
+        // Its books are another's, so that it would limit otherwise.
+        settings.guard.on = false;
+        // What is at the limit would hide what is carried.
+        settings.force_limit = si("20");
+        let all = environments(&settings);
+        for before in &all {
+            for after in &all {
+                let mut running = *before;
+                running.begin(None);
+                let mut count = 200_i64;
+                let mut shown = Force::zero();
+                for _ in 0..300 {
+                    count += i64::from(random.whole(4)) + 1;
+                    shown = running.tick(&at(count), None);
+                }
+                let mut new = *after;
+                new.begin(None);
+                new.take_over(&running, per_tick());
+                // Its own force: told of the force that is shown, as that is what moves the device.
+                let mut own = new;
+                own.take_over(&running, Force(fixed::types::I8F24::MAX));
+                let mut left = f64::INFINITY;
+                for n in 0..400 {
+                    count += i64::from(random.whole(4));
+                    let (f, g) = (new.tick(&at(count), None), own.tick(&at(count), None));
+                    own.commanded(f);
+                    if n == 0 {
+                        assert_eq!(f, shown, "the first tick shows what the last one showed");
+                        continue;
+                    }
+                    // At the limit nothing more can be shown.
+                    if newton_metres(f).abs() >= 19.999 || newton_metres(g).abs() >= 19.999 {
+                        at_limit += 1;
+                        left = f64::INFINITY;
+                        continue;
+                    }
+                    compared += 1;
+                    let carried = newton_metres(f) - newton_metres(g);
+                    assert!(
+                        carried.abs() <= left + 1e-6,
+                        "{:?} {n}: {carried} after {left}",
+                        settings.law
+                    );
+                    if left.is_finite() {
+                        let step = newton_metres(per_tick()) + 1e-6;
+                        assert!(
+                            (left - carried.abs()) <= step,
+                            "{n}: {carried} after {left}"
+                        );
+                    }
+                    left = carried.abs();
+                }
+                changes += 1;
+            }
+        }
+    }
+    assert!(
+        changes > 500 && at_limit < compared / 50,
+        "{changes} {compared} {at_limit}"
+    );
+}
+
+/// A hand that does not move feels the rate and no more, whatever appears or goes; only what a law does by itself comes on top, and a
+/// spring does nothing.
+#[test]
+fn a_hand_that_rests_feels_the_rate_and_no_more() {
+    let settings = settings(LawKind::Spring, StatesKind::Measured);
+    let all = environments(&settings);
+    let mut largest = 0.0_f64;
+    let mut reached = 0;
+    for before in &all {
+        for after in &all {
+            let mut running = *before;
+            running.begin(None);
+            let mut count = 300;
+            while count < 480 {
+                count += 1;
+                running.tick(&at(count), None);
+            }
+            let mut shown = running.tick(&at(count), None);
+            let mut new = *after;
+            new.begin(None);
+            new.take_over(&running, per_tick());
+            for _ in 0..4_000 {
+                let force = new.tick(&at(count), None);
+                largest = largest.max((newton_metres(force) - newton_metres(shown)).abs());
+                shown = force;
+            }
+            assert!(!new.is_changing());
+            let mut fresh = *after;
+            fresh.begin(None);
+            reached += u32::from(fresh.tick(&at(count), None) == shown);
+        }
+    }
+    let rate = largest * f64::from(RATE_HZ);
+    assert!((0.49..=0.501).contains(&rate), "{rate} N·m/s");
+    assert_eq!(reached as usize, all.len() * all.len());
+}
+
+/// From the wall alone, which a board runs without an environment: as from an environment of that wall.
+#[test]
+fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
+    let mut touched = 0;
+    for mut settings in laws() {
+        // Their guards round the motion differently: with an account that pays for all, that is in no force.
+        settings.guard.capacity = si("8");
+        settings.guard.overspeed = si("900");
+        let first = wall("0.05", Side::Above);
+        let all = environments(&settings);
+        for after in &all {
+            let mut alone = Controller::<Fixed32>::new(&settings).unwrap();
+            let mut around = all[1];
+            around.begin(None);
+            let scale = encoder().before(si("0.05"));
+            let mut random = Random::new(3);
+            let (mut count, mut shown) = (280_i64, Force::zero());
+            for _ in 0..200 {
+                count += i64::from(random.whole(5)) + 1;
+                shown = alone.tick(scale.penetration(count));
+                assert_eq!(around.tick(&at(count), None), shown);
+            }
+            touched += u32::from(shown > Force::zero());
+            let (mut one, mut other) = (*after, *after);
+            let angle = encoder().angle(count);
+            one.take_over_from(&alone, &first, (angle, shown), per_tick());
+            other.take_over(&around, per_tick());
+            for _ in 0..400 {
+                count += i64::from(random.whole(5));
+                assert_eq!(one.tick(&at(count), None), other.tick(&at(count), None));
+            }
+        }
+    }
+    assert!(touched > 40, "{touched}");
+}
+
+/// What a hand gets out by having walls put under it again and again is what one account bounds.
+#[test]
+fn many_changes_have_one_account() {
+    let mut settings = settings(LawKind::Spring, StatesKind::Measured);
+    let capacity = "0.02";
+    settings.guard.capacity = si(capacity);
+    settings.guard.refill = Si::ZERO;
+    settings.guard.damping = Si::ZERO;
+    let all = environments(&settings);
+    let mut worst = 0.0_f64;
+    let mut limited = 0_u32;
+    let fast = Environment::change_per_tick(si("10"), RATE_HZ);
+    for seed in 1..40 {
+        let mut random = Random::new(seed);
+        let mut running = all[0];
+        running.begin(None);
+        let mut count = 400_i64;
+        let (mut given, mut before, mut force) = (0.0, count, Force::zero());
+        let mut least = 0.0_f64;
+        for n in 0..12_000 {
+            if n % 300 == 0 {
+                let mut new = all[random.bits() as usize % all.len()];
+                new.begin(None);
+                new.take_over(&running, fast);
+                running = new;
+            }
+            // It yields where it is pushed: the way to get most.
+            let push = newton_metres(force);
+            count -= (push * 60.0) as i64;
+            // And comes back where nothing pushes.
+            if push.abs() < 0.01 {
+                count += (400 - count).clamp(-3, 3);
+            }
+            given -= push * (count - before) as f64 * std::f64::consts::TAU / 40_000.0;
+            before = count;
+            force = running.tick(&at(count), None);
+            limited += u32::from(running.guard.as_ref().is_some_and(|guard| guard.limited));
+            least = least.min(given);
+            worst = worst.max(given - least);
+        }
+    }
+    // The last tick's force is on its way still.
+    assert!(worst <= 0.02 + 1e-4, "{worst} J");
+    assert!(
+        worst > 0.01 && limited > 100,
+        "{worst} J, limited {limited}"
+    );
+}
+
+#[test]
+fn detents_of_a_turn_are_those_of_the_simulator() {
+    for per_rev in 1..=6283_u32 {
+        let pitch = Si::saturating_from_num(std::f64::consts::TAU / f64::from(per_rev));
+        let here = DetentSettings::around_a_turn(per_rev, Si::ZERO, Si::ZERO);
+        assert_eq!(here.pitch, pitch, "{per_rev}");
+    }
+}
