@@ -15,7 +15,8 @@ use super::write::Written;
 use super::{FileOptions, ProgramVersion, previous};
 use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
-use crate::thesis::space::held_out::HeldOut;
+use crate::thesis::space::held_out::{HeldOut, HeldOutCell};
+use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
 use crate::thesis::space::tuned_wall::TunedWall;
 use crate::thesis::space::{Mechanism, Phase, RATE_HZ, Record, figures};
@@ -150,13 +151,28 @@ fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
         .collect()
 }
 
+/// A wall with a figure beyond its limit, for programs.
+fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
+    let fails = cell.fails();
+    let names = || fails.iter().map(|(it, _)| it.heading().0);
+    cell.cause.map(|cause| {
+        serde_json::json!({
+            "wall": cell.drawn.text(),
+            "figures": names().collect::<Vec<_>>(),
+            "longest_n": cell.longest_n,
+            "cause": cause,
+        })
+    })
+}
+
 /// A check on walls that a setting was not chosen on, for programs.
 fn held_out_value(found: &HeldOut) -> serde_json::Value {
     serde_json::json!({
         "seed": found.seed,
         "walls": found.cells.len(),
         "beyond": found.failed(),
-        "beyond_at_the_motors_limit": found.failed_at_limit(),
+        "beyond_at_the_motors_limit": found.failed_by(HeldOutCause::MotorsLimit),
+        "beyond_walls": found.cells.iter().filter_map(beyond_wall).collect::<Vec<_>>(),
         "settle_from_ramp_end_s": found.settle_s(),
         "worst": found.worst(),
     })
@@ -188,11 +204,11 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(
-        "The tuned law on {} walls of seed {} that its setting was not chosen on: {} with a figure beyond its limit, {} of them at the motors' limit; settled {} after the ramp at worst\n",
+        "The tuned law on {} walls of seed {} that its setting was not chosen on: {} with a figure beyond its limit: {}; settled {} after the ramp at worst\n",
         found.cells.len(),
         found.seed,
         found.failed(),
-        found.failed_at_limit(),
+        found.causes(),
         found
             .settle_s()
             .map_or("never".to_owned(), |s| format!("{s:.3} s"))
@@ -209,10 +225,11 @@ pub fn held_out_text(found: &HeldOut) -> String {
         let names: Vec<_> = fails.iter().map(|(it, _)| it.heading().0).collect();
         let _ = writeln!(
             text,
-            "  beyond: {}: {} at up to {:.2} N",
+            "  beyond: {}: {} at up to {:.2} N, for {}",
             cell.drawn.text(),
             names.join(", "),
-            cell.longest_n
+            cell.longest_n,
+            cell.cause.map_or("", HeldOutCause::text)
         );
     }
     text

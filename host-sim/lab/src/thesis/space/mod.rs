@@ -6,6 +6,7 @@
 pub mod claims;
 pub mod figures;
 pub mod held_out;
+pub mod held_out_cause;
 mod mechanism;
 mod motion;
 pub mod pressed;
