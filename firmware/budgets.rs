@@ -6,8 +6,8 @@
 /// shorter.
 pub const ENHANCED: u64 = 720;
 
-/// One tick of three axes: surface point, shell, friction and guard. 2,500 is aimed at; a law an axis is the worst.
-pub const SPACE: u64 = 2_800;
+/// One tick of three axes: surface point, shell, friction and guard, or the law along the normal on estimated states. A law an axis is the worst, 2,498.
+pub const SPACE: u64 = 2_500;
 
 /// All that the law's side of a control tick may choose: the law, the estimator of its states and the guard of its energy. 5 us.
 pub const LAW: u64 = 850;
