@@ -306,9 +306,7 @@ pub mod guard {
                 break;
             }
         }
-        let guard = VectorGuard {
-            of_length: of_length?,
-        };
+        let guard = VectorGuard::of(of_length?);
         let most = guard.of_length.largest_force(guard.of_length.capacity);
         let account = N::any_energy(s);
         let force = |s: &mut S| forces::<N, S>(s).within(most);

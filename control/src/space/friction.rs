@@ -76,7 +76,7 @@ impl<N: Spatial> Friction<N> {
         if sliding {
             let reach = self.kinetic_reach * pressed;
             if stretch.is_longer(reach) {
-                stretch = stretch.within(reach);
+                stretch = stretch.shortened(stretch.length_up(), reach);
                 anchor = touch.at - stretch;
             } else {
                 // It holds again when it is pushed back: with room for a press that is not quite even.
@@ -92,7 +92,7 @@ impl<N: Spatial> Friction<N> {
                 normal: touch.normal,
             }),
         };
-        stretch.map(|z| -(self.stiffness * z).towards_zero())
+        stretch.map(|z| Force::zero() - (self.stiffness * z).towards_zero())
     }
 
     /// Where the spring is held.

@@ -18,6 +18,10 @@ use crate::{Energy, Force, GuardSettings, GuardedDevice, Position, SettingsError
 pub struct VectorGuard<N: Spatial> {
     /// As for one axis; its counts are those of a position vector, its slack that of one axis.
     pub of_length: Guard<N>,
+    /// From here on a coordinate is too near to the format's end: two furthest displacements before it.
+    edge: Position<N>,
+    /// What of a displacement's length, rounded up, is not sure: a count, and a quantum, less which it is at most the length rounded down.
+    unsure: Position<N>,
 }
 
 /// The guard's memory. It starts full, once.
@@ -51,14 +55,23 @@ impl<N: Spatial> VectorGuard<N> {
             },
         )?;
         // The quantum that a position is rounded by, as a vector: one more than along an axis.
-        Ok(Self {
-            of_length: Guard {
-                slack: of_axis.slack,
-                count: of_length.count + Position::quantum(),
-                in_flight: of_length.in_flight + Position::quantum(),
-                ..of_length
-            },
-        })
+        Ok(Self::of(Guard {
+            slack: of_axis.slack,
+            count: of_length.count + Position::quantum(),
+            in_flight: of_length.in_flight + Position::quantum(),
+            ..of_length
+        }))
+    }
+
+    /// Of a guard's coefficients for lengths.
+    #[must_use]
+    pub fn of(of_length: Guard<N>) -> Self {
+        let furthest = of_length.furthest;
+        Self {
+            of_length,
+            edge: Position(N::saturating_signal(Si::MAX)) - furthest - furthest,
+            unsure: of_length.count + Position::quantum(),
+        }
     }
 
     /// Memory at power-up: a full account, no force.
@@ -98,15 +111,14 @@ impl<N: Spatial> VectorGuard<N> {
         moved: Vector<Position<N>>,
         wanted: Vector<Force<N>>,
     ) -> Result<Vector<Force<N>>, Overspeed> {
-        let furthest = self.of_length.furthest;
-        let edge = Position(N::saturating_signal(Si::MAX)) - furthest - furthest;
-        let is_beyond = at.0.into_iter().any(|x| x >= edge || x <= -edge);
-        if !is_beyond || wanted == Vector::default() {
-            return self.tick(state, moved, wanted);
-        }
-        // The forces that acted are booked before none follows.
-        self.tick(state, moved, Vector::default())?;
-        Err(Overspeed)
+        let other_edge = Position::zero() - self.edge;
+        let beyond = |x: Position<N>| x >= self.edge || x <= other_edge;
+        let [x, y, z] = at.0;
+        let ends = (beyond(x) || beyond(y) || beyond(z)) && wanted != Vector::default();
+        // The forces that acted are booked before none follows. One call, so that the compiler puts a tick here without the change's part.
+        let shown = if ends { Vector::default() } else { wanted };
+        let force = self.tick(state, moved, shown)?;
+        if ends { Err(Overspeed) } else { Ok(force) }
     }
 
     /// One control period where the position was also taken when the force changed: `before_change` is the part of `moved` that
@@ -126,10 +138,8 @@ impl<N: Spatial> VectorGuard<N> {
         if moved.is_longer(guard.furthest) || before_change.is_longer(guard.furthest) {
             return self.overrun(state);
         }
-        // A quantum less than the length rounded up is at most the length rounded down.
-        let unsure = guard.count + Position::quantum();
-        let surely = if moved.is_longer(unsure) {
-            moved.length_up() - unsure
+        let surely = if moved.is_longer(self.unsure) {
+            moved.length_up() - self.unsure
         } else {
             Position::zero()
         };
@@ -152,7 +162,7 @@ impl<N: Spatial> VectorGuard<N> {
         let (force, size) = (wanted.shortened(length, limit), length.min(limit));
         *state = VectorGuardState {
             account: free.plus_fitting(reserve),
-            against: -force,
+            against: force.reversed(),
             older: state.against,
             size,
         };
@@ -165,7 +175,7 @@ impl<N: Spatial> VectorGuard<N> {
     pub fn commanded(&self, state: &mut VectorGuardState<N>, force: Vector<Force<N>>) {
         let size = force.length_up();
         if size <= state.size {
-            (state.against, state.size) = (-force, size);
+            (state.against, state.size) = (force.reversed(), size);
         }
     }
 
@@ -186,7 +196,7 @@ impl<N: Spatial> VectorGuard<N> {
         let forces = state.against.zip(grown, |force, grown| (force, grown));
         let [x, y, z] = axes
             .zip(forces, |(moved, before), (force, grown)| {
-                let shrunk = -grown;
+                let shrunk = Force::zero() - grown;
                 let on = moved - before;
                 let under_older = before + guard.late.of_and_fitting(on, guard.stray, grown);
                 (force * moved)

@@ -3,7 +3,7 @@
 //! All of it is on magnitudes, so that no bit pattern is an exception: a square of a word has a double word's room three times over. Rounding
 //! is always towards zero, that is to the shorter vector; only [`Spatial::length_up`] says what nothing is longer than.
 
-use super::root::{root_16, root_32, root_64};
+use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 use crate::magnitude::Word;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
@@ -17,6 +17,8 @@ pub trait Spatial: Number {
 
     /// `a · b` towards zero, saturating.
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
+    /// A length along a direction: of each component's size so much, towards zero, with the length's sign. The size is that of [`Spatial::times`].
+    fn share_of_length(u: Axes<Self::Signal>, length: Self::Signal) -> Axes<Self::Signal>;
     /// `x · part / whole` towards zero with one rounding, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
     /// `u · v` of a direction and a vector, rounded down once, saturating; exact for `u` of whole numbers.
@@ -94,7 +96,7 @@ fn lengthened(v: Axes<i64>, digits: u32) -> Axes<i64> {
 }
 
 macro_rules! fixed_spatial {
-    ($name:ident, word $word:ty, int $int:ty, wide $wide:ty, root $root:ident) => {
+    ($name:ident, word $word:ty, int $int:ty, wide $wide:ty, root $root:ident, $root_high:ident) => {
         impl $name {
             #[inline(always)]
             fn size(x: <$name as Number>::Signal) -> $word {
@@ -180,6 +182,15 @@ macro_rules! fixed_spatial {
                 let product = Self::size(a).times(Self::size(b));
                 let size = <$word as Word>::shift_down(product, Self::Signal::FRAC_NBITS);
                 Self::with_sign(<$word as Word>::narrow(size), (a < 0) != (b < 0))
+            }
+            #[inline(always)]
+            fn share_of_length(u: Axes<Self::Signal>, length: Self::Signal) -> Axes<Self::Signal> {
+                let size = Self::size(length);
+                u.map(|part| {
+                    let product = Self::size(part).times(size);
+                    let size = <$word as Word>::shift_down(product, Self::Signal::FRAC_NBITS);
+                    Self::with_sign(<$word as Word>::narrow(size), length < 0)
+                })
             }
             #[inline(always)]
             fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal {
@@ -282,12 +293,14 @@ macro_rules! fixed_spatial {
                 let scaled = sizes.map(|size| size.wrapping_mul(scale));
                 // The one value whose highest bit is set is a power of two: its square fits three times as well.
                 let squares = Self::squares(scaled);
-                let root = $root(squares);
+                let root = $root_high(squares);
                 // Below 2^W sqrt(3)/2, so there is room for the one.
                 let length = root.wrapping_add(<$word>::from(root.times(root) != squares));
-                // Of the length once, instead of three quotients. From 2^(W-2) on, so that this is a signed word's magnitude.
+                // Of the length once, instead of three quotients. From 2^(W-2) on, so that this is a signed word's magnitude; that it
+                // is said once more spares the machine a look.
                 let ones = ((1 as $wide) << INVERSE_BITS).wrapping_sub(1);
                 let inverse = length
+                    .max(1 << (<$word>::BITS - 2))
                     .divides_within(ones)
                     .map_or(<$word as Word>::MAX_SIGNED, |(inverse, _)| inverse);
                 let mut unit = [Self::Signal::ZERO; 3];
@@ -314,9 +327,9 @@ macro_rules! fixed_spatial {
         }
     };
 }
-fixed_spatial!(Fixed32, word u32, int i32, wide u64, root root_64);
-fixed_spatial!(Fixed16, word u16, int i16, wide u32, root root_32);
-fixed_spatial!(Fixed8, word u8, int i8, wide u16, root root_16);
+fixed_spatial!(Fixed32, word u32, int i32, wide u64, root root_64, root_high_64);
+fixed_spatial!(Fixed16, word u16, int i16, wide u32, root root_32, root_high_32);
+fixed_spatial!(Fixed8, word u8, int i8, wide u16, root root_16, root_high_16);
 
 #[cfg(feature = "float")]
 macro_rules! float_spatial {
@@ -327,6 +340,10 @@ macro_rules! float_spatial {
             #[inline(always)]
             fn times(a: $float, b: $float) -> $float {
                 a * b
+            }
+            #[inline(always)]
+            fn share_of_length(u: Axes<$float>, length: $float) -> Axes<$float> {
+                u.map(|part| part.abs() * length)
             }
             #[inline(always)]
             fn share(x: $float, part: $float, whole: $float) -> $float {

@@ -11,7 +11,7 @@ use super::number::Spatial;
 use super::scalar::Along;
 use super::touch::{Touch, Track};
 use super::vector::{Direction, Vector};
-use crate::law::Sample;
+use crate::law::{Contact, Sample};
 use crate::{Energy, Force, Position};
 
 /// When the object has been left, its shifted surface included (§4.4.1).
@@ -66,7 +66,11 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
                 *negative = Position::<N>(normal) < Position::zero();
             }
             let size = law.tick(Sample { e, moved });
-            *out = if *negative { -size } else { size };
+            *out = if *negative {
+                Force::zero() - size
+            } else {
+                size
+            };
         }
         self.track.keep(touch);
         self.last = e;
@@ -82,8 +86,9 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);
-        let straight = normal == touch.normal && moved == touch.depth - self.track.depth();
-        if touch.moved.is_none() && straight {
+        // The cheapest question first: on a surface that turns it is the one that says no.
+        let straight = moved == touch.depth - self.track.depth();
+        if straight && touch.moved.is_none() && normal == touch.normal {
             return e - self.last;
         }
         share_of(&normal, moved)
@@ -91,12 +96,13 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
 
     /// Whether the object has been left.
     fn has_left(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> bool {
-        if touch.depth >= Position::zero() || !self.laws.iter().any(Along::touches) {
+        if touch.depth >= Position::zero() {
             return false;
         }
-        let [ox, oy, oz] = &self.laws;
-        let offset = Vector([ox, oy, oz].map(|law| law.view().offset));
-        self.leaving.ends(e, offset)
+        let [x, y, z] = &self.laws;
+        let views = [x, y, z].map(Along::view);
+        let touches = views.iter().any(|law| law.contact != Contact::Free);
+        touches && self.leaving.ends(e, Vector(views.map(|law| law.offset)))
     }
 }
 
@@ -118,10 +124,33 @@ impl Leaving {
 }
 
 /// A length along a direction, as moduli an axis with the sign of the length, towards zero.
+#[inline(always)]
 fn share_of<N: Spatial>(along: &Direction<N>, length: Position<N>) -> Vector<Position<N>> {
-    along
-        .times(length)
-        .zip(Vector(along.0.map(Position::<N>)), |part, side| {
-            if side < Position::zero() { -part } else { part }
-        })
+    Vector(N::share_of_length(along.0, length.0).map(Position))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Fixed8;
+
+    /// Every direction component and every length of 8 bits, past 1 as well: the part along it, with the length's sign.
+    #[test]
+    fn a_share_of_a_length_is_the_part_along_a_direction_without_its_side() {
+        for u in i8::MIN..=i8::MAX {
+            let along =
+                Direction::<Fixed8>([u, 0, 64].map(<Fixed8 as crate::Number>::Signal::from_bits));
+            for length in i8::MIN..=i8::MAX {
+                let length =
+                    Position::<Fixed8>(<Fixed8 as crate::Number>::Signal::from_bits(length));
+                let [part, none, up] = along.times(length).0;
+                let expected = if u < 0 { -part } else { part };
+                assert_eq!(
+                    share_of(&along, length),
+                    Vector([expected, none, up]),
+                    "{u} of {length:?}"
+                );
+            }
+        }
+    }
 }

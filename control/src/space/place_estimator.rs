@@ -46,12 +46,15 @@ impl<N: Spatial> PlaceEstimator<N> {
             moved: Vector::default(),
         };
         let out = ahead.at.0.iter_mut().zip(&mut ahead.moved.0);
-        let axes = self.axes.iter_mut().zip(measured.0);
-        for ((at, moved), ((estimator, state), x)) in out.zip(axes) {
-            let sample = estimator.tick(state, -x);
-            (*at, *moved) = (-sample.e, -sample.moved);
+        let axes = self.axes.iter_mut().zip(measured.reversed().0);
+        for ((at, moved), ((estimator, state), e)) in out.zip(axes) {
+            let sample = estimator.tick(state, e);
+            (*at, *moved) = (sample.e, sample.moved);
         }
-        ahead
+        PlaceAhead {
+            at: ahead.at.reversed(),
+            moved: ahead.moved.reversed(),
+        }
     }
 
     /// The force on the HIP that was commanded after a tick, after every stage that may change it.

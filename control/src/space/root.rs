@@ -51,7 +51,8 @@ macro_rules! level {
             let (a, b) = (low >> HALF, low & LOW);
             // By half of the divisor, so that the dividend is a word: the rest of one level is at most twice its root.
             let dividend = (rest << (HALF - 1)) | (a >> 1);
-            let digit = dividend.checked_div(root).unwrap_or(0);
+            // Its highest bit is set; that it is said once more spares the machine a look whether it divides by 0.
+            let digit = dividend.checked_div(root | 1 << (HALF - 1)).unwrap_or(0);
             let left = (dividend.wrapping_sub(digit.wrapping_mul(root)) << 1) | (a & 1);
             let (wide_digit, digit_root) = (<$wide>::from(digit), <$wide>::from(root));
             let found = (digit_root << HALF).wrapping_add(wide_digit);
@@ -75,7 +76,7 @@ level!(scaled_32, scaled_16, u16, u32);
 level!(scaled_64, scaled_32, u32, u64);
 
 macro_rules! whole {
-    ($(#[doc = $doc:literal])* $name:ident, $scaled:ident, $word:ty, $wide:ty) => {
+    ($(#[doc = $doc:literal])* $name:ident, $high:ident, $scaled:ident, $word:ty, $wide:ty) => {
         $(#[doc = $doc])*
         #[inline]
         #[must_use]
@@ -88,25 +89,34 @@ macro_rules! whole {
             let (root, _) = $scaled(n << (2 * pairs));
             (root >> pairs) as $word
         }
+
+        /// The same of a number with one of its four highest bits set: at most one power of four up.
+        #[inline]
+        #[must_use]
+        pub fn $high(n: $wide) -> $word {
+            let low = n >> (<$wide>::BITS - 2) == 0;
+            let (root, _) = $scaled(if low { n << 2 } else { n });
+            (if low { root >> 1 } else { root }) as $word
+        }
     };
 }
 
 whole!(
     /// `floor(sqrt(n))` of 16 bits.
-    root_16, scaled_16, u8, u16
+    root_16, root_high_16, scaled_16, u8, u16
 );
 whole!(
     /// `floor(sqrt(n))` of 32 bits.
-    root_32, scaled_32, u16, u32
+    root_32, root_high_32, scaled_32, u16, u32
 );
 whole!(
     /// `floor(sqrt(n))` of 64 bits.
-    root_64, scaled_64, u32, u64
+    root_64, root_high_64, scaled_64, u32, u64
 );
 
 #[cfg(test)]
 mod tests {
-    use super::{root_16, root_32, root_64};
+    use super::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 
     #[test]
     fn every_root_of_16_bits() {
@@ -114,6 +124,9 @@ mod tests {
             let root = u32::from(root_16(n));
             let n = u32::from(n);
             assert!(root * root <= n && (root + 1) * (root + 1) > n, "{n}");
+        }
+        for n in 0x1000..=u16::MAX {
+            assert_eq!(root_high_16(n), root_16(n), "{n}");
         }
     }
 
@@ -126,6 +139,11 @@ mod tests {
             assert_eq!(root_32(square - 1), root - 1);
             assert_eq!(root_32(square + u32::from(root)), root);
             assert_eq!(root_32(square + 2 * u32::from(root)), root, "last one");
+            for n in [square - 1, square, square + 2 * u32::from(root)] {
+                if n >= 1 << 28 {
+                    assert_eq!(root_high_32(n), root_32(n), "{n}");
+                }
+            }
         }
     }
 
@@ -153,6 +171,11 @@ mod tests {
             assert_eq!(root_64(square), root);
             assert_eq!(root_64(square - 1), root - 1);
             assert_eq!(root_64(square + 2 * u64::from(root)), root, "last one");
+            for n in [square - 1, square, square + 2 * u64::from(root)] {
+                if n >= 1 << 60 {
+                    assert_eq!(root_high_64(n), root_64(n), "{n}");
+                }
+            }
         }
         assert_eq!(root_64(u64::MAX), u32::MAX);
     }

@@ -51,6 +51,12 @@ macro_rules! signal_vector {
             pub(super) fn signals(self) -> Axes<N::Signal> {
                 self.0.map(|x| x.0)
             }
+            /// The other way, as by `-`; a difference is one instruction of a machine that saturates, a sign's change four.
+            #[inline(always)]
+            #[must_use]
+            pub(super) fn reversed(self) -> Self {
+                self.map(|x| $quantity::zero() - x)
+            }
             /// Its length, less than a quantum too short; saturating.
             #[inline(always)]
             #[must_use]
@@ -81,11 +87,16 @@ macro_rules! signal_vector {
                 }
             }
             /// [`Vector::within`] where the length, rounded up, is known already.
-            #[inline]
+            #[inline(always)]
             pub(super) fn shortened(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
                 if length <= limit {
-                    return self;
+                    self
+                } else {
+                    self.cut(length, limit)
                 }
+            }
+            /// Where it is longer.
+            fn cut(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
                 // At the end of the format a length is no length any more: that of the half is.
                 if length + $quantity::<N>::quantum() == length {
                     return self.half_shortened(limit);
@@ -196,7 +207,7 @@ impl<N: Spatial> Direction<N> {
     #[inline(always)]
     #[must_use]
     pub fn opposite(&self) -> Self {
-        Self(self.0.map(N::neg))
+        Self(self.0.map(|x| N::sub(N::Signal::default(), x)))
     }
     /// Turned towards another by the angle of which the cosine and the sine are given, to a few quanta; itself where the two are
     /// parallel or opposite.

@@ -86,16 +86,17 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
     /// switch off.
     #[inline]
     pub fn tick(&mut self, at: Vector<Position<N>>) -> Result<Vector<Force<N>>, Overspeed> {
-        let touch = match &mut self.estimator {
-            None => self.point.tick(&self.surface, at),
+        let (seen, moved) = match &mut self.estimator {
+            None => (at, None),
             Some(estimator) => {
                 estimator.commanded(self.commanded);
                 let ahead = estimator.tick(at);
-                Touch {
-                    moved: Some(ahead.moved),
-                    ..self.point.tick(&self.surface, ahead.at)
-                }
+                (ahead.at, Some(ahead.moved))
             }
+        };
+        let touch = Touch {
+            moved,
+            ..self.point.tick(&self.surface, seen)
         };
         let mut force = self.shell.tick(&touch);
         if let Some((friction, state)) = &mut self.friction {

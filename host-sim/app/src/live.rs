@@ -16,6 +16,7 @@ use touchstone_live::space_loop::{SpaceChoice, SpaceObject};
 use touchstone_live::space_page;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{MotionSpec, Scene};
+use touchstone_world::plant::OMEGA3_AXIS;
 
 /// Options of `live`.
 #[derive(Debug, Clone, clap::Args)]
@@ -97,7 +98,11 @@ fn space(object: &str) -> Result<String> {
     };
     let choice = SpaceChoice {
         object,
-        guard: Some(super::haptic::guard(0.0, three_axes::RATE_HZ)),
+        guard: Some(super::haptic::guard(
+            OMEGA3_AXIS.damping,
+            0.0,
+            three_axes::RATE_HZ,
+        )),
         law: thesis,
         per_axis: false,
     };

@@ -8,6 +8,7 @@ use std::time::Instant;
 use touchstone_lab::report::{self, space as page};
 use touchstone_lab::scorecard::measure::Measure;
 use touchstone_lab::thesis::space::held_out::{DRAWS, HeldOut};
+use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_lab::thesis::space::{self, Mechanism};
 use touchstone_sim::error::{Error, Result};
 
@@ -61,7 +62,8 @@ pub fn main(
     };
     let runs = space::run_all(&cells, || bar.inc(1)).map_err(refused)?;
     bar.set_message("every direction");
-    let cards = space::tuned::cards(mechanism, &space::tuned::NORMALS).map_err(refused)?;
+    let cards =
+        space::tuned::cards(mechanism, space::RATE_HZ, &space::tuned::NORMALS).map_err(refused)?;
     bar.inc(1);
     bar.set_message("checking claims");
     let mut claims = space::claims::check(mechanism, &runs, &cards).map_err(refused)?;
@@ -87,7 +89,8 @@ pub fn main(
     }
     tell!("");
     tell!(
-        "The tuned law at 25 N/mm, in each direction the worst of {} devices in three hands:",
+        "The tuned law at {} N/mm, in each direction the worst of {} devices in three hands:",
+        1e-3 * TunedWall::of(mechanism, space::RATE_HZ).k_desired_n_per_m,
         cards.first().map_or(0, |card| card.cells.len())
     );
     tell!(

@@ -93,7 +93,7 @@ fn a_simulated_device_has_the_simulators_figures() {
             _ => "inclined",
         };
         let run = format!(
-            "device run {word} --device simulated --fast --programme scorecard --rate-hz 1000 --no-guard --out {word} --json"
+            "device run {word} --device simulated --fast --programme scorecard --preset thesis --rate-hz 1000 --no-guard --out {word} --json"
         );
         let seen = results(&folder, &run)["scorecard"].clone();
         let known = simulated(object.normal()).figures;
@@ -125,6 +125,39 @@ fn a_simulated_device_has_the_simulators_figures() {
         assert!(page.contains("Scorecard") && page.contains("hardness N/mm"));
         assert!(folder.join(word).join("results.json").exists());
     }
+}
+
+/// The wall that is played where nothing is said of one is within all six limits, at every rate that has one of its own; the thesis' settings are not, and say so beforehand.
+#[test]
+fn the_default_wall_of_an_omega3_is_within_the_limits() {
+    let folder = common::folder("device-scorecard-default");
+    for (object, rest) in [
+        ("plane", ""),
+        ("plane", " --grip light"),
+        ("plane", " --rate-hz 2000"),
+        ("plane", " --rate-hz 1500"),
+        ("plane", " --rate-hz 1000"),
+        ("inclined", ""),
+    ] {
+        let run = format!(
+            "device run {object} --device simulated --fast --programme scorecard{rest} --json"
+        );
+        let found = results(&folder, &run);
+        assert_eq!(beyond(&found["scorecard"]), 0, "{run}: {found:#}");
+        assert_eq!(found["wall"]["k_desired_n_per_m"], 25_000.0, "{run}");
+        assert_eq!(found["wall"]["guarded"], true);
+        assert!(found["wall"]["caution"].is_null(), "{found:#}");
+    }
+    let thesis = "device run plane --device simulated --fast --programme scorecard --preset thesis";
+    let found = results(&folder, &format!("{thesis} --json"));
+    assert_eq!(beyond(&found["scorecard"]), 6, "{found:#}");
+    assert_eq!(found["wall"]["k_desired_n_per_m"], 5000.0);
+    let said = String::from_utf8_lossy(&ran(&folder, thesis).stderr).into_owned();
+    assert!(said.contains("--preset tuned is within them"), "{said}");
+    // No wall was tuned for rates between.
+    let between = "device run plane --device simulated --fast --seconds 1 --rate-hz 1750";
+    let said = String::from_utf8_lossy(&ran(&folder, between).stderr).into_owned();
+    assert!(said.contains("above k_v"), "{said}");
 }
 
 /// A spring far above what the devices hold, without a guard, is beyond nearly every limit; one that they hold is within.
@@ -210,6 +243,14 @@ fn what_does_not_go_together_is_refused() {
         (
             "device run plane --device simulated --late-limit-ms 0",
             "--late-limit-ms",
+        ),
+        (
+            "device run plane --device simulated --preset tuned --law spring",
+            "--preset thesis",
+        ),
+        (
+            "device run plane --device simulated --preset tuned --rate-hz 1750",
+            "none was tuned",
         ),
     ] {
         let out = common::run_in(&folder, arguments.split(' '));

@@ -10,7 +10,7 @@ use crate::haptic::{
 use std::sync::Arc;
 use std::time::Duration;
 use touchstone_dhd::{Dhd, DhdError, DhdOutcome, DhdStatus, OMEGA3_TYPES};
-use touchstone_world::plant::OMEGA3;
+use touchstone_world::plant::{OMEGA3, OMEGA3_AXIS};
 
 /// An omega.3 that this program holds.
 #[derive(Debug)]
@@ -73,6 +73,7 @@ impl Omega3 {
                 count_m: OMEGA3.count_m,
                 rates_hz: OMEGA3.rates_hz,
                 delay_s: DELAY_S,
+                axes: Some([OMEGA3_AXIS; 3]),
                 sets_the_pace: false,
             },
         };

@@ -1,6 +1,7 @@
 //! What a run on a haptic device did: on the terminal, or as JSON, however it ended.
 
 use crate::out::{json, print, say, tell};
+use touchstone_control::Choice;
 use touchstone_device::haptic::DataSheet;
 use touchstone_device::servo::{Ending, Priority, ServoLimits, ServoReport};
 use touchstone_device::{DeviceWall, WallSettings};
@@ -13,6 +14,10 @@ use touchstone_sim::error::Result;
 pub struct Account<'a> {
     pub sheet: &'a DataSheet,
     pub settings: &'a WallSettings,
+    /// Where law and stiffness come from.
+    pub source: &'a str,
+    /// What the wall is known not to keep.
+    pub caution: Option<&'a str>,
     pub wall: &'a DeviceWall<'a>,
     pub limits: &'a ServoLimits,
     pub priority: Option<&'a Priority>,
@@ -50,6 +55,13 @@ impl Account<'_> {
         serde_json::json!({
             "device": self.sheet.name,
             "rate_hz": self.settings.law.rate_hz,
+            "wall": {
+                "law": self.settings.law.law.word(),
+                "k_desired_n_per_m": self.settings.law.k_desired.to_num::<f64>(),
+                "source": self.source,
+                "caution": self.caution,
+                "guarded": self.settings.guard.is_some(),
+            },
             "ticks": report.ticks,
             "missed_ticks": report.missed_ticks,
             "late_limit_ms": 1e3 * self.limits.late_s,
@@ -82,6 +94,15 @@ impl Account<'_> {
                 "Released",
                 self.not_released()
                     .map_or("yes".to_owned(), |why| format!("not all of it: {why}")),
+            ),
+            row(
+                "Wall",
+                format!(
+                    "{} {} N/mm, {}",
+                    self.settings.law.law.word(),
+                    self.settings.law.k_desired.to_num::<f64>().round() / 1e3,
+                    self.source
+                ),
             ),
             row("Rate", format!("{} Hz", self.settings.law.rate_hz)),
             row("Ticks", report.ticks.to_string()),

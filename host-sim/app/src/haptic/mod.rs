@@ -2,6 +2,7 @@
 
 mod account;
 mod choice;
+mod device_wall;
 mod identify;
 mod run;
 mod scorecard;
@@ -9,7 +10,7 @@ mod survey;
 mod trace;
 
 pub use choice::{described, library};
-pub use run::guard;
+pub use device_wall::guard;
 
 use super::out::{self, say};
 use choice::WhichDevice;

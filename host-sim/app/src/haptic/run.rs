@@ -2,31 +2,27 @@
 
 use super::account::Account;
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
+use super::device_wall::{ChosenWall, WallOptions};
 use super::scorecard::{self, HandProgramme, PressedGrip};
 use super::trace::DeviceTrace;
-use crate::out::tell;
+use crate::out::{note, tell};
 use crate::{interrupt, number};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-use touchstone_control::{
-    Choice, EstimatorSettings, GuardSettings, LawKind, Settings, Si, StatesKind,
-};
-use touchstone_device::haptic::{DataSheet, HapticDevice};
+use touchstone_control::Choice;
+use touchstone_device::haptic::HapticDevice;
 use touchstone_device::servo::{
     DevicePace, Ending, Pace, RealTime, ServoLimits, ServoTick, SimulatedPace, play, real_time,
 };
-use touchstone_device::{DeviceWall, Obstacle, WallSettings};
-use touchstone_lab::identify::lever::Lever;
+use touchstone_device::{DeviceWall, Obstacle};
 use touchstone_lab::report;
-use touchstone_lab::thesis::space::{self, Object};
+use touchstone_lab::thesis::space::Object;
 use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::Scene;
 use touchstone_world::plant::OMEGA3;
 
 /// What stands in the device's workspace.
@@ -79,48 +75,20 @@ pub struct Options {
     which: WhichDevice,
     #[command(flatten)]
     scored: scorecard::ScoreOptions,
-    /// The law along the normal.
-    #[arg(long, default_value = LawKind::EnhancedSfa.word(), value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
-    law: LawKind,
-    /// Takes stiffness and law from a file of settings, as `touchstone tune --out` writes it for the scene of `device identify --scene`.
-    #[arg(long, value_name = "FILE.toml", requires = "lever_mm", conflicts_with_all = ["law", "k_desired"])]
-    settings: Option<PathBuf>,
-    /// The lever of that scene, as `device identify` says it, mm.
-    #[arg(long, value_name = "MM", requires = "settings", allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of millimetres"))]
-    lever_mm: Option<f64>,
-    /// One law an axis, instead of one along the normal.
-    #[arg(long)]
-    per_axis: bool,
-    /// Desired stiffness, N/mm.
-    #[arg(long, value_name = "N_PER_MM", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
-    k_desired: f64,
-    /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(100_u32, 10_000, "of Hz"))]
-    rate_hz: Option<u32>,
+    #[command(flatten)]
+    wall: WallOptions,
     /// Ends after so many seconds; without it, with Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
     /// Keeps every tick as CSV; needs --seconds.
     #[arg(long, value_name = "FILE", requires = "seconds")]
     csv: Option<PathBuf>,
-    /// Longest force, N; default and most: the device's.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
-    force_limit_n: Option<f64>,
-    /// Leaves the energy guard out.
-    #[arg(long)]
-    no_guard: bool,
     /// Plays a simulated device as fast as it goes, instead of in real time.
     #[arg(long)]
     fast: bool,
     /// A force that is held for longer by a late tick ends the run, ms. More than the default is for a library without a device, on a machine that stalls.
     #[arg(long, value_name = "MS", default_value_t = 10.0, allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of milliseconds"))]
     late_limit_ms: f64,
-}
-
-/// Of a word that was found among them.
-fn law(word: &str) -> LawKind {
-    let same = |kind: &&LawKind| kind.word() == word;
-    LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
 impl Scenery {
@@ -149,96 +117,6 @@ impl fmt::Display for Scenery {
     }
 }
 
-/// What the guard takes for sure of a device, SI: its damping is the thesis' (§5.2).
-pub fn guard(delay_s: f64, rate_hz: u32) -> GuardSettings {
-    let si = Si::saturating_from_num::<f64>;
-    // Rounded down, as the guard's own range is.
-    let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
-    GuardSettings {
-        capacity: si(0.04),
-        damping: si(2.5),
-        overspeed: si(1.5),
-        delay: si(delay_s).min(tick_s),
-        ..GuardSettings::default()
-    }
-}
-
-/// The law with what its estimators are told, where it has estimated states.
-fn law_of(options: &Options, rate_hz: u32) -> Result<(Settings, Option<[EstimatorSettings; 3]>)> {
-    let (Some(file), Some(lever_mm)) = (&options.settings, options.lever_mm) else {
-        return Ok((space::settings(options.law, options.k_desired), None));
-    };
-    let lever = Lever {
-        length_m: 1e-3 * lever_mm,
-    };
-    let scene = Scene::load("thesis-knob")?.with_settings(file)?;
-    let knob = scene.settings()?;
-    if knob.rate_hz != rate_hz {
-        return Err(Error::Option {
-            option: "--settings".into(),
-            problem: format!("it was tuned for {} Hz, not {rate_hz}", knob.rate_hz),
-            fix: format!("give --rate-hz {}, or tune it again", knob.rate_hz),
-        });
-    }
-    let estimated = knob.states == StatesKind::Estimated;
-    let told = estimated.then(|| [lever.estimator(&knob.estimator); 3]);
-    Ok((lever.settings(&knob), told))
-}
-
-fn wall(
-    options: &Options,
-    sheet: &DataSheet,
-    rate_hz: u32,
-    force_limit_n: f64,
-) -> Result<WallSettings> {
-    let (law, estimator) = law_of(options, rate_hz)?;
-    let law = Settings {
-        rate_hz,
-        force_limit: Si::saturating_from_num(force_limit_n),
-        ..law
-    };
-    Ok(WallSettings {
-        law,
-        per_axis: options.per_axis,
-        guard: (!options.no_guard).then(|| guard(sheet.delay_s, rate_hz)),
-        estimator,
-        count_m: sheet.count_m,
-    })
-}
-
-/// What is played at what rate, and with how long a force.
-struct ChosenWall {
-    rate_hz: u32,
-    force_n: f64,
-    settings: WallSettings,
-}
-
-impl ChosenWall {
-    fn of(options: &Options, sheet: &DataSheet) -> Result<Self> {
-        let rate_hz = options.rate_hz.unwrap_or(sheet.rates_hz.1);
-        let (slowest, fastest) = sheet.rates_hz;
-        if !(slowest..=fastest).contains(&rate_hz) {
-            return Err(Error::Option {
-                option: "--rate-hz".into(),
-                problem: format!(
-                    "{} does {slowest} to {fastest} Hz, not {rate_hz}",
-                    sheet.name
-                ),
-                fix: "give one of these".into(),
-            });
-        }
-        let force_n = options
-            .force_limit_n
-            .unwrap_or(sheet.force_n)
-            .min(sheet.force_n);
-        Ok(Self {
-            rate_hz,
-            force_n,
-            settings: wall(options, sheet, rate_hz, force_n)?,
-        })
-    }
-}
-
 /// Runs it.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let kind = options.which.model();
@@ -260,13 +138,14 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
     let stop = interrupt::noted()?;
     let simulated_hz = options
+        .wall
         .rate_hz
         .unwrap_or(kind.map_or(OMEGA3.rates_hz.1, HapticKind::own_rate_hz));
     let turn = match options.scored.programme {
         HandProgramme::Explore => None,
         HandProgramme::Scorecard => {
             let sheet = options.which.open(SimulatedHand::Still)?.sheet().clone();
-            let played = ChosenWall::of(options, &sheet)?;
+            let played = options.wall.chosen(&sheet)?;
             let grip: PressedGrip = options.scored.grip;
             Some(scorecard::turn(
                 &sheet,
@@ -287,7 +166,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         rate_hz,
         force_n,
         settings,
-    } = ChosenWall::of(options, &sheet)?;
+        source,
+        caution,
+    } = options.wall.chosen(&sheet)?;
     let obstacle = || {
         mesh.as_ref()
             .map_or_else(|| Obstacle::Shape(object.shape()), Obstacle::of)
@@ -307,17 +188,20 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         );
     }
     tell!(
-        "wall      {}, {} {} N/mm at {rate_hz} Hz, up to {force_n} N, {}",
+        "wall      {}, {} {} N/mm at {rate_hz} Hz, {source}; up to {force_n} N, {}",
         options.object,
         settings.law.law.word(),
         // A stiffness that came over a lever has more digits than anybody gave it.
         settings.law.k_desired.to_num::<f64>().round() / 1e3,
-        if options.no_guard {
+        if options.wall.no_guard {
             "no guard"
         } else {
             "guard of 40 mJ and 0.5 mW"
         }
     );
+    if let Some(caution) = &caution {
+        note!("note: {caution}");
+    }
     let limits = ServoLimits {
         force_n,
         late_s: 1e-3 * options.late_limit_ms,
@@ -363,6 +247,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let account = Account {
         sheet: &sheet,
         settings: &settings,
+        source: &source,
+        caution: caution.as_deref(),
         wall: &wall,
         limits: &limits,
         priority: priority.as_ref(),

@@ -8,6 +8,7 @@ use touchstone_control::space::Direction;
 use touchstone_device::haptic::DataSheet;
 use touchstone_device::servo::{ServoLimits, ServoTick};
 use touchstone_device::{Obstacle, WallSettings};
+use touchstone_lab::identify::lever::PRESS_SHARE;
 use touchstone_lab::report::pages;
 use touchstone_lab::scorecard::cases::LATE_TICKS;
 use touchstone_lab::scorecard::direction::Approach;
@@ -106,8 +107,7 @@ impl ScoreOptions {
     }
 }
 
-/// Of the longest force, what a hand presses with, and what it touches with before.
-const PRESS_SHARE: f64 = 2.0 / 3.0;
+/// Of the longest force, what a hand touches with before it presses.
 const TOUCH_SHARE: f64 = 2.0 / 15.0;
 /// From when on a programme begins: the force has faded in, s.
 const BEGIN_S: f64 = 1.2;

@@ -115,6 +115,7 @@ impl Inverse3 {
                 count_m: COUNT_M,
                 rates_hz: (1000, 1000),
                 delay_s: 1e-3,
+                axes: None,
                 sets_the_pace: true,
             },
             origin_m: [0.0; 3],

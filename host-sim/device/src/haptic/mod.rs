@@ -17,6 +17,8 @@ pub use one_axis::OneAxis;
 pub use simulated::{DeviceTwin, Rest, SimulatedArm};
 pub use simulated_delta::{FALCON_RATE_HZ, SimulatedDelta};
 
+use touchstone_world::plant::Device;
+
 /// What is known of a device before it moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSheet {
@@ -34,6 +36,8 @@ pub struct DataSheet {
     pub rates_hz: (u32, u32),
     /// From a position until its force acts, s; assumed, where nobody measured it.
     pub delay_s: f64,
+    /// Mass and damping of each axis, where somebody published or measured them.
+    pub axes: Option<[Device; 3]>,
     /// Whether [`HapticDevice::sense`] waits for the device: its pace is then the loop's.
     pub sets_the_pace: bool,
 }

@@ -123,6 +123,7 @@ impl SimulatedArm {
                 count_m: limits.count_m,
                 rates_hz: limits.rates_hz,
                 delay_s: 0.0,
+                axes: Some(twin.axes),
                 sets_the_pace: false,
             },
             twin,

@@ -5,7 +5,7 @@ use super::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
 };
 use touchstone_world::plant::{
-    DeltaDevice, DeltaPlant, DeltaPose, DeltaState, FALCON, Hand, Unreachable,
+    DeltaDevice, DeltaPlant, DeltaPose, DeltaState, Device, FALCON, Hand, Unreachable,
 };
 
 /// A delta that is simulated one control interval further at every command, under the torques of the force commanded.
@@ -56,6 +56,13 @@ impl SimulatedDelta {
             .metres_per_radian()
             .iter()
             .fold(0.0_f64, |a, x| a.max(x.abs()));
+        let inertia_kg = device.inertia_kg(&centre);
+        let damping = centre.slopes.tr_mul(&centre.slopes) * device.joint_damping;
+        let axes = std::array::from_fn(|i| Device {
+            inertia: inertia_kg[(i, i)],
+            damping: damping[(i, i)],
+            friction: None,
+        });
         Ok(Self {
             sheet: DataSheet {
                 name: "simulated delta of a Falcon's geometry".into(),
@@ -68,6 +75,7 @@ impl SimulatedDelta {
                 count_m: furthest * device.count_rad,
                 rates_hz: (500, FALCON_RATE_HZ),
                 delay_s: 0.0,
+                axes: Some(axes),
                 sets_the_pace: false,
             },
             device,

@@ -40,8 +40,8 @@ pub struct AxisOfDevice {
 
 /// The inertia of the thesis' knob, for which the hands of one axis are made, kg·m².
 const KNOB_KG_M2: f64 = 1e-4;
-/// The press of the scene, of the longest force.
-const PRESS_SHARE: f64 = 2.0 / 3.0;
+/// Of the longest force, what a wall is pressed with.
+pub const PRESS_SHARE: f64 = 2.0 / 3.0;
 
 impl Lever {
     /// On which a mass has the thesis knob's inertia.

@@ -15,9 +15,11 @@ use super::write::Written;
 use super::{FileOptions, ProgramVersion, previous};
 use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
-use crate::thesis::space::held_out::HeldOut;
+use crate::thesis::space::held_out::{HeldOut, HeldOutCell};
+use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
-use crate::thesis::space::{Mechanism, Phase, Record, figures};
+use crate::thesis::space::tuned_wall::TunedWall;
+use crate::thesis::space::{Mechanism, Phase, RATE_HZ, Record, figures};
 
 const SIZE: Size = Size {
     width: 460,
@@ -149,13 +151,28 @@ fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
         .collect()
 }
 
+/// A wall with a figure beyond its limit, for programs.
+fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
+    let fails = cell.fails();
+    let names = || fails.iter().map(|(it, _)| it.heading().0);
+    cell.cause.map(|cause| {
+        serde_json::json!({
+            "wall": cell.drawn.text(),
+            "figures": names().collect::<Vec<_>>(),
+            "longest_n": cell.longest_n,
+            "cause": cause,
+        })
+    })
+}
+
 /// A check on walls that a setting was not chosen on, for programs.
 fn held_out_value(found: &HeldOut) -> serde_json::Value {
     serde_json::json!({
         "seed": found.seed,
         "walls": found.cells.len(),
         "beyond": found.failed(),
-        "beyond_at_the_motors_limit": found.failed_at_limit(),
+        "beyond_at_the_motors_limit": found.failed_by(HeldOutCause::MotorsLimit),
+        "beyond_walls": found.cells.iter().filter_map(beyond_wall).collect::<Vec<_>>(),
         "settle_from_ramp_end_s": found.settle_s(),
         "worst": found.worst(),
     })
@@ -187,11 +204,11 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(
-        "The tuned law on {} walls of seed {} that its setting was not chosen on: {} with a figure beyond its limit, {} of them at the motors' limit; settled {} after the ramp at worst\n",
+        "The tuned law on {} walls of seed {} that its setting was not chosen on: {} with a figure beyond its limit: {}; settled {} after the ramp at worst\n",
         found.cells.len(),
         found.seed,
         found.failed(),
-        found.failed_at_limit(),
+        found.causes(),
         found
             .settle_s()
             .map_or("never".to_owned(), |s| format!("{s:.3} s"))
@@ -208,10 +225,11 @@ pub fn held_out_text(found: &HeldOut) -> String {
         let names: Vec<_> = fails.iter().map(|(it, _)| it.heading().0).collect();
         let _ = writeln!(
             text,
-            "  beyond: {}: {} at up to {:.2} N",
+            "  beyond: {}: {} at up to {:.2} N, for {}",
             cell.drawn.text(),
             names.join(", "),
-            cell.longest_n
+            cell.longest_n,
+            cell.cause.map_or("", HeldOutCause::text)
         );
     }
     text
@@ -265,11 +283,14 @@ fn claims_section(page: &mut String, claims: &[Claim]) {
 }
 
 /// The tuned law in each direction.
-fn directions_section(page: &mut String, cards: &[DirectionCard]) {
+fn directions_section(page: &mut String, mechanism: Mechanism, cards: &[DirectionCard]) {
     page.push_str("<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n");
     table(
         page,
-        "At 25 N/mm and 1 kHz; in each direction the worst of all devices (on a delta the nominal one alone) in three hands",
+        &format!(
+            "At {} N/mm and 1 kHz; in each direction the worst of all devices in three hands",
+            1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
+        ),
         &[
             "Direction",
             "Peak (limit 1.1; 1.3 late)",
@@ -356,7 +377,7 @@ pub fn page(input: &Input) -> String {
     );
     page.push_str("</section>\n");
     if !input.cards.is_empty() {
-        directions_section(&mut page, input.cards);
+        directions_section(&mut page, input.mechanism, input.cards);
     }
     if let Some(found) = input.held_out {
         page.push_str(

@@ -53,7 +53,7 @@ pub fn check(
         sliding(runs, ks[1]),
         jumps(runs, ks[1]),
         audited(runs),
-        tuned::claim(cards),
+        tuned::claim(mechanism, cards),
     ]);
     Ok(claims)
 }

@@ -6,12 +6,14 @@
 pub mod claims;
 pub mod figures;
 pub mod held_out;
+pub mod held_out_cause;
 mod mechanism;
 mod motion;
 pub mod pressed;
 mod record;
 pub mod scene;
 pub mod tuned;
+pub mod tuned_wall;
 
 pub use mechanism::{Crossed, Deviation, HeldMechanism, Mechanism, Stopped};
 pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};

@@ -2,7 +2,7 @@
 
 use super::mechanism::{Deviation, HeldMechanism, Mechanism, Stopped};
 use super::record::dot;
-use super::{N, RADIUS_MM, RATE_HZ, place};
+use super::{N, RADIUS_MM, place};
 use crate::scorecard::cases::Deed;
 use crate::scorecard::direction::{Approach, DirectionFigures};
 use crate::scorecard::measure::{Figures, Measure};
@@ -79,7 +79,7 @@ impl PressedSurface {
 pub struct PressedWall {
     /// What is pressed.
     pub surface: PressedSurface,
-    /// The law, SI.
+    /// The law, SI; its rate is the loop's.
     pub law: Settings,
     /// What its estimators are told, where it has estimated states.
     pub estimator: Option<EstimatorSettings>,
@@ -120,12 +120,12 @@ impl PressedWall {
         );
         if let Some(told) = &self.estimator {
             let axes = [*told; 3];
-            wall.estimator = Some(unit.estimator(&axes, RATE_HZ, self.law.force_limit)?);
+            wall.estimator = Some(unit.estimator(&axes, self.law.rate_hz, self.law.force_limit)?);
         }
         let (guard, device) = unit.guard(
             &guard(self.mechanism),
             &GuardedDevice {
-                rate_hz: RATE_HZ,
+                rate_hz: self.law.rate_hz,
                 force_limit: self.law.force_limit,
                 count: Si::from_num(self.mechanism.count_m()),
             },
@@ -146,7 +146,7 @@ impl PressedWall {
             touch_n: TOUCH_SHARE * self.push_n,
             count_m,
             unsure_m: 0.5 * count_m * across,
-            rate_hz: RATE_HZ,
+            rate_hz: self.law.rate_hz,
         }
     }
 
@@ -176,7 +176,7 @@ impl PressedWall {
         wall: &mut SpaceWall<N, Shape<N>, AnyLaw<N>>,
         deed: Deed,
     ) -> Result<(DirectionFigures, f64), Stopped> {
-        let interval_s = 1.0 / f64::from(RATE_HZ);
+        let interval_s = 1.0 / f64::from(self.law.rate_hz);
         let approach = self.approach();
         let rest_m = |tick: u64| {
             let time_s = tick as f64 * interval_s;

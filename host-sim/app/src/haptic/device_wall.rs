@@ -1,0 +1,245 @@
+//! Which wall `touchstone device run` plays: tuned for the device, the thesis', or one of a file.
+
+use crate::number;
+use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+use touchstone_control::{
+    Choice, EstimatorSettings, GuardSettings, LawKind, Settings, Si, StatesKind,
+};
+use touchstone_device::WallSettings;
+use touchstone_device::haptic::DataSheet;
+use touchstone_lab::identify::lever::{Lever, PRESS_SHARE};
+use touchstone_lab::thesis::space;
+use touchstone_lab::thesis::space::tuned_wall::TunedWall;
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
+use touchstone_world::plant::OMEGA3_AXIS;
+
+/// Where law and stiffness come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum WallPreset {
+    /// Tuned for mass and damping of the device, on estimated states.
+    Tuned,
+    /// The thesis' settings (§5.2), of --law, --k-desired N/mm.
+    Thesis,
+}
+
+/// Options of the wall.
+#[derive(Debug, Clone, clap::Args)]
+pub struct WallOptions {
+    /// Where law and stiffness come from; default: tuned, where a wall was tuned for such a device and rate, and --law and --k-desired are not given.
+    #[arg(long, value_enum)]
+    preset: Option<WallPreset>,
+    /// The law along the normal, with the thesis' settings; default: enhanced-sfa.
+    #[arg(long, value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
+    law: Option<LawKind>,
+    /// Desired stiffness, N/mm, with the thesis' settings; default: 5, or 1 where nothing is known of the device.
+    #[arg(long, value_name = "N_PER_MM", allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
+    k_desired: Option<f64>,
+    /// Takes stiffness and law from a file of settings, as `touchstone tune --out` writes it for the scene of `device identify --scene`.
+    #[arg(long, value_name = "FILE.toml", requires = "lever_mm", conflicts_with_all = ["preset", "law", "k_desired"])]
+    settings: Option<PathBuf>,
+    /// The lever of that scene, as `device identify` says it, mm.
+    #[arg(long, value_name = "MM", requires = "settings", allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of millimetres"))]
+    lever_mm: Option<f64>,
+    /// One law an axis, instead of one along the normal.
+    #[arg(long)]
+    per_axis: bool,
+    /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(100_u32, 10_000, "of Hz"))]
+    pub rate_hz: Option<u32>,
+    /// Longest force, N; default and most: the device's.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
+    force_limit_n: Option<f64>,
+    /// Leaves the energy guard out.
+    #[arg(long)]
+    pub no_guard: bool,
+}
+
+/// Of a word that was found among them.
+fn law(word: &str) -> LawKind {
+    let same = |kind: &&LawKind| kind.word() == word;
+    LawKind::ALL.iter().find(same).copied().unwrap_or_default()
+}
+
+/// The thesis' stiffness that is played where none is given, N/mm, and that for a device of which nothing is known.
+const THESIS_N_PER_MM: f64 = 5.0;
+const UNKNOWN_N_PER_MM: f64 = 1.0;
+
+/// What is played at what rate, with how long a force, and what is to be said of it before it begins.
+pub struct ChosenWall {
+    pub rate_hz: u32,
+    pub force_n: f64,
+    pub settings: WallSettings,
+    /// Where law and stiffness come from, in words.
+    pub source: String,
+    /// What the wall is known not to keep, and why.
+    pub caution: Option<String>,
+}
+
+/// Law, what its estimators are told, where both come from, and what is to be said of them.
+struct ChosenLaw {
+    law: Settings,
+    estimator: Option<[EstimatorSettings; 3]>,
+    source: String,
+    caution: Option<String>,
+}
+
+/// What the guard takes for sure of a device, SI: its least damping; the thesis' (§5.2) where nobody measured any.
+pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
+    let si = Si::saturating_from_num::<f64>;
+    // Rounded down, as the guard's own range is.
+    let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
+    GuardSettings {
+        capacity: si(0.04),
+        damping: si(damping_n_s_per_m),
+        overspeed: si(1.5),
+        delay: si(delay_s).min(tick_s),
+        ..GuardSettings::default()
+    }
+}
+
+fn least_damping(sheet: &DataSheet) -> f64 {
+    sheet.axes.map_or(OMEGA3_AXIS.damping, |axes| {
+        axes.iter()
+            .map(|axis| axis.damping)
+            .fold(f64::INFINITY, f64::min)
+    })
+}
+
+impl WallOptions {
+    /// For a device.
+    ///
+    /// # Errors
+    /// A rate that it does not have, a file that cannot be taken, a preset that it does not have.
+    pub fn chosen(&self, sheet: &DataSheet) -> Result<ChosenWall> {
+        let rate_hz = self.rate_hz.unwrap_or(sheet.rates_hz.1);
+        let (slowest, fastest) = sheet.rates_hz;
+        if !(slowest..=fastest).contains(&rate_hz) {
+            return Err(Error::Option {
+                option: "--rate-hz".into(),
+                problem: format!(
+                    "{} does {slowest} to {fastest} Hz, not {rate_hz}",
+                    sheet.name
+                ),
+                fix: "give one of these".into(),
+            });
+        }
+        let force_n = self
+            .force_limit_n
+            .unwrap_or(sheet.force_n)
+            .min(sheet.force_n);
+        let chosen = self.law(sheet, rate_hz)?;
+        let law = Settings {
+            rate_hz,
+            force_limit: Si::saturating_from_num(force_n),
+            ..chosen.law
+        };
+        let guard = guard(least_damping(sheet), sheet.delay_s, rate_hz);
+        Ok(ChosenWall {
+            rate_hz,
+            force_n,
+            settings: WallSettings {
+                law,
+                per_axis: self.per_axis,
+                guard: (!self.no_guard).then_some(guard),
+                estimator: chosen.estimator,
+                count_m: sheet.count_m,
+            },
+            source: chosen.source,
+            caution: chosen.caution,
+        })
+    }
+
+    fn law(&self, sheet: &DataSheet, rate_hz: u32) -> Result<ChosenLaw> {
+        if let (Some(file), Some(lever_mm)) = (&self.settings, self.lever_mm) {
+            return from_file(file, lever_mm, rate_hz);
+        }
+        let thesis = self.law.is_some() || self.k_desired.is_some();
+        let tuned = sheet
+            .axes
+            .and_then(|axes| TunedWall::for_axes(&axes, rate_hz));
+        match (self.preset, tuned) {
+            (Some(WallPreset::Tuned), _) if thesis => Err(Error::Option {
+                option: "--preset tuned".into(),
+                problem: "--law and --k-desired are for the thesis' settings".into(),
+                fix: "leave these out, or give --preset thesis".into(),
+            }),
+            (Some(WallPreset::Tuned), None) => Err(Error::Option {
+                option: "--preset tuned".into(),
+                problem: format!("none was tuned for {} at {rate_hz} Hz", sheet.name),
+                fix: "give another --rate-hz, or tune one: touchstone device identify".into(),
+            }),
+            (Some(WallPreset::Tuned), Some(wall)) => Ok(of_tuned(&wall, sheet, rate_hz)),
+            (None, Some(wall)) if !thesis => Ok(of_tuned(&wall, sheet, rate_hz)),
+            _ => Ok(self.thesis(sheet, rate_hz, tuned.is_none() && self.preset.is_none())),
+        }
+    }
+
+    /// The thesis' settings.
+    fn thesis(&self, sheet: &DataSheet, rate_hz: u32, untuned: bool) -> ChosenLaw {
+        let kind = self.law.unwrap_or_default();
+        let unknown = sheet.axes.is_none() && self.preset.is_none();
+        let k_desired = self.k_desired.unwrap_or(match unknown {
+            true => UNKNOWN_N_PER_MM,
+            false => THESIS_N_PER_MM,
+        });
+        let law = space::settings(kind, k_desired);
+        let soft = law.k_soft.to_num::<f64>() * 1e-3;
+        let caution = match (kind, k_desired > soft) {
+            (LawKind::EnhancedSfa | LawKind::Sfa, true) => Some(format!(
+                "above k_v, {soft} N/mm, this law shows its stiffness by an offset that it learns from measured states, and a press or a motion leans on what it has learnt: expect it beyond the scorecard's limits. --preset tuned is within them where one was tuned"
+            )),
+            _ if untuned => Some(format!(
+                "no wall was tuned for {} at {rate_hz} Hz: identify and tune it (docs/devices.md#identify-and-tune)",
+                sheet.name
+            )),
+            _ => None,
+        };
+        ChosenLaw {
+            law,
+            estimator: None,
+            source: "the thesis' settings".into(),
+            caution,
+        }
+    }
+}
+
+fn of_tuned(wall: &TunedWall, sheet: &DataSheet, rate_hz: u32) -> ChosenLaw {
+    let count_n = wall.k_desired_n_per_m * sheet.count_m;
+    ChosenLaw {
+        law: wall.settings(rate_hz, sheet.force_n),
+        estimator: Some([wall.estimator(); 3]),
+        source: format!("tuned for {}", wall.name),
+        // A held stiffness is told to 5 %, and half a count of depth is that.
+        caution: (count_n > 0.1 * PRESS_SHARE * sheet.force_n).then(|| {
+            format!(
+                "a count of {} is {count_n:.2} N in this wall: too coarse to tell what it shows",
+                sheet.name
+            )
+        }),
+    }
+}
+
+fn from_file(file: &std::path::Path, lever_mm: f64, rate_hz: u32) -> Result<ChosenLaw> {
+    let lever = Lever {
+        length_m: 1e-3 * lever_mm,
+    };
+    let scene = Scene::load("thesis-knob")?.with_settings(file)?;
+    let knob = scene.settings()?;
+    if knob.rate_hz != rate_hz {
+        return Err(Error::Option {
+            option: "--settings".into(),
+            problem: format!("it was tuned for {} Hz, not {rate_hz}", knob.rate_hz),
+            fix: format!("give --rate-hz {}, or tune it again", knob.rate_hz),
+        });
+    }
+    let estimated = knob.states == StatesKind::Estimated;
+    Ok(ChosenLaw {
+        law: lever.settings(&knob),
+        estimator: estimated.then(|| [lever.estimator(&knob.estimator); 3]),
+        source: file.display().to_string(),
+        caution: None,
+    })
+}
