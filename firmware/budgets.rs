@@ -12,10 +12,9 @@ pub const SPACE: u64 = 2_500;
 /// All that the law's side of a control tick may choose: the law, the estimator of its states and the guard of its energy. 5 us.
 pub const LAW: u64 = 850;
 
-/// The control interrupt, in any state and with any fault. 20.9 us: with the current loop twice on top 32 of a period's 100 us at the
-/// fastest rate, 10 kHz. It was 3,400 before the motor's heat, the desktop's silence and the magnet's field were watched, which take some
-/// 210 together.
-pub const CONTROL: u64 = 3_550;
+/// The control interrupt, in any state and with any fault. 20 us: with the current loop twice on top 31 of a period's 100 us at the
+/// fastest rate, 10 kHz. Two frames of an encoder on a bus are some 900 of it, spent waiting.
+pub const CONTROL: u64 = 3_400;
 
 /// The current loop, 5.3 us of each PWM period of 50 us.
 pub const CURRENT: u64 = 900;

@@ -7,6 +7,7 @@ use crate::law::{
     Augmentation, Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa,
     SfaState, Spring, SpringState, Tdpa, TdpaState, View,
 };
+use crate::quotient::over;
 use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::{
@@ -29,15 +30,6 @@ pub enum AnyLaw<N: Number> {
     Sfa(Sfa<N>, SfaState<N>),
     /// Enhanced successive force augmentation.
     Enhanced(EnhancedSfa<N>, EnhancedState<N>),
-}
-
-/// `a / b` towards zero for `b > 0`, saturating.
-fn over(a: Si, b: Si) -> Si {
-    if b <= Si::ZERO {
-        Si::MAX
-    } else {
-        a.saturating_div(b)
-    }
 }
 
 impl<N: Number> AnyLaw<N> {

@@ -55,6 +55,7 @@ pub mod magnitude;
 pub mod number;
 pub mod observer;
 pub mod quantity;
+pub mod quotient;
 pub mod reciprocal;
 pub mod settings;
 pub mod space;

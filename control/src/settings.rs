@@ -5,6 +5,7 @@
 pub type Si = fixed::types::I32F32;
 
 use crate::choices::*;
+use crate::quotient::over;
 
 macro_rules! structs {
     (
@@ -85,7 +86,7 @@ impl PositionSettings {
     pub fn of_counts_per_rev(counts: u32) -> Self {
         let counts = Si::saturating_from_num(counts.max(1));
         Self {
-            count: Si::TAU.saturating_div(counts).saturating_add(Si::DELTA),
+            count: over(Si::TAU, counts).saturating_add(Si::DELTA),
         }
     }
 }

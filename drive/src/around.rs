@@ -9,10 +9,12 @@
 //! The wall alone is the device's own law, as on boards without an environment, and costs what it costs there. Only a change
 //! under a hand makes an environment of it, until the next arming.
 
+use crate::change::ChangeConfig;
+use crate::hardware::Hardware;
 use crate::scenery::{Here, Scenery, law_tick};
-use touchstone_control::environment::{Environment, WallSettings};
+use touchstone_control::environment::{Counted, Environment, WallSettings};
 use touchstone_control::law::{Contact, View};
-use touchstone_control::{Controller, Fixed32, Force, Guarded, Position};
+use touchstone_control::{Controller, CountScale, Fixed32, Force, Guarded, Position, Si};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::settings::environment::{CountsFrom, Surround};
@@ -36,14 +38,35 @@ impl Surrounding {
     /// What is refused.
     #[cold]
     #[inline(never)]
-    pub fn new(settings: &DeviceSettings, environment: &Surround) -> Result<Self, SettingsError> {
+    pub fn new(
+        settings: &DeviceSettings,
+        hardware: &Hardware,
+        environment: &Surround,
+    ) -> Result<Self, SettingsError> {
         Ok(Self {
-            environment: environment.built(settings)?,
+            environment: built(settings, hardware, environment)?,
             is_more: environment.is_more_than_the_wall(),
             first: Surround::first(settings),
             per_tick: environment.change_per_tick(settings),
         })
     }
+}
+
+/// An environment, whose guard knows of the board's own delay where the position is measured when the force changes.
+///
+/// # Errors
+/// What is refused.
+pub fn built(
+    settings: &DeviceSettings,
+    hardware: &Hardware,
+    environment: &Surround,
+) -> Result<Environment<Fixed32>, SettingsError> {
+    let mut told = settings.clone();
+    if let Some(change) = ChangeConfig::new(settings, hardware)? {
+        told.law.guard.delay_s = change.delay_s;
+        told.law.guard.lag_s = change.lag_s;
+    }
+    environment.built(&told)
 }
 
 /// What waits in the place that does not run.
@@ -159,7 +182,7 @@ impl Around {
     /// Changes over under a hand.
     #[cold]
     #[inline(never)]
-    fn take_over(&mut self, law: &Law, here: &Here) {
+    fn take_over(&mut self, law: &Law, scale: CountScale) {
         self.turn();
         let [first, second] = &mut self.places;
         let (new, before) = if self.use_second {
@@ -173,7 +196,7 @@ impl Around {
                 new.environment.take_over(&before.environment, new.per_tick)
             }
             _ if self.ticked => {
-                let angle = here.at.scale.angle(self.count);
+                let angle = scale.angle(self.count);
                 new.environment
                     .take_over_from(law, &new.first, (angle, self.shown), new.per_tick);
             }
@@ -215,11 +238,11 @@ impl Scenery for Around {
     #[inline(always)]
     fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
         if self.waits == Waits::ForTheTick {
-            self.take_over(law, here);
+            self.take_over(law, here.at.scale);
         }
         let force = match (self.runs, self.now()) {
-            (true, Some(now)) => environment_tick(&mut now.environment, here),
-            _ => law_tick(law, here.penetration),
+            (true, Some(now)) => environment_tick(&mut now.environment, here.at, here.since_change),
+            _ => law_tick(law, here.penetration, here.since_change),
         };
         self.ticked = true;
         self.count = here.at.count;
@@ -275,6 +298,14 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
 
 /// The environment's tick, a function of its own in every program, as the law's.
 #[inline(never)]
-fn environment_tick(environment: &mut Environment<Fixed32>, here: &Here) -> Force<Fixed32> {
-    environment.tick(&here.at, None)
+fn environment_tick(
+    environment: &mut Environment<Fixed32>,
+    at: Counted,
+    since_change: Option<Position<Fixed32>>,
+) -> Force<Fixed32> {
+    let angle_since = |since: Position<Fixed32>| {
+        let angle = at.scale.angle(at.count);
+        angle.saturating_sub(Si::from_num(since.0))
+    };
+    environment.tick(&at, since_change.map(angle_since))
 }

@@ -2,6 +2,7 @@
 
 use crate::angle::ElectricalScale;
 use crate::calibration::CalibrationConfig;
+use crate::change::{ChangeConfig, law_settings};
 use crate::command::AnyDrive;
 use crate::current::CurrentConfig;
 use crate::hardware::Hardware;
@@ -30,6 +31,8 @@ pub struct Config {
     pub(crate) scale: CountScale,
     pub(crate) electrical: ElectricalScale,
     pub(crate) thermistor: Thermistor,
+    /// The position when the force changes, where it is measured.
+    pub(crate) change: Option<ChangeConfig>,
     /// By how much the torque's share grows in a tick while it fades in, 2^-32.
     pub(crate) fade_step: u32,
 }
@@ -50,18 +53,22 @@ impl Config {
             .unwrap_or(u32::MAX)
             .saturating_add(1);
         let counts = settings.encoder.counts_per_rev;
+        let (law, change) = law_settings(settings, hardware)?;
+        let mut current = CurrentConfig::new(settings, hardware)?;
+        current.read_at = change.map_or(0, |change| change.read_at);
         Ok(Self {
-            current: CurrentConfig::new(settings, hardware)?,
+            current,
             supervisor: SupervisorConfig::new(settings, hardware),
             calibration: CalibrationConfig::new(settings, hardware),
             measurement: MeasurementConfig::new(settings, hardware),
             drive: AnyDrive::new(settings)?,
-            law: Controller::new(&settings.law()).map_err(|error| refused(&error))?,
+            law: Controller::new(&law).map_err(|error| refused(&error))?,
             force_limit: Fixed32::saturating_signal(settings.law.force_limit_n_m),
             scale: CountScale::new(counts, settings.wall.surface_rad)
                 .ok_or_else(|| out_of_format("encoder.counts_per_rev", Si::ZERO))?,
             electrical: ElectricalScale::new(motor.pole_pairs, counts),
             thermistor: hardware.thermistor,
+            change,
             fade_step,
         })
     }
@@ -97,6 +104,7 @@ impl CurrentConfig {
             limit: narrow(motor.current_limit_a),
             trip: narrow(settings.limits.trip_current_a),
             periods_per_tick: periods_per_tick(settings, hardware),
+            read_at: 0,
         })
     }
 }

@@ -12,20 +12,19 @@ use crate::angle::Angle;
 #[cfg(feature = "large")]
 use crate::around::{Around, Surrounding};
 use crate::calibration::{Alignment, Calibration, Progress, failed};
-use crate::command::{DacCode, Drive, DriveCommand, Driven, Rotor};
+use crate::command::{DriveCommand, Rotor};
 use crate::config::{Config, Configs};
-use crate::current::{CurrentCommand, CurrentConfig, CurrentReport};
+use crate::current::{CurrentConfig, CurrentReport};
+use crate::encoder::EncoderReading;
 use crate::hardware::Hardware;
 use crate::input::ControlInput;
 use crate::measurement::{Measurement, Measuring};
+use crate::output::ControlOutput;
 use crate::record::Record;
 use crate::reset::ResetReason;
-use crate::scenery::{Here, Scenery, WallAlone};
+use crate::scenery::{Scenery, WallAlone};
 use crate::supervisor::power::Power;
 use crate::supervisor::{Found, Supervisor, Watch};
-use crate::units::clamp_i32;
-use fixed::types::I8F24;
-use touchstone_control::environment::Counted;
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, Force, Position};
 #[cfg(feature = "large")]
@@ -35,47 +34,6 @@ use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, MeasuringPart, Outputs, State,
 };
-
-/// What the firmware does after a control tick.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ControlOutput {
-    /// Whether anything may be on at all; `Off` clears the main output enable. `Off` exactly when `drive` is.
-    pub outputs: Outputs,
-    /// For the current loop or the analogue output, see [`ControlOutput::mailbox`] and [`ControlOutput::analogue`].
-    pub drive: DriveCommand,
-    /// Clear the timer's break flag: the fault was left by command.
-    pub clear_latches: bool,
-    /// The settings of this calibration differ from the last one's: rebuild the current loop from [`Device::current_config`]
-    /// before its next sample. The bridge is off.
-    pub reconfigure: bool,
-    /// Whether the command of this tick had an effect; `None` without one.
-    pub accepted: Option<bool>,
-    /// The telemetry record; also for the [`crate::Ring`], which is no part of the device: it is too large for a stack.
-    pub record: Record,
-}
-
-impl ControlOutput {
-    /// The current loop's mailbox: also when nothing is to move it gets a command, as a sign of life.
-    #[must_use]
-    pub const fn mailbox(&self) -> CurrentCommand {
-        match self.drive {
-            DriveCommand::Current(command) => command,
-            DriveCommand::Off | DriveCommand::Analogue(_) => CurrentCommand {
-                tick: self.record.tick,
-                ..CurrentCommand::OFF
-            },
-        }
-    }
-
-    /// The analogue output, and whether the amplifier is enabled.
-    #[must_use]
-    pub const fn analogue(&self) -> (DacCode, bool) {
-        match self.drive {
-            DriveCommand::Analogue(code) => (code, true),
-            DriveCommand::Off | DriveCommand::Current(_) => (DacCode::ZERO, false),
-        }
-    }
-}
 
 /// The device: settings made into coefficients, and everything that a control tick remembers.
 #[derive(Debug, Clone)]
@@ -97,6 +55,8 @@ pub struct Device {
     saturated: u16,
     /// The law showed a force in its last tick.
     pushes: bool,
+    /// What the encoder said when the force changed since the last tick.
+    read: Option<Position<Fixed32>>,
     record: Record,
 }
 
@@ -121,6 +81,7 @@ impl Device {
             settings_refused: false,
             saturated: 0,
             pushes: false,
+            read: None,
             record: Record::empty(),
         })
     }
@@ -217,6 +178,20 @@ impl Device {
         self.alignment
     }
 
+    /// What the encoder says at the time that [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) names, for the next tick.
+    /// Of a tick that drives and in which this was not called, or with a reading that is bad, the next one is without a good reading as well.
+    pub fn read_change(&mut self, reading: EncoderReading) {
+        let config = self.configs.now();
+        if config.change.is_none() {
+            return;
+        }
+        let count = self
+            .supervisor
+            .shaft()
+            .at(config.supervisor.shaft(), reading);
+        self.read = count.map(|count| config.scale.penetration(count.saturating_sub(self.zero)));
+    }
+
     /// One control tick, with the wall of the settings alone.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
         self.tick_with(input, &mut WallAlone)
@@ -242,10 +217,12 @@ impl Device {
         let before = self.machine.state();
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
             || input.command == Some(Command::Calibrate);
+        let read = self.read.take();
         let watch = Watch {
             watched,
             may_be_on: self.machine.outputs() == Outputs::On,
             driven: before == State::Armed && self.record.law_ran,
+            untold: read.is_none() && self.configs.now().change.is_some(),
         };
         let verdict = self
             .supervisor
@@ -272,9 +249,13 @@ impl Device {
         let after = self.machine.state();
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
+        let last = self.record.penetration;
         self.observe(tick, input, verdict.count);
         let (drive, limits) = match (after, verdict.count) {
-            (State::Armed, Some(_)) => self.display(tick, verdict.derating, verdict.count, scenery),
+            (State::Armed, Some(_)) => {
+                self.since_change(last, read);
+                self.display(tick, verdict.derating, verdict.count, scenery)
+            }
             (State::Calibrating, _) => (calibration_drive(progress), Limits::NONE),
             _ => (DriveCommand::Off, Limits::NONE),
         };
@@ -415,68 +396,10 @@ impl Device {
         record.law_ran = false;
         record.force = Force::zero();
         record.torque = Force::zero();
+        record.since_change = Position::zero();
         record.offset = Position::zero();
         record.energy = None;
         record.contact = Contact::Free;
-    }
-
-    /// One tick of the law, and what becomes of its force.
-    fn display(
-        &mut self,
-        tick: u32,
-        derating: u32,
-        count: Option<i64>,
-        scenery: &mut impl Scenery,
-    ) -> (DriveCommand, Limits) {
-        let here = Here {
-            at: Counted {
-                scale: self.configs.now().scale,
-                count: self.record.count,
-            },
-            penetration: self.record.penetration,
-        };
-        let force = scenery.tick(&mut self.law, &here);
-        let view = scenery.view(&self.law);
-        let fading = self.fade < u32::MAX;
-        self.fade = self.fade.saturating_add(self.configs.now().fade_step);
-        let torque = torque_of(force, fading.then_some(self.fade));
-
-        let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
-        let driven = self.configs.now().drive.command(torque, &rotor);
-        if fading || driven.torque != torque {
-            let torque = driven.torque.0.to_bits().saturating_neg();
-            scenery.commanded(&mut self.law, Force(I8F24::from_bits(torque)));
-        }
-        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
-        if scenery.is_tripped(&self.law) {
-            if pushed || view.contact != Contact::Free {
-                let speed = self.record.speed_rad_per_s;
-                self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
-            } else {
-                // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
-                scenery.again(&mut self.law, &self.configs.now().law);
-            }
-        }
-        let Driven {
-            command: drive,
-            limits,
-            ..
-        } = driven;
-        let record = &mut self.record;
-        record.law_ran = true;
-        record.force = force;
-        record.torque = driven.torque;
-        record.offset = view.offset;
-        record.energy = view.energy;
-        record.contact = view.contact;
-        let full = force.modulus().0 >= self.configs.now().force_limit;
-        (
-            drive,
-            limits
-                .with(Limit::FadeIn, fading)
-                .with(Limit::Force, full)
-                .with(Limit::Beside, scenery.runs()),
-        )
     }
 
     /// The rest of the record.
@@ -508,17 +431,9 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
     }
 }
 
-/// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
-/// 1 - 2^-32, and all of it when the fading is over.
-#[inline(always)]
-pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
-    let wide = i64::from(force.0.to_bits());
-    let faded = match share {
-        Some(share) => (wide * i64::from(share >> 1)) >> 31,
-        None => wide,
-    };
-    Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
-}
-
+mod display;
 #[cfg(test)]
 mod tests;
+
+#[cfg(feature = "wire")]
+pub(crate) use display::torque_of;

@@ -27,6 +27,7 @@ pub mod angle;
 #[cfg(feature = "large")]
 pub mod around;
 pub mod calibration;
+pub mod change;
 pub mod command;
 pub mod config;
 pub mod current;
@@ -38,6 +39,7 @@ pub mod input;
 pub mod mailbox;
 pub mod measurement;
 pub mod modulation;
+pub mod output;
 pub mod pi;
 pub mod record;
 pub mod reset;
@@ -62,10 +64,11 @@ pub use current::{
     BridgeCommand, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode, CurrentOutput,
     CurrentReport, CurrentSample, Trip,
 };
-pub use device::{ControlOutput, Device};
+pub use device::Device;
 pub use encoder::{EncoderError, EncoderKind, EncoderReading};
 pub use hardware::Hardware;
 pub use input::ControlInput;
+pub use output::ControlOutput;
 pub use record::Record;
 pub use reset::{ResetFlags, ResetReason};
 pub use ring::{CompactRecord, Ring};

@@ -23,6 +23,9 @@ pub struct Record {
     pub law_ran: bool,
     /// Penetration `e`, rad; as of the last good reading.
     pub penetration: Position<Fixed32>,
+    /// How far the device has moved since the force changed, had all of the change come at once, rad; 0 where that is not measured
+    /// ([`crate::change`]).
+    pub since_change: Position<Fixed32>,
     /// Force out of the law, N·m.
     pub force: Force<Fixed32>,
     /// The law's offset, rad.
@@ -57,6 +60,7 @@ impl Record {
             count: 0,
             law_ran: false,
             penetration: Position::zero(),
+            since_change: Position::zero(),
             force: Force::zero(),
             offset: Position::zero(),
             energy: None,

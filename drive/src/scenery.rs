@@ -19,6 +19,8 @@ pub(crate) struct Here {
     pub at: Counted,
     /// How deep that is behind the surface of the settings' wall.
     pub penetration: Position<Fixed32>,
+    /// How far it has moved since the force changed; `None` where that is not measured.
+    pub since_change: Option<Position<Fixed32>>,
 }
 
 /// What a control tick does with what there is to touch. The law of the settings' wall is the device's own.
@@ -58,7 +60,7 @@ impl Scenery for WallAlone {
 
     #[inline(always)]
     fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
-        law_tick(law, here.penetration)
+        law_tick(law, here.penetration, here.since_change)
     }
 
     #[inline(always)]
@@ -87,6 +89,11 @@ impl Scenery for WallAlone {
 
 /// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
 #[inline(never)]
-pub(crate) fn law_tick(law: &mut Law, penetration: Position<Fixed32>) -> Force<Fixed32> {
-    law.tick(penetration)
+pub(crate) fn law_tick(
+    law: &mut Law,
+    penetration: Position<Fixed32>,
+    since_change: Option<Position<Fixed32>>,
+) -> Force<Fixed32> {
+    let at_change = since_change.map(|since| penetration - since);
+    law.tick_with_change(penetration, at_change)
 }

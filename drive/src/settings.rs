@@ -1,5 +1,6 @@
 //! What a board's power stage allows of the ranges of [`DeviceSettings`], and the bounds that settings set each other.
 
+use crate::change::ChangeConfig;
 use crate::hardware::Hardware;
 use touchstone_control::Si;
 use touchstone_protocol::settings::fields::{range, within};
@@ -43,10 +44,10 @@ pub fn validate(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), Se
         let only = const { Si::lit("16384") };
         within("encoder.counts_per_rev", counts, (only, only))?;
     }
-    match settings.drive.kind {
-        DriveKind::ThreePhase => validate_motor(settings, hardware),
-        DriveKind::Analogue => Ok(()),
+    if settings.drive.kind == DriveKind::ThreePhase {
+        validate_motor(settings, hardware)?;
     }
+    ChangeConfig::new(settings, hardware).map(|_| ())
 }
 
 fn validate_motor(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), SettingsError> {

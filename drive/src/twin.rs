@@ -87,7 +87,12 @@ impl Twin {
             self.knows = Knows::Little(0);
             return None;
         }
-        let force = self.law.tick(Position(record.penetration_rad));
+        let now = Position(record.penetration_rad);
+        let at_change = now - Position(record.since_change_rad);
+        let measures = self.config.change.is_some();
+        let force = self
+            .law
+            .tick_with_change(now, measures.then_some(at_change));
         self.becomes_of(force, limits);
         if let Knows::Little(outside) = &mut self.knows {
             let is_outside = record.penetration_rad <= 0 && !limits.has(Limit::FadeIn);

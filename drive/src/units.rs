@@ -3,6 +3,8 @@
 use fixed::types::I16F16;
 use touchstone_control::Si;
 
+pub(crate) use touchstone_control::quotient::quotient;
+
 /// Settings are `I32F32`, currents and voltages `I16F16`: half the fraction, saturating.
 pub(crate) const fn narrow(value: Si) -> I16F16 {
     I16F16::from_bits(clamp_i32(value.to_bits() >> 16))
@@ -26,17 +28,6 @@ pub(crate) const fn clamp_i32(value: i64) -> i32 {
 #[inline(always)]
 pub(crate) const fn product(a: i32, b: i32, shift: u32) -> i32 {
     clamp_i32((a as i64 * b as i64) >> shift)
-}
-
-/// `a / b`, saturating; the largest value with the sign of `a` for `b = 0`. Not a part of its callers, none of which is a tick: a
-/// division of 128 bits is long, and the smaller board's flash is short.
-#[inline(never)]
-pub(crate) fn quotient(a: Si, b: Si) -> Si {
-    if b == Si::ZERO {
-        if a < Si::ZERO { Si::MIN } else { Si::MAX }
-    } else {
-        a.saturating_div(b)
-    }
 }
 
 /// Thousandths of a value with 16 fractional bits, saturating: mA of A, mV of V.

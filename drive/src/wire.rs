@@ -50,6 +50,7 @@ impl From<&Record> for Telemetry {
             tick: record.tick,
             count: i32::try_from(record.count).unwrap_or(limit),
             penetration_rad: record.penetration.0,
+            since_change_rad: record.since_change.0,
             force_n_m: record.force.0,
             offset_rad: record.offset.0,
             // From 48 fractional bits to 32, and ±32,768 fits: exact but for the bits that are dropped.

@@ -1,6 +1,6 @@
 //! What the program costs: instructions and table cycles of the law, of the control interrupt, of the current loop; the stack.
 
-use touchstone_control::Si;
+use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{DeviceCommand, Phase, Request};
 use touchstone_world::plant::{FIRM, Hand, MEDIUM};
@@ -78,7 +78,10 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "press, 2 kHz",
-        settings: |settings| settings.timing.rate_hz = 2_000,
+        settings: |settings| {
+            settings.timing.rate_hz = 2_000;
+            settings.law.guard.change = ChangeOfForce::Estimated;
+        },
         hand: MEDIUM,
         torque_n_m: 0.1,
         ramp_s: 0.3,

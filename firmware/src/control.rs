@@ -165,6 +165,12 @@ impl Control {
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
+    /// Between two ticks: the encoder when the force changes.
+    #[inline]
+    pub fn read_change(&mut self) {
+        self.device.read_change(reading(self.encoder));
+    }
+
     /// The tick took so many cycles.
     #[inline]
     pub fn ended(&mut self, cycles: u32) {

@@ -24,6 +24,10 @@ use crate::{analogue, board, cycles, pwm, supply, window};
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// Cycle counter when the control tick became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
+/// A control tick is due and has not begun. Where none is, the same interrupt is pended for the encoder alone.
+static TICK_DUE: AtomicBool = AtomicBool::new(false);
+/// A reading that comes later is of another moment than the one that it is for: none.
+const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
 /// New compare values came after the counter's turn in the last period, so that they count a period later.
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
@@ -99,7 +103,9 @@ fn ADC1_2() {
         analogue::off();
     }
     REPORT.put(current.report());
-    if output.pend_control {
+    // A tick that is due takes the place of a reading that did not come, and none is asked for while one is still due.
+    if output.pend_control || output.reads_change && !TICK_DUE.load(Relaxed) {
+        TICK_DUE.store(output.pend_control, Relaxed);
         DUE.store(begun, Relaxed);
         NVIC::pend(interrupt::LPTIM1);
     }
@@ -132,19 +138,29 @@ fn PVD_PVM() {
     supply::take();
 }
 
-/// Priority 2, one control tick. No timer raises it: the current loop pends it.
+/// Priority 2, one control tick, or within one a reading of the encoder. No timer raises it: the current loop pends it.
 #[interrupt]
 fn LPTIM1() {
+    // First: a tick that becomes due after this is another turn's.
+    let is_tick = TICK_DUE.load(Relaxed);
     let begun = cycles::now();
     // SAFETY: this is the handler that it belongs to, and calls it once.
     let Some(control) = (unsafe { CONTROL.mine() }) else {
         return;
     };
+    let lateness = begun.wrapping_sub(DUE.load(Relaxed));
+    if !is_tick {
+        if lateness < CHANGE_LATE {
+            control.read_change();
+        }
+        return;
+    }
+    TICK_DUE.store(false, Relaxed);
     control.tick(&Readings {
         report: REPORT.get(),
         hardware_break: BREAK.load(Relaxed),
         brown_out: BROWN_OUT.load(Relaxed),
-        lateness: begun.wrapping_sub(DUE.load(Relaxed)),
+        lateness,
     });
     CONTROL_LIVES.store(true, Relaxed);
     control.ended(cycles::now().wrapping_sub(begun));

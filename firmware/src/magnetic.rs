@@ -9,6 +9,8 @@ use touchstone_drive::encoder::{
     AS5047P_READ_ANGLE, EncoderKind, EncoderReading, Frames, Question,
 };
 
+use crate::cycles;
+
 /// The chip select, PD2.
 const SELECT: usize = 2;
 /// 350 ns, the AS5047P's time between select and clock, and between two frames; cycles.
@@ -65,16 +67,15 @@ fn as5047p() -> EncoderReading {
     let frame = |word| {
         select();
         let answer = exchange16(word);
-        deselect();
-        answer
+        (deselect(), answer)
     };
     let asked = Question::of(ASKED.swap(0, Relaxed));
-    let Some(first) = frame(AS5047P_READ_ANGLE) else {
+    let (ended, Some(first)) = frame(AS5047P_READ_ANGLE) else {
         return EncoderReading::Silent;
     };
     let question = Question::after(first);
-    cortex_m::asm::delay(SETTLE);
-    let Some(angle) = frame(question.frame()) else {
+    settle(ended);
+    let (_, Some(angle)) = frame(question.frame()) else {
         return EncoderReading::Silent;
     };
     ASKED.store(question.frame(), Relaxed);
@@ -96,20 +97,28 @@ fn mt6701() -> EncoderReading {
 
 fn select() {
     GPIOD.bsrr().write(|w| w.set_br(SELECT, true));
-    cortex_m::asm::delay(SETTLE);
+    settle(cycles::now());
 }
 
-/// Until the next frame it must rest for [`SETTLE`]; until the next tick it does.
-fn deselect() {
+/// When that was: until the next frame it must rest for [`SETTLE`]; until the next tick it does.
+fn deselect() -> u32 {
     GPIOD.bsrr().write(|w| w.set_bs(SELECT, true));
+    cycles::now()
+}
+
+/// Waits until [`SETTLE`] has passed. By the cycle counter, as a counted loop takes five times as long; and where a debugger has
+/// stopped that counter, by one.
+fn settle(since: u32) {
+    let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }
 
 /// Takes away what a frame that was given up left behind: at most the four bytes of the queue.
 fn drain() {
     for _ in 0..4 {
-        if SPI3.sr().read().rxne() {
-            let _ = SPI3.dr8().read();
+        if !SPI3.sr().read().rxne() {
+            return;
         }
+        let _ = SPI3.dr8().read();
     }
 }
 

@@ -4,6 +4,7 @@ use touchstone_drive::around::Surrounding;
 use touchstone_drive::{DeviceSettings, SettingsError};
 use touchstone_protocol::{CountsFrom, Surround};
 
+use crate::board;
 use crate::control::AROUND;
 use crate::requests::control;
 use crate::shared::InThread;
@@ -16,7 +17,7 @@ pub fn give(
     settings: &DeviceSettings,
     environment: &Surround,
 ) -> Result<Option<CountsFrom>, SettingsError> {
-    let surrounding = Surrounding::new(settings, environment)?;
+    let surrounding = Surrounding::new(settings, &board::HARDWARE, environment)?;
     Ok(control(here, |control| {
         AROUND.in_thread(here, |around| control.device.surround(around, &surrounding))
     }))

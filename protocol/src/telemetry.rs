@@ -7,7 +7,7 @@ use fixed::types::I8F24;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// One control tick. Small numbers take few bytes: a tick at rest has 16, a busy one about 30, none more than [`TELEMETRY_MAX`].
+/// One control tick. Small numbers take few bytes: a tick at rest has 17, a busy one about 32, none more than [`TELEMETRY_MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Telemetry {
     /// Number of the tick since the reset, modulo 2^32; a gap is what the port could not carry.
@@ -17,6 +17,10 @@ pub struct Telemetry {
     /// Penetration of the wall, rad; negative outside.
     #[serde(with = "bits")]
     pub penetration_rad: I8F24,
+    /// How far the device has moved inwards since the force changed, had all of the change come at once, rad; 0 where that is not
+    /// measured.
+    #[serde(with = "bits")]
+    pub since_change_rad: I8F24,
     /// Torque that the law commands, N·m, positive out of the wall.
     #[serde(with = "bits")]
     pub force_n_m: I8F24,
@@ -41,8 +45,8 @@ pub struct Telemetry {
     pub measuring: Option<MeasuringTick>,
 }
 
-/// No record takes more bytes: eleven numbers of 32 bits, one of 64, five bytes.
-pub const TELEMETRY_MAX: usize = 11 * 5 + 10 + 5;
+/// No record takes more bytes: twelve numbers of 32 bits, one of 64, five bytes.
+pub const TELEMETRY_MAX: usize = 12 * 5 + 10 + 5;
 
 /// State of the device, without the fault's context.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -180,6 +180,7 @@ struct Policy {
     before: f64,
     force: f64,
     change: f64,
+    was_late: bool,
 }
 
 impl Policy {
@@ -190,6 +191,7 @@ impl Policy {
             before: 0.0,
             force: 0.0,
             change: 0.0,
+            was_late: false,
         }
     }
 }
@@ -199,10 +201,12 @@ impl Hand for Policy {
         0.0
     }
     fn go(&mut self, tick: u32, late: bool, force: f64, seconds: f64) -> (f64, f64) {
-        if late {
+        // Once a tick, however many parts it has.
+        if late && !self.was_late {
             self.change = force - self.force;
             self.force = force;
         }
+        self.was_late = late;
         let n = &self.weights;
         let phase =
             std::f64::consts::TAU * frequency(n[2 * FEATURES + 1]) * f64::from(tick) * TICK_S;

@@ -30,6 +30,10 @@ pub trait Tamper {
     fn input(&mut self, _tick: u32, _input: &mut ControlInput) -> bool {
         true
     }
+    /// What the encoder says when the force changes; `None` where nobody asked it.
+    fn change(&mut self, _tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
+        Some(reading)
+    }
     /// The bus voltage, V.
     fn bus_v(&mut self, _tick: u32) -> f64 {
         24.0
@@ -190,6 +194,12 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
             (_, before) => before,
         };
         self.preloaded = off_or(out.bridge);
+        if out.reads_change {
+            let reading = self.reading();
+            if let Some(reading) = self.tamper.change(next, reading) {
+                self.device.read_change(reading);
+            }
+        }
         if out.pend_control {
             self.control();
         }

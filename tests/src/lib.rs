@@ -1,6 +1,8 @@
 //! What the tests across the crates share: motions, a flash memory, random numbers, the estimator in matrices, every variant of every law.
 
 pub mod adversary;
+pub mod board_loop;
+pub mod environment;
 pub mod estimator;
 pub mod flash;
 pub mod grain;

@@ -4,6 +4,7 @@
 //! lets them; either way force times displacement and damping are summed over what really happened, in `f64`, and not over
 //! what was measured.
 
+use crate::board_loop::{BoardLoop, Stretch};
 use touchstone_control::{
     ChangeOfForce, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice,
     Position, Reported, Settings, Si, Warning,
@@ -104,8 +105,12 @@ pub trait Hand {
 /// What is in front of the hand.
 #[derive(Debug, Clone)]
 pub struct Port {
-    /// From sample to force, in ticks, 0 to 1.
+    /// From sample to force, in ticks, 0 to 1; not where there is a board's current loop.
     pub delay_ticks: f64,
+    /// Whether that board reads its encoder when the force changes.
+    pub reads: bool,
+    /// How a board's force comes about, instead of all at once.
+    pub board: Option<BoardLoop>,
     /// Whether positions are measured in counts.
     pub counts: bool,
     /// Whether the guard is told so.
@@ -157,6 +162,8 @@ impl Port {
     pub fn new(law: impl Into<PortLaw>, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
         Self {
             delay_ticks,
+            board: None,
+            reads: true,
             counts,
             told: counts,
             law: law.into(),
@@ -212,6 +219,8 @@ impl Port {
         let mut told = sample(x);
         let mut at_change = told;
         let mut acting = 0.0;
+        let mut board = self.board;
+        let mut stretches: Vec<Stretch> = Vec::new();
         let mut law = Working::of(&self.law, told, self.force_limit_n_m);
         let (mut out, mut lowest, mut lowest_above) = (0.0_f64, 0.0_f64, 0.0_f64);
         let mut outcome = Outcome {
@@ -220,6 +229,11 @@ impl Port {
         };
         for tick in 0..ticks {
             let now = sample(x);
+            if let Some(board) = &board {
+                // What was read is in `at_change`, and what follows from it takes its place.
+                let since = board.change.since_change(at_change - told, now - at_change);
+                at_change = if self.reads { now - since } else { told };
+            }
             let ways = [
                 now - told,
                 if measured {
@@ -250,7 +264,15 @@ impl Port {
             lowest_above = lowest_above.min(out - refilled);
             let new = Fixed32::signal_to_f64(force.0);
             outcome.changes_n_m += (new - acting).abs();
-            for (late, force, seconds) in [(false, acting, early_s), (true, new, late_s)] {
+            match &mut board {
+                Some(board) => board.tick(new, &mut stretches),
+                None => {
+                    stretches.clear();
+                    stretches.extend([(false, acting, early_s), (true, new, late_s)]);
+                }
+            }
+            let mut gone_s = 0.0;
+            for &(late, force, seconds) in &stretches {
                 if seconds > 0.0 {
                     let (to, damped) = hand.go(tick, late, force, seconds);
                     out -= force * (to - x) + damped;
@@ -259,7 +281,8 @@ impl Port {
                 if !late {
                     at_change = sample(x);
                 }
-                let refilled = refilled + refill_w * if late { TICK_S } else { early_s };
+                gone_s += seconds;
+                let refilled = refilled + refill_w * gone_s;
                 outcome.worst_window_j = outcome.worst_window_j.max(out - lowest);
                 outcome.above_refill_j = outcome.above_refill_j.max(out - refilled - lowest_above);
             }

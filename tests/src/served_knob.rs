@@ -195,7 +195,7 @@ impl Backend for ServedKnob {
         settings: &DeviceSettings,
         environment: &Surround,
     ) -> Option<Result<CountsFrom, SettingsError>> {
-        let surrounding = Surrounding::new(settings, environment);
+        let surrounding = Surrounding::new(settings, &IHM08M1, environment);
         let knob = &mut self.knob;
         Some(surrounding.map(|it| knob.device.surround(&mut knob.around, &it)))
     }

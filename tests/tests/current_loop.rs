@@ -1,12 +1,14 @@
 //! The current loop around the simulated motor: how fast, how exact, and what it does at its limits.
 
+use touchstone_control::{Fixed32, Position, Si};
+use touchstone_drive::change::ChangeConfig;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{
     Amps, Angle, BridgeCommand as Out, CurrentCommand, CurrentConfig, CurrentLoop, CurrentMode,
     CurrentOutput, CurrentSample, DeviceSettings,
 };
-use touchstone_protocol::FaultCode;
+use touchstone_protocol::{Board, FaultCode};
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
 use touchstone_world::plant::{BareLinear, Device, State};
 
@@ -146,6 +148,85 @@ fn a_step_of_current_is_there_in_a_millisecond_without_overshoot() {
         }
         assert!(most < 0.5 * 1.0 + 0.02, "overshoot: {most}");
     }
+}
+
+/// What the guard's books rest on: how much of a change of force is missing when the encoder is read once more, and how late the change is in
+/// the mean; with the motor's and the bridge's own time, and a reading a quarter of a period after each sample.
+#[test]
+fn a_step_of_current_comes_as_the_guard_counts_on() {
+    let settings = DeviceSettings::defaults(Board::NucleoG474re);
+    let change = ChangeConfig::new(&settings, &IHM08M1).unwrap().unwrap();
+    let mut setup = Setup::new(&BLOCKED, 24.0);
+    setup
+        .current
+        .reconfigure(CurrentConfig::new(&settings, &IHM08M1).unwrap());
+    setup.wanted.mode = CurrentMode::Offsets;
+    for _ in 0..1_100 {
+        setup.period();
+    }
+    setup.wanted.mode = CurrentMode::Drive;
+    setup.hold(0.0, 0.0);
+    setup.tick();
+    setup.hold(0.0, 1.0);
+    setup.tick();
+    // The current at the end of each half period since the sample of the tick that asks for it.
+    let missing = |setup: &Setup| 1.0 - setup.rig.dq_a().1;
+    let mut halves = vec![1.0, 1.0, missing(&setup)];
+    for _ in 1..=20 {
+        setup.period();
+        halves.push(f64::NAN);
+        halves.push(missing(&setup));
+    }
+    for at in (3..halves.len()).step_by(2) {
+        halves[at] = (halves[at - 1] + halves[at + 1]) / 2.0;
+    }
+    // The shunts are not quite what the loop takes them for: of what it comes to in the end.
+    for _ in 0..400 {
+        setup.period();
+    }
+    let there = missing(&setup);
+    let at = |t: f64| {
+        let (whole, part) = ((2.0 * t) as usize, (2.0 * t).fract());
+        let missing = halves[whole] * (1.0 - part) + halves[whole + 1] * part;
+        (missing - there) / (1.0 - there)
+    };
+    let mean = |from: f64, to: f64| {
+        let steps = 400;
+        let h = (to - from) / f64::from(steps);
+        (0..steps)
+            .map(|i| at(from + h * (f64::from(i) + 0.5)))
+            .sum::<f64>()
+            / f64::from(steps)
+    };
+    let read = f64::from(change.read_at) + 0.25;
+    let whole_s = mean(0.25, 20.25) * 20.0 * PERIOD_S;
+    let told_s: f64 = change.delay_s.to_num::<f64>() + change.lag_s.to_num::<f64>();
+    // What the guard makes of a way that is all before the reading, and all after it.
+    let unit = Position::<Fixed32>::from_si(Si::ONE).unwrap();
+    let lag = change.lag_s.to_num::<f64>();
+    let own = lag / (1e-3 - change.delay_s.to_num::<f64>());
+    let counted = |before, after| {
+        let since = change.since_change(before, after).to_f64();
+        1.0 - since * (1.0 - own)
+    };
+    let (first, second) = (
+        counted(unit, Position::zero()),
+        counted(Position::zero(), unit),
+    );
+    println!(
+        "read after {} periods: {first:.3} and {second:.3} counted, {:.3} and {:.3} there; late by {:.1} us, {:.1} there; lag {:.2} us; rest {:.4}",
+        change.read_at,
+        mean(0.25, read),
+        mean(read, 20.25),
+        1e6 * told_s,
+        1e6 * whole_s,
+        1e6 * lag,
+        at(20.25)
+    );
+    assert!((first - mean(0.25, read)).abs() < 0.02);
+    assert!((second - mean(read, 20.25)).abs() < 0.01);
+    assert!((told_s - whole_s).abs() < 5e-6);
+    assert!(at(20.25).abs() < 0.02);
 }
 
 #[test]

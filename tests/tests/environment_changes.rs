@@ -1,38 +1,14 @@
 //! An environment that is changed under a hand: no jump in force beyond the stated rate, and no new account.
 
-use touchstone_control::environment::{
-    Counted, DetentSettings, Environment, Face, Side, WallSettings,
-};
-use touchstone_control::{
-    Controller, CountScale, Fixed32, Force, LawKind, Settings, Si, StatesKind,
-};
+use touchstone_control::environment::{DetentSettings, Environment, Side, WallSettings};
+use touchstone_control::{Controller, Fixed32, Force, LawKind, Settings, Si, StatesKind};
+use touchstone_tests::environment::{at, encoder, wall};
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
 const RATE_HZ: u32 = 1_000;
 /// N·m/s.
 const RATE: &str = "0.5";
-
-fn encoder() -> CountScale {
-    CountScale::new(40_000, Si::ZERO).unwrap()
-}
-
-fn at(count: i64) -> Counted {
-    Counted {
-        scale: encoder(),
-        count,
-    }
-}
-
-fn wall(surface: &str, side: Side) -> WallSettings {
-    WallSettings {
-        face: Face {
-            surface: si(surface),
-            side,
-        },
-        k_desired: si("5"),
-    }
-}
 
 fn settings(law: LawKind, states: StatesKind) -> Settings {
     let mut settings = Settings {

@@ -1,5 +1,6 @@
 //! The board with the small motor starts with the wall of the scene `gimbal-knob`.
 
+use touchstone_control::ChangeOfForce;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::{Board, DeviceSettings};
 use touchstone_sim::scene::Scene;
@@ -11,7 +12,11 @@ fn the_board_starts_with_the_scenes_wall() {
     let settings = DeviceSettings::defaults(BOARD);
     assert_eq!(checked(&settings, BOARD), Ok(()));
     let scene = Scene::load("gimbal-knob").unwrap();
-    assert_eq!(settings.law(), scene.settings().unwrap());
+    // A board reads its encoder when the force changes, and knows of its own delay.
+    let mut law = settings.law();
+    assert_eq!(law.guard.change, ChangeOfForce::Measured);
+    law.guard.change = ChangeOfForce::Estimated;
+    assert_eq!(law, scene.settings().unwrap());
 }
 
 #[test]

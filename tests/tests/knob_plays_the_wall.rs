@@ -1,13 +1,19 @@
 //! The whole knob, from encoder frame to motor current: its force is the simulator's controller's, to the bit, for the counts that
 //! it read; the motor's torque is that force; and the wall holds the hand.
 
-use touchstone_control::{Controller, CountScale, Fixed32, Force, Si};
+use touchstone_control::{ChangeOfForce, Controller, CountScale, Fixed32, Force, Position, Si};
+use touchstone_drive::change::law_settings;
+use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{DeviceSettings, EncoderKind, Record};
-use touchstone_protocol::{Limit, State};
+use touchstone_protocol::{Board, Limit, State};
 use touchstone_tests::knob::{Honest, Knob, honest};
 
 fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings {
-    let mut settings = DeviceSettings::default();
+    let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+    if rate_hz > 1_000 {
+        // The current loop is not done with a change within such a tick.
+        settings.law.guard.change = ChangeOfForce::Estimated;
+    }
     settings.wall.k_desired_n_m_per_rad = Si::from_str(k_desired).unwrap();
     settings.timing.rate_hz = rate_hz;
     settings.encoder.kind = kind;
@@ -36,14 +42,16 @@ fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
 
 /// The force of a fresh controller for the recorded counts, and whether each equals the recorded one.
 fn replayed(settings: &DeviceSettings, records: &[Record]) {
-    let mut wall = Controller::<Fixed32>::new(&settings.law()).unwrap();
+    let (law, change) = law_settings(settings, &IHM08M1).unwrap();
+    let mut wall = Controller::<Fixed32>::new(&law).unwrap();
     let scale =
         CountScale::new(settings.encoder.counts_per_rev, settings.wall.surface_rad).unwrap();
-    let mut felt = 0;
+    let (mut felt, mut held, mut told) = (0, false, false);
     for record in records {
         assert!(record.law_ran && record.state == State::Armed, "{record:?}");
         let e = scale.penetration::<Fixed32>(record.count);
-        let force = wall.tick(e);
+        let at_change = change.map(|_| e - record.since_change);
+        let force = wall.tick_with_change(e, at_change);
         wall.commanded(Force::zero() - record.torque);
         assert_eq!(
             (record.penetration, record.force),
@@ -54,8 +62,12 @@ fn replayed(settings: &DeviceSettings, records: &[Record]) {
         let view = wall.view();
         assert_eq!((record.offset, record.energy), (view.offset, view.energy));
         felt += u32::from(force != Force::zero());
+        held |= wall.guard.is_some_and(|guard| guard.limited);
+        told |= record.since_change != Position::zero();
     }
     assert!(felt > 500, "{felt} ticks in the wall");
+    assert!(!held, "the guard made the wall softer");
+    assert_eq!(told, change.is_some());
 }
 
 #[test]
@@ -71,6 +83,40 @@ fn the_force_is_the_simulators_to_the_bit() {
         let records = press(&mut knob, 3.0, rate);
         replayed(&settings, &records);
         assert_eq!(knob.fault(), None);
+    }
+}
+
+/// What a guard that is told of the board's delay, and reads the encoder when the force changes, costs a hand that means no harm: nothing.
+#[test]
+fn a_guard_that_is_told_changes_no_force_of_a_press() {
+    for (k, kind) in [
+        ("1", EncoderKind::As5047p),
+        ("5", EncoderKind::Incremental),
+        ("5", EncoderKind::Mt6701),
+    ] {
+        let forces = |change: ChangeOfForce, capacity: &str| {
+            let mut settings = settings(k, 1_000, kind);
+            settings.law.guard.change = change;
+            settings.law.guard.capacity_j = Si::from_str(capacity).unwrap();
+            let mut knob = honest(&settings).armed();
+            let mut records = press(&mut knob, 3.0, 1_000);
+            // To and fro in the wall, at 4 Hz.
+            let start = knob.rig.now().angle_rad;
+            for tick in 0..1_000 {
+                let turns = f64::from(tick) / 250.0;
+                knob.rest_rad = start + 3.0 + (std::f64::consts::TAU * turns).sin();
+                records.push(knob.tick());
+            }
+            let forces = records.iter().map(|record| record.force);
+            forces.collect::<Vec<_>>()
+        };
+        let untold = forces(ChangeOfForce::Estimated, "0.045");
+        assert!(
+            forces(ChangeOfForce::Measured, "0.045") == untold,
+            "{k} {kind:?}"
+        );
+        // A wall that gives way would be seen.
+        assert!(k == "5" || forces(ChangeOfForce::Measured, "0.015") != untold);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::flow::{DeviceInTicks, LONGEST_DELAY, approach};
 use super::{Estimator, Weight};
 use crate::number::Exact;
+use crate::quotient::over;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
 /// `a / b` for two positive values, saturating.
@@ -11,17 +12,14 @@ fn ratio(a: Si, b: Si) -> Exact {
 }
 
 /// The same for two positive values of one format, by their bits.
+#[cold]
+#[inline(never)]
 pub(crate) fn ratio_of_bits(a: i64, b: i64) -> Exact {
     let bits = i128::from(a)
         .wrapping_shl(Exact::FRAC_NBITS)
         .checked_div(i128::from(b))
         .unwrap_or(i128::from(i64::MAX));
     Exact::from_bits(i64::try_from(bits).unwrap_or(i64::MAX))
-}
-
-/// `a / b`, the largest value for `b = 0`.
-fn over(a: Si, b: Si) -> Si {
-    a.checked_div(b).unwrap_or(Si::MAX)
 }
 
 /// A bandwidth against its range, a 500th to a fifth of the control rate.

@@ -1,6 +1,7 @@
 //! What a person sets of the guard, its ranges and warnings, and the coefficients made of it.
 
 use super::Guard;
+use crate::quotient::over;
 use crate::{
     ChangeOfForce, Compliance, Energy, Field, GuardSettings, Number, Position, Ratio,
     SettingsError, Si, Stiffness, Warning,
@@ -20,14 +21,6 @@ pub struct GuardedDevice {
 /// Rounding upwards of what was computed downwards: more than the few last digits that a sum of products and quotients loses.
 const UP: Si = Si::from_bits(8);
 const TWO: Si = Si::const_from_int(2);
-
-fn over(a: Si, b: Si) -> Si {
-    if b <= Si::ZERO {
-        Si::MAX
-    } else {
-        a.saturating_div(b)
-    }
-}
 
 /// What settings and device come to, SI.
 struct Derived {

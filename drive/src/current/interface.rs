@@ -80,6 +80,8 @@ pub struct CurrentOutput {
     pub bridge: BridgeCommand,
     /// A control tick is due: pend its interrupt.
     pub pend_control: bool,
+    /// The encoder is to be read once more: pend the same interrupt for it. Never together with a tick.
+    pub reads_change: bool,
     /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
     pub is_stale: bool,
 }

@@ -43,6 +43,8 @@ pub struct CurrentConfig {
     pub trip: Amps,
     /// PWM periods in a control period.
     pub periods_per_tick: u16,
+    /// PWM periods from a control tick until the encoder is read once more; 0: it is not.
+    pub read_at: u16,
 }
 
 /// From a sample to the middle of the time in which the compare values made of it act, PWM periods.
@@ -112,6 +114,7 @@ impl CurrentLoop {
         self.report.periods = self.report.periods.wrapping_add(1);
         self.phase = self.phase.wrapping_add(1);
         let pend_control = self.phase >= config.periods_per_tick;
+        let config_read_at = config.read_at;
         if pend_control {
             self.phase = 0;
         }
@@ -155,6 +158,7 @@ impl CurrentLoop {
         CurrentOutput {
             bridge,
             pend_control,
+            reads_change: self.phase == config_read_at && !pend_control,
             is_stale: self.is_stale(),
         }
     }

@@ -108,6 +108,8 @@ pub struct Watch {
     pub may_be_on: bool,
     /// The tick before drove the motor by the law.
     pub driven: bool,
+    /// The encoder did not say where it was when the force changed.
+    pub untold: bool,
 }
 
 impl Default for Supervisor {
@@ -161,9 +163,12 @@ impl Supervisor {
             watched,
             may_be_on,
             driven,
+            untold,
         } = watch;
         let report = &input.current;
-        let seen = self.shaft.read(&config.shaft, input.encoder, watched);
+        let seen = self
+            .shaft
+            .read(&config.shaft, input.encoder, watched, driven && untold);
         let (count, shaft_fault) = match seen {
             Seen::Good { count, .. } => (Some(count), None),
             Seen::Bad => (None, None),

@@ -134,8 +134,19 @@ impl Shaft {
         }
     }
 
-    /// Takes a tick's reading.
-    pub fn read(&mut self, config: &ShaftConfig, reading: EncoderReading, watched: bool) -> Seen {
+    /// Takes a tick's reading, which is worth nothing where the one before it is missing.
+    pub fn read(
+        &mut self,
+        config: &ShaftConfig,
+        reading: EncoderReading,
+        watched: bool,
+        is_one_missing: bool,
+    ) -> Seen {
+        let reading = if is_one_missing {
+            EncoderReading::Silent
+        } else {
+            reading
+        };
         let word = match reading.decode(config.kind) {
             Ok(word) => word,
             Err(error) => return self.bad(config, error, watched),
@@ -174,6 +185,18 @@ impl Shaft {
             return Seen::Fault(FaultCode::OverSpeed, crate::units::milli(speed));
         }
         Seen::Good { count, moved }
+    }
+
+    /// The count of a reading between two ticks, if it is good and no jump; nothing is remembered of it.
+    #[inline(never)]
+    #[must_use]
+    pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
+        let word = reading.decode(config.kind).ok()?;
+        let mut unwrapped = self.unwrapped?;
+        let before = unwrapped.count();
+        let count = unwrapped.update(word);
+        let moved = count.saturating_sub(before).saturating_abs();
+        (moved <= i64::from(config.jump)).then_some(count)
     }
 
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
@@ -241,7 +264,7 @@ mod tests {
         let mut shaft = Shaft::new();
         for tick in 0..200_u32 {
             let counter = (i64::from(tick) * counts) as u32;
-            let seen = shaft.read(&config, EncoderReading::Counter32(counter), true);
+            let seen = shaft.read(&config, EncoderReading::Counter32(counter), true, false);
             if matches!(seen, Seen::Fault(..)) {
                 return Some((tick, seen));
             }

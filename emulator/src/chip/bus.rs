@@ -126,7 +126,7 @@ impl Chip {
             Block::Port(_) => {
                 if let Some((port, pin)) = self.board.chip_select {
                     let level = self.ports[port].level(pin);
-                    self.spi3.set_select(level);
+                    self.spi3.set_select(level, self.core.now);
                 }
             }
             Block::Pwr | Block::Syscfg | Block::Flash => self.update_break(self.core.now),

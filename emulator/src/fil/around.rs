@@ -3,13 +3,17 @@
 
 use touchstone_control::environment::{Counted, Environment};
 use touchstone_control::{CountScale, Fixed32, Force, Si};
+use touchstone_drive::around::built;
+use touchstone_drive::change::ChangeConfig;
+use touchstone_drive::wire::hardware;
 use touchstone_protocol::settings::environment::{DetentsBeside, TravelEnds, WallBeside};
 use touchstone_protocol::{
-    CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal, Reply,
+    Board, CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal, Reply,
     Request, Surround, Telemetry,
 };
 use touchstone_world::plant::MEDIUM;
 
+use super::press::board_named;
 use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
@@ -129,8 +133,9 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
         .filter(|record| record.phase == Phase::Armed)
         .cloned()
         .collect();
+    let board = board_named(bench.machine.chip().board.name)?;
     let environments: Vec<Surround> = steps.iter().map(|(_, environment)| *environment).collect();
-    let compared = compared(&settings, &environments, &armed)?;
+    let compared = compared(&settings, board, &environments, &armed)?;
     Ok(format!("{compared}; answered within {answered_after} ms"))
 }
 
@@ -138,13 +143,16 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
 /// one's: it is found by the forces, which are those of the next environment from there on, all of them.
 fn compared(
     settings: &DeviceSettings,
+    board: Board,
     environments: &[Surround],
     armed: &[Telemetry],
 ) -> Result<String, String> {
     let refused = |error| format!("refused here: {error:?}");
     let scale = CountScale::new(settings.encoder.counts_per_rev, Si::ZERO)
         .ok_or("the encoder's counts are refused here")?;
-    let built = |environment: &Surround| environment.built(settings).map_err(refused);
+    let hardware = hardware(board);
+    let built = |environment: &Surround| built(settings, hardware, environment).map_err(refused);
+    let change = ChangeConfig::new(settings, hardware).map_err(refused)?;
     let mut left = environments.iter();
     let first = left.next().ok_or("nothing to compare")?;
     let mut running = built(first)?;
@@ -155,7 +163,9 @@ fn compared(
     let mut before: Vec<Environment<Fixed32>> = Vec::new();
     let tick = |environment: &mut Environment<Fixed32>, record: &Telemetry| {
         let count = i64::from(record.count);
-        environment.tick(&Counted { scale, count }, None)
+        let since = Si::from_num(record.since_change_rad);
+        let at_change = change.map(|_| scale.angle(count).saturating_sub(since));
+        environment.tick(&Counted { scale, count }, at_change)
     };
     for (index, record) in armed.iter().enumerate() {
         before.push(running);

@@ -1,7 +1,9 @@
 //! The thesis' press, played by a hand on the emulated device, and its forces compared with the law on this machine.
 
-use touchstone_control::{Controller, CountScale, Fixed32, Si};
-use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Telemetry};
+use touchstone_control::{Controller, CountScale, Fixed32, Position, Si};
+use touchstone_drive::change::law_settings;
+use touchstone_drive::wire::hardware;
+use touchstone_protocol::{Board, DeviceCommand, DeviceSettings, Phase, Request, Telemetry};
 use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS};
@@ -56,7 +58,7 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
         .iter()
         .filter(|record| record.phase == Phase::Armed)
         .collect();
-    let compared = compare(&settings, &armed)?;
+    let compared = compare(&settings, board_named(bench.machine.chip().board.name)?, &armed)?;
     // The hand has pressed for 0.6 s and held for 0.8 s, a quarter of a second after the arming.
     let hold = armed.get(1_500..1_600).unwrap_or_default();
     let mean = |of: fn(&Telemetry) -> f64| {
@@ -77,15 +79,28 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     })
 }
 
+/// A board by the name of its program.
+pub fn board_named(name: &str) -> Result<Board, String> {
+    let board = Board::ALL.into_iter().find(|board| board.name() == name);
+    board.ok_or_else(|| format!("no board is called {name}"))
+}
+
 /// The law on this machine, given the counts that the device was given: penetration, force and offset equal to the bit.
-fn compare(settings: &DeviceSettings, armed: &[&Telemetry]) -> Result<usize, String> {
-    let refused = |error| format!("the settings are refused here: {error:?}");
-    let mut law = Controller::<Fixed32>::new(&settings.law()).map_err(refused)?;
+fn compare(
+    settings: &DeviceSettings,
+    board: Board,
+    armed: &[&Telemetry],
+) -> Result<usize, String> {
+    let (law, change) = law_settings(settings, hardware(board))
+        .map_err(|error| format!("the settings are refused here: {error}"))?;
+    let mut law = Controller::<Fixed32>::new(&law)
+        .map_err(|error| format!("the law is refused here: {error:?}"))?;
     let scale = CountScale::new(settings.encoder.counts_per_rev, settings.wall.surface_rad)
         .ok_or("the encoder's counts are refused here")?;
     for record in armed {
         let penetration = scale.penetration::<Fixed32>(i64::from(record.count));
-        let force = law.tick(penetration);
+        let at_change = penetration - Position(record.since_change_rad);
+        let force = law.tick_with_change(penetration, change.map(|_| at_change));
         let here = (
             penetration.0.to_bits(),
             force.0.to_bits(),

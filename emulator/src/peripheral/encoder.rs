@@ -56,6 +56,11 @@ const FIELD_WEAK: u16 = 1 << 8 | 1 << 11 | 0xff;
 const FIELD_STRONG: u16 = 1 << 8 | 1 << 10;
 
 impl Slave for As5047p {
+    // t_L and t_CSn of the data sheet's SPI timing.
+    fn rests_ns(&self) -> u64 {
+        350
+    }
+
     fn select(&mut self) {}
 
     fn exchange(&mut self, sent: u16, bits: u32) -> u16 {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::plain::Plain;
-use super::{NEVER, Peripheral};
+use super::{CORE_HZ, NEVER, Peripheral};
 
 const CR1: u32 = 0x00;
 const CR2: u32 = 0x04;
@@ -13,6 +13,10 @@ const SPE: u32 = 1 << 6;
 
 /// What is connected.
 pub trait Slave: std::fmt::Debug {
+    /// How long the chip select line must be low before a frame, and high before it falls again, ns.
+    fn rests_ns(&self) -> u64 {
+        0
+    }
     /// The chip select line falls: a transfer begins.
     fn select(&mut self);
     /// A frame of so many bits comes in, another goes out.
@@ -60,6 +64,10 @@ pub struct Spi {
     /// At the other end.
     pub slave: Option<Box<dyn Slave>>,
     selected: bool,
+    /// When the chip select line last changed.
+    since: u64,
+    /// The frame began too early, or the line rose too short a time before: no chip answers for what it hears then.
+    rushed: bool,
     hangs: bool,
 }
 
@@ -92,14 +100,24 @@ impl Spi {
     }
 
     /// Level of the chip select line, active low.
-    pub fn set_select(&mut self, level: bool) {
-        if !level
-            && !self.selected
-            && let Some(slave) = &mut self.slave
-        {
-            slave.select();
+    pub fn set_select(&mut self, level: bool, now: u64) {
+        if self.selected != level {
+            return;
+        }
+        if !level {
+            self.rushed = self.is_early(now);
+            if let Some(slave) = &mut self.slave {
+                slave.select();
+            }
         }
         self.selected = !level;
+        self.since = now;
+    }
+
+    /// Whether the chip select line changed so shortly before that the chip does not take what follows.
+    fn is_early(&self, now: u64) -> bool {
+        let rests_ns = self.slave.as_ref().map_or(0, |slave| slave.rests_ns());
+        (now - self.since) * 1_000_000_000 < rests_ns * CORE_HZ
     }
 
     fn bits(&self) -> u32 {
@@ -124,6 +142,7 @@ impl Spi {
             && let Some(frame) = self.transmit.pop_front()
         {
             self.shifting = Some((self.end_of_frame(now), frame));
+            self.rushed |= self.is_early(now);
         }
     }
 }
@@ -168,7 +187,7 @@ impl Peripheral for Spi {
             // Without a slave the line is pulled up by nobody and read as ones.
             let bits = self.bits();
             let answer = match &mut self.slave {
-                Some(slave) if self.selected => slave.exchange(frame, bits),
+                Some(slave) if self.selected && !self.rushed => slave.exchange(frame, bits),
                 _ => 0xffff,
             };
             // Two frames fit; more are lost.
@@ -185,5 +204,39 @@ impl Peripheral for Spi {
         let up = cr2 >> 6 & 1 != 0 && !self.receive.is_empty()
             || cr2 >> 7 & 1 != 0 && self.transmit.len() < 2;
         u128::from(up) << self.interrupt
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::peripheral::encoder::As5047p;
+
+    /// 350 ns are 59.5 cycles. A frame of 16 bits at an eighth of the clock takes 256.
+    fn answer(before: u64, lead: u64) -> u32 {
+        let mut spi = Spi::new(0);
+        spi.slave = Some(Box::<As5047p>::default());
+        spi.write(CR2, 15 << 8, 0);
+        spi.write(CR1, SPE | 2 << 3, 0);
+        spi.set_select(true, 0);
+        // Every frame answers the one before: the first asks for the angle, which is 0.
+        let mut now = 1_000;
+        for lead in [60, lead] {
+            spi.set_select(false, now);
+            spi.write(DR, 0xffff, now + lead);
+            now += lead + 256;
+            spi.advance(now);
+            spi.set_select(true, now);
+            now += before;
+        }
+        spi.read(DR, now);
+        spi.read(DR, now)
+    }
+
+    #[test]
+    fn a_frame_that_comes_too_soon_is_not_taken() {
+        assert_eq!(answer(60, 60), 0);
+        assert_eq!(answer(60, 59), 0xffff, "after the line fell");
+        assert_eq!(answer(59, 60), 0xffff, "before it fell");
     }
 }

@@ -86,6 +86,7 @@ impl Device {
             tick: self.tick,
             count: 0,
             penetration_rad: Default::default(),
+            since_change_rad: Default::default(),
             force_n_m: Default::default(),
             offset_rad: Default::default(),
             energy_j: touchstone_protocol::settings::Decimal(Default::default()),

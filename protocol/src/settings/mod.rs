@@ -140,6 +140,8 @@ impl DeviceSettings {
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();
+        // Every board reads its encoder once more when the force changes.
+        settings.law.guard.change = ChangeOfForce::Measured;
         match board {
             Board::NucleoG474re => {}
             Board::BG431bEsc1 => {

@@ -57,7 +57,7 @@ pub enum Reason {
     NoFractionOf(u32),
     /// The board has nothing to connect it to; the value is the number of the word.
     NotOnThisBoard,
-    /// No board measures it; the value is the number of the word.
+    /// The position is not measured when the force changes; the value is the number of the word.
     NotMeasured,
 }
 
@@ -104,7 +104,10 @@ impl SettingsError {
                 write!(f, "{path}: this board has no connector for it")
             }
             Reason::NotMeasured => {
-                write!(f, "{path}: no board measures that, give another word")
+                write!(
+                    f,
+                    "{path}: the board's current loop has to be done with a change of force within a tick, give another word, a lower timing.rate_hz or more motor.current_bandwidth_hz"
+                )
             }
         }
     }
@@ -140,7 +143,6 @@ impl DeviceSettings {
         fields::check(self)?;
         self.check_board(board)?;
         self.check_force_limit()?;
-        self.check_guard()?;
         Controller::new(&self.law()).map_err(|error| refused(&error))
     }
 
@@ -166,19 +168,6 @@ impl DeviceSettings {
             path,
             value: Decimal::from_num(number),
             reason: Reason::NotOnThisBoard,
-        })
-    }
-
-    /// The encoder is read once a control tick.
-    fn check_guard(&self) -> Result<(), SettingsError> {
-        let guard = &self.law.guard;
-        if !guard.on || guard.change == law::ChangeOfForce::Estimated {
-            return Ok(());
-        }
-        Err(SettingsError {
-            path: Field::GuardChange.path(),
-            value: Decimal::from_num(guard.change.number()),
-            reason: Reason::NotMeasured,
         })
     }
 

@@ -307,6 +307,7 @@ impl World {
             tick: self.tick,
             count: 7,
             penetration_rad: fixed::types::I8F24::from_bits(self.tick.cast_signed() % 1000),
+            since_change_rad: fixed::types::I8F24::ZERO,
             force_n_m: fixed::types::I8F24::from_bits(1),
             offset_rad: fixed::types::I8F24::ZERO,
             energy_j: Decimal::lit("0.001"),

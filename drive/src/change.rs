@@ -1,0 +1,238 @@
+//! Where the device is when the force changes: one more reading of the encoder in a tick, and how the way of a tick is shared
+//! between the old force and the new one.
+//!
+//! A command that a control tick gives is seen by the current loop a period later and acts from half a period after that on; then
+//! the current follows as the loop lets it. Let `H(t)` be the share of a change of force that is still missing a time `t` after the
+//! encoder was read. Over a tick the port takes `f₁ Δx - g ∫ H dx`, with the change `g`. With one more reading, after `q` periods, the
+//! way `Δx = u + w` is known in its two parts, and over all that a hand can have done within each of them
+//!
+//! ```text
+//! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
+//! ```
+//!
+//! beside what the damping `b` takes of `u` and `w` themselves: Cauchy and Schwarz, as in `docs/energy-guard.md`. So the guard is
+//! told the position at which all of the change would have had to come at once, and charges `V` as the lag that is left.
+
+use crate::hardware::Hardware;
+use crate::settings::periods_per_tick;
+use crate::units::quotient;
+use touchstone_control::settings::Settings;
+use touchstone_control::{ChangeOfForce, Choice as _, Fixed32, Position, Si};
+use touchstone_protocol::settings::{DriveKind, Reason, SettingsError};
+use touchstone_protocol::{Decimal, DeviceSettings};
+
+/// The encoder is read a quarter of a PWM period after the currents are sampled, both times: the current loop's interrupt runs first.
+const READ_AFTER_QUARTERS: u32 = 1;
+/// Fractional bits of everything below.
+const BITS: u32 = 28;
+const ONE: i64 = 1 << BITS;
+/// What may be missing of a change of force when the next one begins: a fiftieth.
+const REST_MAX: i64 = ONE / 50;
+/// `2π`.
+const TWO_PI: Si = Si::lit("6.283185307");
+
+/// The current loop's answer to a step, as it is computed and as its bridge acts: how much of it is still missing, quarter by quarter
+/// of a PWM period. What a sample finds missing acts from half a period later on for a whole one, and turns the current by `ω T` of it.
+struct Answer {
+    /// `ω T/4`: what an error turns the current by in a quarter of a period.
+    step: i64,
+    /// What the sample before found, which acts in the first half of a period.
+    before: i64,
+    /// What the last sample found. The one of the tick itself did not know of the step.
+    last: i64,
+    /// `H`.
+    missing: i64,
+    /// Quarters of periods since the tick's sample.
+    quarter: u32,
+}
+
+impl Answer {
+    fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
+        let omega = settings.motor.current_bandwidth_hz.saturating_mul(TWO_PI);
+        let quarters =
+            Si::saturating_from_num(hardware.pwm_hz).saturating_mul(Si::const_from_int(4));
+        Self {
+            step: quotient(omega, quarters).to_bits() >> (Si::FRAC_NBITS - BITS),
+            before: 0,
+            last: 0,
+            missing: ONE,
+            quarter: 0,
+        }
+    }
+
+    /// `H` at the end of the next quarter.
+    #[inline(never)]
+    fn next(&mut self) -> i64 {
+        let acts = if self.quarter & 3 < 2 {
+            self.before
+        } else {
+            self.last
+        };
+        self.missing -= times(acts, self.step);
+        self.quarter += 1;
+        if self.quarter & 3 == 0 {
+            (self.before, self.last) = (self.last, self.missing);
+        }
+        self.missing
+    }
+}
+
+/// Integrals over a part of a tick, in quarters of PWM periods.
+#[derive(Debug, Clone, Copy, Default)]
+struct Part {
+    quarters: i64,
+    area: i64,
+    square: i64,
+}
+
+impl Part {
+    /// A quarter more.
+    #[inline(never)]
+    fn add(&mut self, from: i64, to: i64) {
+        self.quarters += 1;
+        self.area += (from + to) / 2;
+        // The chord of a square is above it.
+        self.square += (times(from, from) + times(to, to)) / 2;
+    }
+
+    fn mean(&self) -> i64 {
+        self.area.checked_div(self.quarters).unwrap_or(0)
+    }
+
+    /// `∫ (H - mean)² dt`.
+    fn variance(&self) -> i64 {
+        (self.square - times(self.mean(), self.area)).max(0)
+    }
+}
+
+/// Products of what is at most some hundreds, with [`BITS`] fractional bits.
+fn times(a: i64, b: i64) -> i64 {
+    (a * b) >> BITS
+}
+
+/// When the encoder is read once more, and what is made of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChangeConfig {
+    /// PWM periods from the reading of a control tick to the one more.
+    pub read_at: u16,
+    /// Share of the way before it that was under the new force, beside what the guard itself takes for that.
+    before: i32,
+    /// Of the way after it.
+    after: i32,
+    /// From the reading of a tick to the change of force, in the mean, without the lag below, s.
+    pub delay_s: Si,
+    /// What one more reading leaves open, as a lag, s.
+    pub lag_s: Si,
+}
+
+impl ChangeConfig {
+    /// From settings; `None` where the guard is off or told to estimate.
+    ///
+    /// # Errors
+    /// A drive without a current loop of ours, or one that is not done with a change of force when the next one begins.
+    pub fn new(
+        settings: &DeviceSettings,
+        hardware: &Hardware,
+    ) -> Result<Option<Self>, SettingsError> {
+        let guard = &settings.law.guard;
+        if !guard.on || guard.change == ChangeOfForce::Estimated {
+            return Ok(None);
+        }
+        let change = match settings.drive.kind {
+            DriveKind::ThreePhase => Self::of_loop(settings, hardware),
+            DriveKind::Analogue => None,
+        };
+        change.map(Some).ok_or(SettingsError {
+            path: "law.guard.change",
+            value: Decimal::from_num(guard.change.number()),
+            reason: Reason::NotMeasured,
+        })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn of_loop(settings: &DeviceSettings, hardware: &Hardware) -> Option<Self> {
+        let mut answer = Answer::new(settings, hardware);
+        let tick = 4 * u32::from(periods_per_tick(settings, hardware));
+        let [mut before, mut after] = [Part::default(); 2];
+        let mut read_at = None;
+        for _ in 0..READ_AFTER_QUARTERS {
+            answer.next();
+        }
+        for quarter in 0..tick {
+            // As soon as half of the change is there.
+            if quarter & 3 == 0 && read_at.is_none() && answer.missing <= ONE / 2 {
+                read_at = u16::try_from(quarter / 4).ok();
+            }
+            let part = match read_at {
+                None => &mut before,
+                Some(_) => &mut after,
+            };
+            part.add(answer.missing, answer.next());
+        }
+        let read_at = read_at.filter(|_| answer.missing.abs() <= REST_MAX)?;
+        let open = before.variance() + after.variance();
+        // The guard charges `lag (span - lag)/span`: the sixteenth more is what the parenthesis takes away, and some.
+        let lag = open + open / 16;
+        let delay = before.area + after.area - lag;
+        let span = i64::from(tick) * ONE - delay;
+        // The guard puts so much of the way after the change under the old force by itself.
+        let own = (lag << BITS).checked_div(span)?;
+        if lag - times(lag, own) < open {
+            return None;
+        }
+        let new = |part: Part| {
+            let share = ((ONE - part.mean()) << BITS).checked_div(ONE - own)?;
+            i32::try_from(share).ok()
+        };
+        let seconds = |quarters: i64| {
+            let divisor = i64::from(hardware.pwm_hz) * 4;
+            Some(Si::from_bits(
+                (quarters << (Si::FRAC_NBITS - BITS)).checked_div(divisor)?,
+            ))
+        };
+        Some(Self {
+            read_at,
+            before: new(before)?,
+            after: new(after)?,
+            delay_s: seconds(delay)?,
+            lag_s: seconds(lag)?,
+        })
+    }
+
+    /// How far the device has moved since the change of force, had all of it come at once: from a tick's reading to the one more, and
+    /// from there to the next tick's.
+    #[inline(always)]
+    #[must_use]
+    pub fn since_change(
+        &self,
+        until_read: Position<Fixed32>,
+        from_read: Position<Fixed32>,
+    ) -> Position<Fixed32> {
+        let under_new =
+            |share: i32, way: Position<Fixed32>| i64::from(share) * i64::from(way.0.to_bits());
+        // Shares are some 1 at most: 29 bits and 32, and the sum of both fits.
+        let sum = under_new(self.before, until_read) + under_new(self.after, from_read);
+        Position(fixed::types::I8F24::from_bits(crate::units::clamp_i32(
+            sum >> BITS,
+        )))
+    }
+}
+
+/// What the law of a device is given: its settings, with what the board knows of its own delay where the position is measured when
+/// the force changes.
+///
+/// # Errors
+/// As [`ChangeConfig::new`].
+pub fn law_settings(
+    settings: &DeviceSettings,
+    hardware: &Hardware,
+) -> Result<(Settings, Option<ChangeConfig>), SettingsError> {
+    let mut law = settings.law();
+    let change = ChangeConfig::new(settings, hardware)?;
+    if let Some(change) = &change {
+        law.guard.delay = change.delay_s;
+        law.guard.lag = change.lag_s;
+    }
+    Ok((law, change))
+}

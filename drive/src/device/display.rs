@@ -1,0 +1,98 @@
+//! A tick of the law, and what becomes of its force.
+
+use super::Device;
+use crate::command::{Drive, DriveCommand, Driven};
+use crate::scenery::{Here, Scenery};
+use crate::units::clamp_i32;
+use fixed::types::I8F24;
+use touchstone_control::environment::Counted;
+use touchstone_control::law::Contact;
+use touchstone_control::{Fixed32, Force, Position};
+use touchstone_protocol::{FaultCode, Limit, Limits};
+
+impl Device {
+    /// How far the device has moved since the force changed, from the last position on; 0 where that is not measured.
+    pub(super) fn since_change(
+        &mut self,
+        last: Position<Fixed32>,
+        read: Option<Position<Fixed32>>,
+    ) {
+        if let (Some(change), Some(at)) = (&self.configs.now().change, read) {
+            let now = self.record.penetration;
+            self.record.since_change = change.since_change(at - last, now - at);
+        }
+    }
+
+    /// One tick of the law, and what becomes of its force.
+    pub(super) fn display(
+        &mut self,
+        tick: u32,
+        derating: u32,
+        count: Option<i64>,
+        scenery: &mut impl Scenery,
+    ) -> (DriveCommand, Limits) {
+        let measures = self.configs.now().change.is_some();
+        let here = Here {
+            at: Counted {
+                scale: self.configs.now().scale,
+                count: self.record.count,
+            },
+            penetration: self.record.penetration,
+            since_change: measures.then_some(self.record.since_change),
+        };
+        let force = scenery.tick(&mut self.law, &here);
+        let view = scenery.view(&self.law);
+        let fading = self.fade < u32::MAX;
+        self.fade = self.fade.saturating_add(self.configs.now().fade_step);
+        let torque = torque_of(force, fading.then_some(self.fade));
+
+        let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
+        let driven = self.configs.now().drive.command(torque, &rotor);
+        if fading || driven.torque != torque {
+            let torque = driven.torque.0.to_bits().saturating_neg();
+            scenery.commanded(&mut self.law, Force(I8F24::from_bits(torque)));
+        }
+        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
+        if scenery.is_tripped(&self.law) {
+            if pushed || view.contact != Contact::Free {
+                let speed = self.record.speed_rad_per_s;
+                self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
+            } else {
+                // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
+                scenery.again(&mut self.law, &self.configs.now().law);
+            }
+        }
+        let Driven {
+            command: drive,
+            limits,
+            ..
+        } = driven;
+        let record = &mut self.record;
+        record.law_ran = true;
+        record.force = force;
+        record.torque = driven.torque;
+        record.offset = view.offset;
+        record.energy = view.energy;
+        record.contact = view.contact;
+        let full = force.modulus().0 >= self.configs.now().force_limit;
+        (
+            drive,
+            limits
+                .with(Limit::FadeIn, fading)
+                .with(Limit::Force, full)
+                .with(Limit::Beside, scenery.runs()),
+        )
+    }
+}
+
+/// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
+/// 1 - 2^-32, and all of it when the fading is over.
+#[inline(always)]
+pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
+    let wide = i64::from(force.0.to_bits());
+    let faded = match share {
+        Some(share) => (wide * i64::from(share >> 1)) >> 31,
+        None => wide,
+    };
+    Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
+}

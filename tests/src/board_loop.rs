@@ -1,0 +1,81 @@
+//! A board's current loop at the hand's port: how a force comes about after the tick that commands it.
+
+use touchstone_drive::change::{ChangeConfig, law_settings};
+use touchstone_drive::wire::hardware;
+use touchstone_protocol::{Board, DeviceSettings};
+
+/// PWM periods of a tick at 1 kHz.
+const PERIODS: u16 = 20;
+const PERIOD_S: f64 = 50e-6;
+
+/// A stretch of time in which the force is a mean: whether it comes after the encoder was read once more, that force, N·m, and how long.
+pub type Stretch = (bool, f64, f64);
+
+/// The loop, in `f64` and by itself: `1/s` of the error that a period's sample finds, from half a period later on.
+#[derive(Debug, Clone, Copy)]
+pub struct BoardLoop {
+    /// What the firmware makes of the encoder's readings.
+    pub change: ChangeConfig,
+    /// How much of an error goes in half a period.
+    half: f64,
+    force: f64,
+    /// The force that is asked for, as the loop knows it.
+    asked: f64,
+    /// The error of the period before.
+    error: f64,
+}
+
+impl BoardLoop {
+    /// As a board ships, with the guard's settings that it makes of its own delay.
+    ///
+    /// # Panics
+    /// If it refuses its own defaults.
+    #[must_use]
+    pub fn shipped() -> (Self, touchstone_control::Settings) {
+        let board = Board::NucleoG474re;
+        let settings = DeviceSettings::defaults(board);
+        let (law, change) = law_settings(&settings, hardware(board)).unwrap();
+        let bandwidth_hz: f64 = settings.motor.current_bandwidth_hz.to_num();
+        let this = Self {
+            change: change.unwrap(),
+            half: std::f64::consts::TAU * bandwidth_hz * PERIOD_S / 2.0,
+            force: 0.0,
+            asked: 0.0,
+            error: 0.0,
+        };
+        (this, law)
+    }
+
+    /// The forces between a tick's reading, a quarter of a period after its sample, and the next: the command is seen a period later.
+    pub fn tick(&mut self, wanted: f64, into: &mut Vec<Stretch>) {
+        into.clear();
+        for period in 0..=PERIODS {
+            if period == 1 {
+                self.asked = wanted;
+            }
+            let is_last = period == PERIODS;
+            let before = *self;
+            let error = self.asked - self.force;
+            let slopes = [self.error, self.error, error, error].map(|it| it * self.half / 2.0);
+            for (quarter, slope) in slopes.into_iter().enumerate() {
+                let from = self.force;
+                self.force += slope;
+                let is_in = if is_last {
+                    quarter < 1
+                } else {
+                    period > 0 || quarter >= 1
+                };
+                if is_in {
+                    let read = period > self.change.read_at
+                        || period == self.change.read_at && quarter >= 1;
+                    into.push((read, (from + self.force) / 2.0, PERIOD_S / 4.0));
+                }
+            }
+            self.error = error;
+            if is_last {
+                // The next tick begins with this period.
+                *self = before;
+            }
+        }
+    }
+}

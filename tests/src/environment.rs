@@ -1,0 +1,80 @@
+//! Walls and detents of the tests of environments, and a reading of their encoder.
+
+use crate::si::si;
+use touchstone_control::environment::{
+    Counted, DetentSettings, Environment, Face, Side, WallSettings,
+};
+use touchstone_control::{CountScale, Reported, Settings, Si};
+
+/// Counts of a turn.
+pub const COUNTS: u32 = 40_000;
+
+/// One of them, rad.
+pub const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS as f64;
+
+/// The encoder of all of them.
+///
+/// # Panics
+/// Never.
+#[must_use]
+pub fn encoder() -> CountScale {
+    CountScale::new(COUNTS, Si::ZERO).unwrap()
+}
+
+/// A reading of it.
+#[must_use]
+pub fn at(count: i64) -> Counted {
+    Counted {
+        scale: encoder(),
+        count,
+    }
+}
+
+/// A wall of 5 N·m/rad.
+#[must_use]
+pub fn wall(surface: &str, side: Side) -> WallSettings {
+    WallSettings {
+        face: Face {
+            surface: si(surface),
+            side,
+        },
+        k_desired: si("5"),
+    }
+}
+
+/// Its image on the other side.
+#[must_use]
+pub fn mirrored(wall: &WallSettings) -> WallSettings {
+    let side = match wall.face.side {
+        Side::Above => Side::Below,
+        Side::Below => Side::Above,
+    };
+    let surface = -wall.face.surface;
+    WallSettings {
+        face: Face { surface, side },
+        ..*wall
+    }
+}
+
+/// 12 to a half turn, one of them where no count is.
+#[must_use]
+pub fn detents() -> DetentSettings {
+    DetentSettings {
+        pitch: si("0.2617994"),
+        strength: si("0.03"),
+        centre: si("0.01234567"),
+    }
+}
+
+/// An environment of all that.
+///
+/// # Panics
+/// If it is refused.
+#[must_use]
+pub fn built<N: Reported>(
+    settings: &Settings,
+    walls: &[WallSettings],
+    detents: Option<&DetentSettings>,
+) -> Environment<N> {
+    Environment::new(settings, walls, detents).unwrap_or_else(|e| panic!("{e}"))
+}

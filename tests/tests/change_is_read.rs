@@ -1,0 +1,139 @@
+//! The encoder is read once more when the force changes: what a reading that fails costs, and where there is none.
+
+use touchstone_control::{ChangeOfForce, Si};
+use touchstone_drive::change::law_settings;
+use touchstone_drive::encoder::Frames;
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::wire::checked;
+use touchstone_drive::{DriveCommand, EncoderReading};
+use touchstone_protocol::settings::DriveKind;
+use touchstone_protocol::{Board, DeviceSettings, Limit, State};
+use touchstone_tests::knob::{Knob, Tamper};
+use touchstone_world::motor::{GIMBAL, as5047p_frame};
+
+const BOARD: Board = Board::NucleoG474re;
+
+/// Spoils the readings at the change of force before some ticks.
+#[derive(Default)]
+struct Spoilt {
+    from: u32,
+    until: u32,
+    /// `None`: not made at all.
+    reading: Option<EncoderReading>,
+}
+
+impl Tamper for Spoilt {
+    fn change(&mut self, tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
+        if (self.from..self.until).contains(&tick) {
+            self.reading
+        } else {
+            Some(reading)
+        }
+    }
+}
+
+/// Armed, leaning on the wall.
+fn leaning() -> Knob<Spoilt> {
+    let mut settings = DeviceSettings::defaults(BOARD);
+    settings.wall.surface_rad = Si::lit("0.2");
+    let mut knob = Knob::new(&settings, GIMBAL, 0.0, Spoilt::default()).armed();
+    for _ in 0..600 {
+        knob.rest_rad = 3.0;
+        knob.tick();
+    }
+    assert!(knob.record.force.0 > 0.02, "in the wall: {:?}", knob.record);
+    knob
+}
+
+#[test]
+fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
+    // Not made; a check that fails; and half a turn in a part of a tick.
+    let far = Frames::alone(as5047p_frame(8_192));
+    for reading in [
+        None,
+        Some(EncoderReading::Silent),
+        Some(EncoderReading::As5047p(far)),
+    ] {
+        for ticks in 1..=3 {
+            let mut knob = leaning();
+            let next = knob.record.tick + 1;
+            knob.tamper = Spoilt {
+                from: next,
+                until: next + ticks,
+                reading,
+            };
+            // The tick after one that drove needs it; the one after a tick without force does not, so that it is as if every second
+            // reading had come.
+            for tick in 0..2 * ticks {
+                let record = knob.tick();
+                let is_off = tick % 2 == 0 && tick < ticks;
+                assert_eq!(
+                    record.limits.has(Limit::Encoder),
+                    is_off,
+                    "{tick} of {ticks}"
+                );
+                let drive = knob.output.unwrap().drive;
+                assert_eq!(drive == DriveCommand::Off, is_off, "{tick} of {ticks}");
+                assert_eq!(record.state, State::Armed);
+            }
+            assert_eq!(knob.fault(), None);
+            assert!(knob.record.law_ran && knob.record.force.0 > 0.02);
+        }
+    }
+}
+
+#[test]
+fn a_board_that_cannot_measure_says_so() {
+    let change = |change: fn(&mut DeviceSettings)| {
+        let mut settings = DeviceSettings::defaults(BOARD);
+        change(&mut settings);
+        checked(&settings, BOARD).map_err(|error| error.to_string())
+    };
+    assert_eq!(change(|_| ()), Ok(()));
+    for refused in [
+        |settings: &mut DeviceSettings| settings.timing.rate_hz = 2_000,
+        |settings: &mut DeviceSettings| {
+            settings.motor.current_bandwidth_hz = Si::lit("300");
+        },
+        |settings: &mut DeviceSettings| settings.drive.kind = DriveKind::Analogue,
+    ] {
+        let said = change(refused).unwrap_err();
+        assert!(
+            said.starts_with("law.guard.change: the board's current loop has to be done"),
+            "{said}"
+        );
+    }
+    for accepted in [
+        |settings: &mut DeviceSettings| {
+            settings.timing.rate_hz = 2_000;
+            settings.law.guard.change = ChangeOfForce::Estimated;
+        },
+        |settings: &mut DeviceSettings| {
+            settings.timing.rate_hz = 2_000;
+            settings.motor.current_bandwidth_hz = Si::lit("1200");
+        },
+        |settings: &mut DeviceSettings| {
+            settings.drive.kind = DriveKind::Analogue;
+            settings.law.guard.on = false;
+        },
+    ] {
+        assert_eq!(change(accepted), Ok(()));
+    }
+}
+
+#[test]
+fn the_law_is_told_the_boards_own_delay_where_it_measures() {
+    let mut settings = DeviceSettings::defaults(BOARD);
+    let (law, change) = law_settings(&settings, &IHM08M1).unwrap();
+    let change = change.unwrap();
+    assert_eq!(
+        (law.guard.delay, law.guard.lag),
+        (change.delay_s, change.lag_s)
+    );
+    assert!(law.guard.delay > Si::lit("0.0002") && law.guard.lag < Si::lit("0.00003"));
+    settings.law.guard.change = ChangeOfForce::Estimated;
+    assert_eq!(
+        law_settings(&settings, &IHM08M1).unwrap(),
+        (settings.law(), None)
+    );
+}

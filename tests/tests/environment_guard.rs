@@ -1,0 +1,211 @@
+//! The guard of an environment: one account for all walls and detents, one limit, and no force where a motion would not be counted.
+
+use touchstone_control::environment::{Environment, Face, Reading, Side};
+use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
+use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wall};
+use touchstone_tests::random::Random;
+use touchstone_tests::si::si;
+
+/// What a hand got out of the motor so far, J, at the true positions.
+struct Audit {
+    force: f64,
+    at: f64,
+    taken: f64,
+    least: f64,
+    worst: f64,
+}
+
+impl Audit {
+    fn new() -> Self {
+        Self {
+            force: 0.0,
+            at: 0.0,
+            taken: 0.0,
+            least: 0.0,
+            worst: 0.0,
+        }
+    }
+
+    /// Moved to here under the last force; another takes its place. `refill` is what may be had for nothing in a tick.
+    fn step(&mut self, at: f64, force: f64, refill: f64) {
+        // A force against +x is work for the hand on the way to -x.
+        self.taken -= self.force * (at - self.at) + refill;
+        self.least = self.least.min(self.taken);
+        self.worst = self.worst.max(self.taken - self.least);
+        (self.force, self.at) = (force, at);
+    }
+}
+
+/// Into one wall within a tick and out within the next, then into the other one: every wall pays for each way out what nobody put in.
+#[test]
+fn one_account_answers_for_all_walls_and_detents() {
+    let mut settings = Settings {
+        law: LawKind::Spring,
+        states: StatesKind::Measured,
+        k_desired: si("5"),
+        ..Settings::thesis()
+    };
+    settings.guard.on = true;
+    settings.guard.capacity = si("0.02");
+    settings.guard.share_of_damping = si("0");
+    let capacity = 0.02;
+    let refill = 0.0005 / 1000.0;
+    // Half a count at each end of a window under the largest force that the account can pay for.
+    let rounding = 0.34 * COUNT_RAD;
+    let walls = [wall("0.005", Side::Above), wall("-0.005", Side::Below)];
+    let (mut guarded, mut apart) = ([0.0_f64; 2], 0.0_f64);
+    for seed in 0..40 {
+        let mut random = Random::new(seed);
+        let mut open = settings;
+        open.guard.on = false;
+        let mut one = built::<Fixed32>(&settings, &walls, Some(&detents()));
+        let mut bare = built::<Fixed32>(&open, &walls, Some(&detents()));
+        // What two guards would let through: a controller with a guard a wall.
+        let mut each = walls.map(|wall| built::<Fixed32>(&settings, &[wall], None));
+        let mut audits = [Audit::new(), Audit::new(), Audit::new()];
+        for tick in 0..4_000_u32 {
+            let side = if seed % 2 == 0 {
+                // Each wall in turn, for as long as its own account would last.
+                if (tick / 400).is_multiple_of(2) {
+                    1.0
+                } else {
+                    -1.0
+                }
+            } else {
+                random.real().signum()
+            };
+            // Deep in one tick, on the surface in the next, anywhere within a count.
+            let depth = if tick.is_multiple_of(2) { 0.03 } else { 0.0 };
+            let x = side * (0.005 + depth) + 0.5 * COUNT_RAD * random.real();
+            let here = at((x / COUNT_RAD).round() as i64);
+            let forces = [
+                one.tick(&here, None).to_f64(),
+                bare.tick(&here, None).to_f64(),
+                each.iter_mut()
+                    .map(|wall| wall.tick(&here, None).to_f64())
+                    .sum(),
+            ];
+            for (audit, force) in audits.iter_mut().zip(forces) {
+                audit.step(x, force, refill);
+            }
+        }
+        guarded[0] = guarded[0].max(audits[0].worst);
+        guarded[1] = guarded[1].max(audits[1].worst);
+        apart = apart.max(audits[2].worst);
+    }
+    println!(
+        "worst of 40 ways: one guard {:.2} mJ, none {:.0} mJ, a guard a wall {:.2} mJ, promised {:.0} mJ",
+        1e3 * guarded[0],
+        1e3 * guarded[1],
+        1e3 * apart,
+        1e3 * capacity
+    );
+    assert!(guarded[0] <= capacity + rounding, "{}", guarded[0]);
+    assert!(
+        guarded[0] > 0.5 * capacity,
+        "the way is no test: {}",
+        guarded[0]
+    );
+    assert!(guarded[1] > 5.0 * capacity);
+    assert!(apart > 1.5 * capacity);
+}
+
+#[test]
+fn what_all_of_them_ask_for_is_limited_as_one_force() {
+    let settings = Settings {
+        law: LawKind::Spring,
+        states: StatesKind::Measured,
+        ..Settings::thesis()
+    };
+    let limit = Force::<Fixed32>::from_si(settings.force_limit).unwrap();
+    let nested = [wall("0", Side::Above), wall("0.01", Side::Above)];
+    let mut both = built::<Fixed32>(&settings, &nested, Some(&detents()));
+    // 0.06 rad deep: 0.3 and 0.25 N·m of springs, and detents that push as well.
+    let deep = (0.06 / COUNT_RAD) as i64;
+    assert_eq!(both.tick(&at(deep), None), limit);
+    let images = nested.each_ref().map(mirrored);
+    let mut both = built::<Fixed32>(&settings, &images, None);
+    assert_eq!(both.tick(&at(-deep), None), -limit);
+    // Two that overlap from either side push against each other.
+    let facing = [wall("-0.02", Side::Above), wall("0.02", Side::Below)];
+    let mut squeezed = built::<Fixed32>(&settings, &facing, None);
+    assert_eq!(squeezed.tick(&at(0), None), Force::zero());
+}
+
+#[test]
+fn overspeed_between_two_walls_takes_the_force_away_for_good() {
+    let mut settings = Settings::thesis();
+    settings.guard.on = true;
+    let walls = [wall("0.05", Side::Above), wall("-0.05", Side::Below)];
+    let mut environment = built::<Fixed32>(&settings, &walls, Some(&detents()));
+    for count in [0, 300, 350, 100, -150, -350] {
+        environment.tick(&at(count), None);
+    }
+    assert!(
+        !environment.tripped(),
+        "4.4e-2 rad a tick are below 60 rad/s"
+    );
+    environment.tick(&at(350), None);
+    assert!(environment.tripped());
+    for _ in 0..100 {
+        assert_eq!(environment.tick(&at(350), None), Force::zero());
+    }
+    let fresh = built::<Fixed32>(&settings, &walls, Some(&detents()));
+    let again = fresh.resumed(&environment);
+    assert!(!again.tripped());
+    let account = |it: &Environment<Fixed32>| it.guard.unwrap().account();
+    assert_eq!(account(&again), account(&environment));
+    assert!(account(&again) < account(&fresh));
+}
+
+/// An angle, far from every wall.
+struct Far(Si);
+impl Reading<Fixed32> for Far {
+    fn angle(&self) -> Si {
+        self.0
+    }
+    fn penetration(&self, _: &Face) -> Position<Fixed32> {
+        Position::zero()
+    }
+}
+
+/// After 340 million turns angles end; a motion there would not be counted.
+#[test]
+fn no_force_where_angles_end() {
+    let mut settings = Settings::thesis();
+    settings.guard.on = true;
+    for side in [Si::ONE, -Si::ONE] {
+        let mut environment = built::<Fixed32>(&settings, &[], Some(&detents()));
+        let mut angle = si("2147481590");
+        let mut pushes = 0;
+        while angle < si("2147481600") {
+            pushes += u32::from(environment.tick(&Far(angle * side), None) != Force::zero());
+            assert!(!environment.tripped());
+            angle += si("0.01");
+        }
+        assert!(pushes > 900, "{pushes}");
+        for beyond in ["2147481600.01", "2147483647", "2147481000"] {
+            environment.tick(&Far(si(beyond) * side), None);
+            let force = environment.tick(&Far(si(beyond) * side), None);
+            assert_eq!(force, Force::zero());
+            assert!(environment.tripped());
+        }
+    }
+}
+
+#[test]
+fn a_knob_turns_on_without_end() {
+    // 12,000 rad: beyond what a position of any format can hold.
+    let mut settings = Settings::thesis();
+    settings.guard.on = true;
+    let mut environment = built::<Fixed16>(&settings, &[], Some(&detents()));
+    let mut count = 0;
+    let mut pushes = 0;
+    for _ in 0..260_000 {
+        count += 300;
+        let force = environment.tick(&at(count), None);
+        pushes += u32::from(force != Force::zero());
+        assert!(force.to_f64().abs() <= 0.03);
+    }
+    assert!(!environment.tripped() && pushes > 200_000);
+}
