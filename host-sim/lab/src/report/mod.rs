@@ -29,6 +29,7 @@ pub mod quantity;
 mod runs;
 pub mod schema;
 pub mod space;
+pub mod space_schema;
 pub mod staging;
 mod summary;
 pub mod svg;
