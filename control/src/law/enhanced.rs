@@ -302,7 +302,8 @@ impl<N: Number> EnhancedSfa<N> {
 impl<N: Number> Law<N> for EnhancedSfa<N> {
     type State = EnhancedState<N>;
 
-    #[inline(always)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_pointer_width = "64"), inline)]
     fn tick(&self, state: &mut EnhancedState<N>, sample: Sample<N>) -> Force<N> {
         let Sample { e, moved } = sample;
         if state.contact == Contact::Free && e > Position::zero() {
