@@ -74,6 +74,7 @@ impl Omega3 {
                 rates_hz: OMEGA3.rates_hz,
                 delay_s: DELAY_S,
                 axes: Some([OMEGA3_AXIS; 3]),
+                least_damping_n_s_per_m: Some(OMEGA3_AXIS.damping),
                 sets_the_pace: false,
             },
         };

@@ -100,14 +100,6 @@ pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSetting
     }
 }
 
-fn least_damping(sheet: &DataSheet) -> f64 {
-    sheet.axes.map_or(OMEGA3_AXIS.damping, |axes| {
-        axes.iter()
-            .map(|axis| axis.damping)
-            .fold(f64::INFINITY, f64::min)
-    })
-}
-
 impl WallOptions {
     /// For a device.
     ///
@@ -136,7 +128,8 @@ impl WallOptions {
             force_limit: Si::saturating_from_num(force_n),
             ..chosen.law
         };
-        let guard = guard(least_damping(sheet), sheet.delay_s, rate_hz);
+        let damping = sheet.least_damping_n_s_per_m.unwrap_or(OMEGA3_AXIS.damping);
+        let guard = guard(damping, sheet.delay_s, rate_hz);
         Ok(ChosenWall {
             rate_hz,
             force_n,

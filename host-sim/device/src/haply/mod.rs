@@ -116,6 +116,7 @@ impl Inverse3 {
                 rates_hz: (1000, 1000),
                 delay_s: 1e-3,
                 axes: None,
+                least_damping_n_s_per_m: None,
                 sets_the_pace: true,
             },
             origin_m: [0.0; 3],

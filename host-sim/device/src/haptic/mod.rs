@@ -38,6 +38,8 @@ pub struct DataSheet {
     pub delay_s: f64,
     /// Mass and damping of each axis, where somebody published or measured them.
     pub axes: Option<[Device; 3]>,
+    /// The least damping that it has anywhere in its workspace, in any direction, N·s/m; where somebody published or measured it.
+    pub least_damping_n_s_per_m: Option<f64>,
     /// Whether [`HapticDevice::sense`] waits for the device: its pace is then the loop's.
     pub sets_the_pace: bool,
 }

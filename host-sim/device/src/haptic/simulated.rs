@@ -111,6 +111,8 @@ impl SimulatedArm {
             )
         })?;
         let limits = twin.limits;
+        let damping = twin.axes.iter().map(|axis| axis.damping);
+        let least = damping.fold(f64::INFINITY, f64::min);
         Ok(Self {
             sheet: DataSheet {
                 name: "simulated omega.3".into(),
@@ -124,6 +126,7 @@ impl SimulatedArm {
                 rates_hz: limits.rates_hz,
                 delay_s: 0.0,
                 axes: Some(twin.axes),
+                least_damping_n_s_per_m: Some(least),
                 sets_the_pace: false,
             },
             twin,

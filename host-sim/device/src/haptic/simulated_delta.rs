@@ -25,6 +25,10 @@ pub struct SimulatedDelta {
 /// Of the Falcon, as CHAI3D has it: 8 N within 40 mm around the centre; its loop is one of 1 kHz.
 const FALCON_FORCE_N: f64 = 8.0;
 const FALCON_REACH_M: f64 = 0.04;
+const FALCON_WORKSPACE: Workspace = Workspace {
+    radius_m: FALCON_REACH_M,
+    half_height_m: FALCON_REACH_M,
+};
 /// The fastest rate of its loop, Hz.
 pub const FALCON_RATE_HZ: u32 = 1000;
 
@@ -34,6 +38,20 @@ fn left(why: Unreachable) -> HapticFault {
         format!("its arms came to where they cannot be: {why}"),
         "hold it nearer to the centre of its workspace".into(),
     )
+}
+
+/// In the direction that has the least, of places in all of its workspace; where it cannot be is none.
+fn least_damping(device: &DeltaDevice) -> f64 {
+    let steps = || (-4_i32..=4).map(|step| FALCON_REACH_M * f64::from(step) / 4.0);
+    let places = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+    places
+        .filter(|place_m| FALCON_WORKSPACE.outside_m(*place_m) <= 0.0)
+        .filter_map(|place_m| device.geometry.pose(place_m.into()).ok())
+        .map(|pose| {
+            let damping = device.damping_n_s_per_m(&pose);
+            damping.symmetric_eigenvalues().min()
+        })
+        .fold(f64::INFINITY, f64::min)
 }
 
 impl SimulatedDelta {
@@ -57,7 +75,7 @@ impl SimulatedDelta {
             .iter()
             .fold(0.0_f64, |a, x| a.max(x.abs()));
         let inertia_kg = device.inertia_kg(&centre);
-        let damping = centre.slopes.tr_mul(&centre.slopes) * device.joint_damping;
+        let damping = device.damping_n_s_per_m(&centre);
         let axes = std::array::from_fn(|i| Device {
             inertia: inertia_kg[(i, i)],
             damping: damping[(i, i)],
@@ -68,14 +86,12 @@ impl SimulatedDelta {
                 name: "simulated delta of a Falcon's geometry".into(),
                 degrees: 3,
                 force_n: FALCON_FORCE_N,
-                workspace: Workspace {
-                    radius_m: FALCON_REACH_M,
-                    half_height_m: FALCON_REACH_M,
-                },
+                workspace: FALCON_WORKSPACE,
                 count_m: furthest * device.count_rad,
                 rates_hz: (500, FALCON_RATE_HZ),
                 delay_s: 0.0,
                 axes: Some(axes),
+                least_damping_n_s_per_m: Some(least_damping(&device)),
                 sets_the_pace: false,
             },
             device,
@@ -212,5 +228,31 @@ mod tests {
             matches!(ended, Some(HapticFault::Unusable(..))),
             "{ended:?}"
         );
+    }
+
+    /// The guard counts on it, so no place may have less; a place between those that were looked at has some more or less.
+    #[test]
+    fn nowhere_in_the_workspace_has_less_damping_than_is_told() {
+        let told = least_damping(&FALCON);
+        let trusted = 0.8 * told;
+        let mut seen = f64::INFINITY;
+        for i in 0..20_000 {
+            let turn = 2.399_963 * f64::from(i);
+            let radius = FALCON_REACH_M * (f64::from(i % 101) / 100.0).sqrt();
+            let height = FALCON_REACH_M * (f64::from(i) / 10_000.0 - 1.0);
+            let place_m = [radius * turn.cos(), radius * turn.sin(), height];
+            let Ok(pose) = FALCON.geometry.pose(place_m.into()) else {
+                continue;
+            };
+            let damping = FALCON.damping_n_s_per_m(&pose);
+            seen = seen.min(damping.symmetric_eigenvalues().min());
+        }
+        let centre = FALCON.geometry.pose([0.0; 3].into()).expect("in reach");
+        let there = FALCON
+            .damping_n_s_per_m(&centre)
+            .symmetric_eigenvalues()
+            .min();
+        println!("told {told}, trusted {trusted}, seen {seen}, at the centre {there}");
+        assert!(trusted < seen && seen < 0.7 * there, "{seen}");
     }
 }

@@ -383,7 +383,7 @@ mod tests {
             let radius = 0.035 * f64::from(i % 8) / 7.0;
             let at = [across * angle.cos(), across * angle.sin(), z].map(|x| radius * x);
             let pose = FALCON.geometry.pose(at.into()).expect("in reach");
-            let damping = pose.slopes.tr_mul(&pose.slopes) * FALCON.joint_damping;
+            let damping = FALCON.damping_n_s_per_m(&pose);
             least = least.min(damping.symmetric_eigenvalues().min());
         }
         println!("least {least}");

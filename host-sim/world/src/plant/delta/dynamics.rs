@@ -86,6 +86,12 @@ impl DeltaDevice {
             + pose.slopes.tr_mul(&pose.slopes) * self.joint_inertia_kg_m2()
     }
 
+    /// What the motors' friction holds against a motion, N·s/m.
+    #[must_use]
+    pub fn damping_n_s_per_m(&self, pose: &DeltaPose) -> Matrix3<f64> {
+        pose.slopes.tr_mul(&pose.slopes) * self.joint_damping
+    }
+
     /// The torques for a force; where one is beyond its motor, all are shortened alike, so that the force keeps its direction.
     #[must_use]
     pub fn limited_torques_n_m(&self, pose: &DeltaPose, force_n: Vector3<f64>) -> Vector3<f64> {
