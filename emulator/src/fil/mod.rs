@@ -10,5 +10,6 @@ pub mod list;
 pub mod press;
 pub mod registers;
 pub mod report;
+pub mod starts;
 pub mod storage;
 pub mod tally;
