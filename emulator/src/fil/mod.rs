@@ -11,4 +11,5 @@ pub mod press;
 pub mod registers;
 pub mod report;
 pub mod storage;
+pub mod supply;
 pub mod tally;
