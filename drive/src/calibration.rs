@@ -15,6 +15,12 @@
 //!    is the mean over an eccentric magnet.
 //!
 //! Nothing is learned unless all of it is plausible, and every stage ends after a fixed number of ticks.
+//!
+//! Where an absolute encoder's alignment is kept, it is checked instead of looked for: `check`.
+
+#[cfg(feature = "large")]
+mod check;
+mod fit;
 
 use crate::Amps;
 use crate::angle::{Angle, ElectricalScale};
@@ -23,8 +29,10 @@ use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;
 use crate::transform::Dq;
 use crate::units::{clamp_i32, narrow};
-use touchstone_protocol::DeviceSettings;
-use touchstone_protocol::FaultCode;
+#[cfg(feature = "large")]
+use check::Check;
+use fit::Fit;
+use touchstone_protocol::{DeviceSettings, FaultCode};
 
 /// Why a calibration failed: the value of [`FaultCode::CalibrationFailed`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,17 +50,26 @@ pub enum Reason {
     NoCurrent = 5,
     /// A push of the measurement hardly moved the shaft: it is held, or its friction is more than the push.
     Held = 6,
+    /// The field does not hold the shaft where the kept alignment says that it does.
+    KeptWrong = 7,
+    /// While a kept alignment was checked, the shaft did not go along with the field: held, loaded, or the alignment is wrong.
+    KeptNotFollowed = 8,
+    /// The shaft did not come to rest, so that a kept alignment could be checked.
+    KeptTurning = 9,
 }
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::OffsetsLate,
         Self::PolePairs,
         Self::NotBack,
         Self::Uneven,
         Self::NoCurrent,
         Self::Held,
+        Self::KeptWrong,
+        Self::KeptNotFollowed,
+        Self::KeptTurning,
     ];
 
     /// The reason behind a fault's value.
@@ -155,40 +172,8 @@ enum Stage {
     Settle,
     Forward,
     Back,
-}
-
-/// Differences of field and rotor, for one direction of counting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Fit {
-    first: Option<Angle>,
-    /// Sum, least and most of the others relative to the first.
-    sum: i32,
-    least: i32,
-    most: i32,
-}
-
-impl Fit {
-    const EMPTY: Self = Self {
-        first: None,
-        sum: 0,
-        least: 0,
-        most: 0,
-    };
-
-    fn add(&mut self, difference: Angle) {
-        let first = *self.first.get_or_insert(difference);
-        let relative = i32::from(difference.since(first));
-        // At most 2 · 8 · 50 samples of 2^15.
-        self.sum = self.sum.saturating_add(relative);
-        self.least = self.least.min(relative);
-        self.most = self.most.max(relative);
-    }
-
-    fn mean(&self, count: i32) -> Angle {
-        let mean = self.sum.checked_div(count).unwrap_or(0);
-        // Within the least and the most, so within 16 bits.
-        self.first.unwrap_or_default().plus(Angle(mean as u16))
-    }
+    #[cfg(feature = "large")]
+    Rock,
 }
 
 /// A running calibration.
@@ -210,6 +195,8 @@ pub struct Calibration {
     along: Fit,
     against: Fit,
     samples: i32,
+    #[cfg(feature = "large")]
+    check: Option<Check>,
 }
 
 impl Calibration {
@@ -228,6 +215,8 @@ impl Calibration {
             along: Fit::EMPTY,
             against: Fit::EMPTY,
             samples: 0,
+            #[cfg(feature = "large")]
+            check: None,
         }
     }
 
@@ -236,12 +225,18 @@ impl Calibration {
     /// A tick without a good reading is left out: the outputs are off in it, and the field waits.
     pub fn tick(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
         self.ticks = self.ticks.saturating_add(1);
+        #[cfg(feature = "large")]
+        if let Some(reason) = self.watch(count) {
+            return failed(reason);
+        }
         let done = match self.stage {
             Stage::Offsets => return self.offsets(tick, report),
             Stage::Raise => self.raise(),
             Stage::Settle => self.settle(report),
             Stage::Forward => self.forward(count),
             Stage::Back => self.back(count),
+            #[cfg(feature = "large")]
+            Stage::Rock => self.rock(count),
         };
         done.unwrap_or_else(|| self.drive(tick))
     }
@@ -259,7 +254,7 @@ impl Calibration {
             tick,
             mode: CurrentMode::Drive,
             angle: self.field_angle(),
-            advance: if self.stage == Stage::Back {
+            advance: if self.is_backward() {
                 advance.saturating_neg()
             } else {
                 advance
@@ -271,6 +266,14 @@ impl Calibration {
         })
     }
 
+    const fn is_backward(&self) -> bool {
+        #[cfg(feature = "large")]
+        if let Some(check) = &self.check {
+            return check.is_backward();
+        }
+        matches!(self.stage, Stage::Back)
+    }
+
     fn field_angle(&self) -> Angle {
         Angle((self.field >> 16) as u16)
     }
@@ -280,6 +283,7 @@ impl Calibration {
         // The loop forgets old ones in the first period that it sees the command, which is before the third tick.
         if self.ticks >= 3
             && let Some(offsets) = report.offsets
+            && self.may_begin()
         {
             let off = |sixteenths: u16| (sixteenths >> 4).abs_diff(config.offset_code);
             let (a, b) = (off(offsets.a), off(offsets.b));
@@ -293,7 +297,7 @@ impl Calibration {
             self.enter(Stage::Raise);
             return self.drive(tick);
         }
-        if self.ticks > config.settle {
+        if self.ticks > config.settle && report.offsets.is_none() {
             return failed(Reason::OffsetsLate);
         }
         Progress::Running(CurrentCommand {
@@ -301,6 +305,11 @@ impl Calibration {
             mode: CurrentMode::Offsets,
             ..CurrentCommand::default()
         })
+    }
+
+    #[cfg(not(feature = "large"))]
+    const fn may_begin(&self) -> bool {
+        true
     }
 
     fn raise(&mut self) -> Option<Progress> {
@@ -323,6 +332,11 @@ impl Calibration {
             .saturating_mul(Amps::const_from_int(3));
         if report.current.d < least {
             return Some(failed(Reason::NoCurrent));
+        }
+        #[cfg(feature = "large")]
+        if self.check.is_some() {
+            self.enter(Stage::Rock);
+            return None;
         }
         self.enter(Stage::Forward);
         None

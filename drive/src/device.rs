@@ -44,6 +44,8 @@ pub struct Device {
     calibration: Option<Calibration>,
     measurement: Option<Measurement>,
     alignment: Alignment,
+    #[cfg(feature = "large")]
+    kept: kept::Kept,
     law: Controller<Fixed32>,
     /// Count of the unwrapped encoder that is the device's zero.
     zero: i64,
@@ -74,6 +76,8 @@ impl Device {
             calibration: None,
             measurement: None,
             alignment: Alignment::default(),
+            #[cfg(feature = "large")]
+            kept: kept::Kept::default(),
             law: config.law,
             zero: 0,
             fade: 0,
@@ -277,6 +281,8 @@ impl Device {
 
     /// One tick of the calibration; without a motor to be aligned there is nothing to find out.
     fn calibrate(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
+        #[cfg(feature = "large")]
+        self.begin_with_kept();
         let config = self.configs.now();
         if !config.aligns() {
             return Progress::Done(Alignment::default());
@@ -432,6 +438,8 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
 }
 
 mod display;
+#[cfg(feature = "large")]
+mod kept;
 #[cfg(test)]
 mod tests;
 

@@ -26,6 +26,8 @@
 pub mod angle;
 #[cfg(feature = "large")]
 pub mod around;
+#[cfg(feature = "large")]
+pub mod autostart;
 pub mod calibration;
 pub mod change;
 pub mod command;

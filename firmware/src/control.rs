@@ -3,6 +3,8 @@
 use core::sync::atomic::Ordering::Relaxed;
 
 use heapless::Deque;
+#[cfg(feature = "g474re")]
+use touchstone_drive::autostart::Autostart;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentMode, CurrentReport, Device,
@@ -51,6 +53,9 @@ pub struct Control {
     pub cycles_max: u32,
     /// Most cycles of lateness.
     pub lateness_max: u32,
+    /// The start by itself.
+    #[cfg(feature = "g474re")]
+    pub autostart: Autostart,
     since_sent: u16,
     duration: u32,
     encoder: EncoderKind,
@@ -111,6 +116,8 @@ impl Control {
             dropped: 0,
             cycles_max: 0,
             lateness_max: 0,
+            #[cfg(feature = "g474re")]
+            autostart: Autostart::new(false, touchstone_drive::ResetReason::PowerOn, false),
             since_sent: 0,
             duration: 0,
             encoder: settings.encoder.kind,

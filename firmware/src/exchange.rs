@@ -28,3 +28,6 @@ pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
 pub static CONFIG: Latest<CurrentConfig> = Latest::new();
 /// A whole frame of the desktop came, since the control tick looked.
 pub static HEARD: AtomicBool = AtomicBool::new(false);
+/// A whole frame of the desktop came, since the start.
+#[cfg(feature = "g474re")]
+pub static SPOKEN: AtomicBool = AtomicBool::new(false);

@@ -26,6 +26,8 @@ pub mod board;
 pub mod board;
 
 pub mod analogue;
+#[cfg(feature = "g474re")]
+pub mod autostart;
 pub mod clock;
 pub mod control;
 pub mod crash;

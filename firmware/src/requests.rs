@@ -64,7 +64,11 @@ impl Thread {
         let settings = session.settings();
         match Config::new(settings, &board::HARDWARE) {
             Ok(config) => {
-                control(self.here, |control| control.prepare(settings, config));
+                control(self.here, |control| {
+                    control.prepare(settings, config);
+                    #[cfg(feature = "g474re")]
+                    crate::autostart::give(control, session);
+                });
                 // What there is to touch was checked with them.
                 #[cfg(feature = "g474re")]
                 let _ = crate::surround::give(self.here, settings, session.environment());
@@ -201,6 +205,30 @@ impl Backend for Thread {
         environment: &touchstone_protocol::Surround,
     ) -> Option<Result<touchstone_protocol::CountsFrom, SettingsError>> {
         crate::surround::give(self.here, settings, environment).transpose()
+    }
+
+    #[cfg(feature = "g474re")]
+    fn use_kept(&mut self, kept: Option<touchstone_protocol::KeptAlignment>) {
+        // With the settings that it is used with, where there are others: `apply`.
+        if !self.new_settings {
+            control(self.here, |control| control.device.keep(kept.map(Into::into)));
+        }
+    }
+
+    #[cfg(feature = "g474re")]
+    fn alignment(&self) -> Option<(u16, bool)> {
+        let found = control(self.here, |control| control.device.found()).flatten();
+        found
+            .filter(|_| !self.new_settings)
+            .map(|found| (found.offset.0, found.against))
+    }
+
+    #[cfg(feature = "g474re")]
+    fn started(&self) -> (bool, touchstone_protocol::SelfStart) {
+        let started = control(self.here, |control| {
+            (control.device.was_checked(), control.autostart.told())
+        });
+        started.unwrap_or_default()
     }
 }
 

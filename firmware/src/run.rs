@@ -24,7 +24,7 @@ static CONTROLLER: StaticCell<Control> = StaticCell::new();
 static CURRENT_LOOP: StaticCell<CurrentLoop> = StaticCell::new();
 
 /// The supervisor looks this often.
-const SUPERVISION: Duration = Duration::from_millis(10);
+pub const SUPERVISION: Duration = Duration::from_millis(10);
 
 /// The program after the board's set-up, with the link to the desktop and where settings are kept; ends with the next reset.
 pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
@@ -63,6 +63,8 @@ fn start(
     watchdog::feed();
     #[cfg(feature = "g474re")]
     let _ = crate::surround::give(here, session.settings(), session.environment());
+    #[cfg(feature = "g474re")]
+    crate::autostart::begin(here, session, reason);
     let device = Thread::new(storage, reason.into(), here);
     match link(serial, session, device) {
         Ok(task) => spawner.spawn(task),
@@ -81,7 +83,9 @@ fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let are_refused = start.refused.is_some();
     let session = Session::new(start.settings, !are_refused);
     #[cfg(feature = "g474re")]
-    let session = session.with_environment(start.environment);
+    let session = session
+        .with_environment(start.environment)
+        .with_kept(start.kept);
     (SESSION.init(session), are_refused)
 }
 
@@ -136,6 +140,8 @@ async fn supervise(here: InThread) -> ! {
     let mut told = None;
     loop {
         ticker.next().await;
+        #[cfg(feature = "g474re")]
+        crate::autostart::step(here);
         tell_state(here, &mut told);
         let now_late = LATE_PERIODS.load(Relaxed);
         if now_late != late {

@@ -126,6 +126,8 @@ fn take(
         return Taken::Nothing;
     };
     HEARD.store(true, Relaxed);
+    #[cfg(feature = "g474re")]
+    crate::exchange::SPOKEN.store(true, Relaxed);
     // Not moved out: it is large.
     match &session.answer_payload(payload, errors, device) {
         Answered::Later => Taken::Command,

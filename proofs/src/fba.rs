@@ -169,5 +169,5 @@ fba!(
 );
 fba!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, functions Fixed8, by cadical, sums cadical, bound cadical
+    w8, Fixed8, functions Fixed8, by cadical, sums kissat, bound cadical
 );

@@ -375,7 +375,7 @@ guard!(
 );
 guard!(
     /// At 8 bits, where a solver has every case.
-    w8, Fixed8, by cadical, sum cadical
+    w8, Fixed8, by cadical, sum kissat
 );
 
 #[cfg(all(test, not(kani)))]

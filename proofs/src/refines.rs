@@ -181,28 +181,44 @@ macro_rules! refines {
                 }
             }
             property! {
-                /// P11, enhanced law, until the first contact ends.
+                /// P11, enhanced law, outside and at the touch.
                 equation "(memory', f) = spec(memory, e, Δe)"
-                over "valid configuration, memory in the invariant outside or in first contact, sample that does not turn back inside"
+                over "valid configuration, memory in the invariant outside, sample"
+                by $first fn p11_enhanced_touch(s) {
+                    let observer = if s.bool() { ObserverForm::Exact } else { ObserverForm::Thesis };
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, observer), |it| enhanced_ok(&it), "validate");
+                    let before = such!(s, at(Contact::Free, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
+                    let sample = any_sample::<N, S>(s);
+                    let mut state = before;
+                    let force = specified::force(law.tick(&mut state, sample));
+                    let spec = specified::enhanced(&law, specified::gain(series));
+                    let expected = spec.tick(&specified::of_enhanced(&before), position(sample.e), position(sample.moved));
+                    assert!(expected == (specified::of_enhanced(&state), force));
+                    cover!(s, state.contact == Contact::First, "touches");
+                    cover!(s, state.contact == Contact::Free, "stays outside");
+                }
+            }
+            property! {
+                /// P11, enhanced law, the first contact, until it turns back.
+                equation "(memory', f) = spec(memory, e, Δe)"
+                over "valid configuration, memory in the invariant in first contact, sample that does not turn back inside"
                 by $first fn p11_enhanced_first(s) {
                     let observer = if s.bool() { ObserverForm::Exact } else { ObserverForm::Thesis };
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, observer), |it| enhanced_ok(&it), "validate");
-                    let contact = if s.bool() { Contact::First } else { Contact::Free };
-                    let before = such!(s, at(contact, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
+                    let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
                     assume!(
                         s,
-                        contact == Contact::Free || sample.moved >= Position::zero() || sample.e <= Position::zero(),
-                        "case; the other is p11_enhanced_turn_*"
+                        sample.moved >= Position::zero() || sample.e <= Position::zero(),
+                        "case; the other is p11_hand_over_* with p11_augmenting_*"
                     );
                     let mut state = before;
                     let force = specified::force(law.tick(&mut state, sample));
                     let spec = specified::enhanced(&law, specified::gain(series));
                     let expected = spec.tick(&specified::of_enhanced(&before), position(sample.e), position(sample.moved));
                     assert!(expected == (specified::of_enhanced(&state), force));
-                    cover!(s, before.contact == Contact::Free && state.contact == Contact::First, "touches");
-                    cover!(s, before.contact == Contact::First && state.contact == Contact::Free, "left");
-                    cover!(s, state.energy > before.energy && state.energy < law.energy_cap && before.contact == Contact::First, "stored");
+                    cover!(s, state.contact == Contact::Free, "left");
+                    cover!(s, state.energy > before.energy && state.energy < law.energy_cap, "stored");
                 }
             }
             property! {
@@ -305,10 +321,10 @@ macro_rules! refines {
                 }
             }
             property! {
-                /// P11, enhanced law: the mass' move that the energy pays for.
+                /// P11, enhanced law: the mass' move that the energy pays for at the wanted force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
-                by $paid fn p11_paid_move(s) {
+                by $paid fn p11_move_at_full_force(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let (from, wanted, stored) = (N::any_position(s), N::any_force(s), N::any_energy(s));
                     let drive = such!(s, N::any_tension(s), |drive| drive_ok(&law.mass, drive), "p6_drive_is_exact");
@@ -316,12 +332,54 @@ macro_rules! refines {
                     assume!(s, stored >= Energy::zero() && stored <= law.energy_cap, "invariant, kept by p4_augmenting");
                     let mut left = stored;
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut left);
+                    assume!(s, force == wanted, "case; the others are p11_move_held_back and p11_move_pulled_out");
                     let spec = specified::enhanced(&law, specified::gain(series));
                     let memory = specified::EnhancedMemory { energy: specified::energy(stored), mass: position(from), ..Default::default() };
                     let expected = spec.paid_move(&memory, specified::tension(drive), specified::force(wanted));
                     assert!(expected == (specified::energy(left), specified::force(force), position(step)));
-                    cover!(s, force > Force::zero() && force < wanted, "held back");
-                    cover!(s, force == Force::zero(), "pulled out");
+                    cover!(s, left < stored, "paid");
+                    cover!(s, left > stored, "stored");
+                }
+            }
+            property! {
+                /// P11, enhanced law: the mass' move that the energy pays for with less force.
+                equation "(E', f, d') = spec(E, N0, f_wanted)"
+                over "valid configuration, position, drive, wanted force, stored energy"
+                by $paid fn p11_move_held_back(s) {
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
+                    let (from, wanted, stored) = (N::any_position(s), N::any_force(s), N::any_energy(s));
+                    let drive = such!(s, N::any_tension(s), |drive| drive_ok(&law.mass, drive), "p6_drive_is_exact");
+                    assume!(s, wanted > Force::zero(), "what tick passes: the contact ends otherwise");
+                    assume!(s, stored >= Energy::zero() && stored <= law.energy_cap, "invariant, kept by p4_augmenting");
+                    let mut left = stored;
+                    let (force, step) = law.affordable_move(from, drive, wanted, &mut left);
+                    assume!(s, force > Force::zero() && force < wanted, "case; the others are p11_move_at_full_force and p11_move_pulled_out");
+                    let spec = specified::enhanced(&law, specified::gain(series));
+                    let memory = specified::EnhancedMemory { energy: specified::energy(stored), mass: position(from), ..Default::default() };
+                    let expected = spec.paid_move(&memory, specified::tension(drive), specified::force(wanted));
+                    assert!(expected == (specified::energy(left), specified::force(force), position(step)));
+                    cover!(s, left < stored, "paid");
+                    cover!(s, step < Position::zero(), "retreats");
+                }
+            }
+            property! {
+                /// P11, enhanced law: the mass is pulled out, without a force.
+                equation "(E', f, d') = spec(E, N0, f_wanted)"
+                over "valid configuration, position, drive, wanted force, stored energy"
+                by $paid fn p11_move_pulled_out(s) {
+                    let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
+                    let (from, wanted, stored) = (N::any_position(s), N::any_force(s), N::any_energy(s));
+                    let drive = such!(s, N::any_tension(s), |drive| drive_ok(&law.mass, drive), "p6_drive_is_exact");
+                    assume!(s, wanted > Force::zero(), "what tick passes: the contact ends otherwise");
+                    assume!(s, stored >= Energy::zero() && stored <= law.energy_cap, "invariant, kept by p4_augmenting");
+                    let mut left = stored;
+                    let (force, step) = law.affordable_move(from, drive, wanted, &mut left);
+                    assume!(s, force == Force::zero(), "case; the others are p11_move_at_full_force and p11_move_held_back");
+                    let spec = specified::enhanced(&law, specified::gain(series));
+                    let memory = specified::EnhancedMemory { energy: specified::energy(stored), mass: position(from), ..Default::default() };
+                    let expected = spec.paid_move(&memory, specified::tension(drive), specified::force(wanted));
+                    assert!(expected == (specified::energy(left), specified::force(force), position(step)));
+                    cover!(s, step < Position::zero(), "pulled out");
                 }
             }
             property! {
@@ -333,10 +391,10 @@ macro_rules! refines {
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
                         |state| law.holds(&state) && state.account >= Energy::zero(),
-                        "invariant, kept by p1_account_stays and p4_overspeed; case: the other is p11_guard_ends"
+                        "invariant, kept by p1_account_stays and p4_overspeed; case: the others are p11_guard_over and p11_guard_deficit"
                     );
                     let (moved, wanted) = (N::any_position(s), N::any_force(s));
-                    assume!(s, moved.modulus() <= law.furthest, "case; the other is p11_guard_ends");
+                    assume!(s, moved.modulus() <= law.furthest, "case; the other is p11_guard_over");
                     let mut state = before;
                     let fine = law.tick(&mut state, moved, wanted).is_ok();
                     let spec = specified::guard(&law);
@@ -347,10 +405,10 @@ macro_rules! refines {
                 }
             }
             property! {
-                /// P11, guard: overspeed, and a deficit.
+                /// P11, guard: overspeed.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
-                by $ends fn p11_guard_ends(s) {
+                by $ends fn p11_guard_over(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
@@ -358,18 +416,38 @@ macro_rules! refines {
                         "invariant, kept by p1_account_stays and p4_overspeed"
                     );
                     let (moved, wanted) = (N::any_position(s), N::any_force(s));
-                    assume!(
-                        s,
-                        moved.0 == N::LOWEST || moved.modulus() > law.furthest || before.account < Energy::zero(),
-                        "case; the other is p11_guard"
-                    );
+                    let over = moved.0 == N::LOWEST || moved.modulus() > law.furthest;
+                    assume!(s, over, "case; the others are p11_guard and p11_guard_deficit");
                     let mut state = before;
                     let fine = law.tick(&mut state, moved, wanted).is_ok();
                     let spec = specified::guard(&law);
                     let expected = spec.tick(&specified::of_guard(&before), position(moved), 0, specified::force(wanted));
                     assert!(expected == (specified::of_guard(&state), fine));
                     cover!(s, !fine && state.account < before.account, "lost");
-                    cover!(s, fine && state.account > before.account, "made up");
+                    cover!(s, before.account < Energy::zero(), "with a deficit");
+                }
+            }
+            property! {
+                /// P11, guard: a deficit.
+                equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
+                over "valid configuration, memory in the invariant, displacement, wanted force"
+                by $ends fn p11_guard_deficit(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let (moved, wanted) = (N::any_position(s), N::any_force(s));
+                    let over = moved.0 == N::LOWEST || moved.modulus() > law.furthest;
+                    assume!(s, !over && before.account < Energy::zero(), "case; the others are p11_guard and p11_guard_over");
+                    let mut state = before;
+                    let fine = law.tick(&mut state, moved, wanted).is_ok();
+                    let spec = specified::guard(&law);
+                    let expected = spec.tick(&specified::of_guard(&before), position(moved), 0, specified::force(wanted));
+                    assert!(expected == (specified::of_guard(&state), fine));
+                    cover!(s, state.account > before.account, "made up");
+                    cover!(s, wanted > Force::zero() && state.account < Energy::zero(), "no force");
                 }
             }
         }

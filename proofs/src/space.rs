@@ -248,7 +248,7 @@ macro_rules! space {
 }
 space!(
     /// 8 bits, all inputs.
-    w8, Fixed8, unit cadical, across cadical, longer cadical, within cadical, work cadical, leaving cadical, friction cadical
+    w8, Fixed8, unit kissat, across kissat, longer kissat, within kissat, work cadical, leaving kissat, friction kissat
 );
 space!(
     /// As shipped, on samples.

@@ -79,7 +79,7 @@ pub mod w8 {
         /// can say the same is booked, and the force is none.
         equation "(memory, f) = guard(memory, e - e(n-1), f_wanted); first sample: guard(memory, 0, f_wanted); beyond the edge f = 0"
         over "valid configuration, memory in the invariant, sample, wanted force"
-        by cadical fn p9_stage_measures(s) {
+        by kissat fn p9_stage_measures(s) {
             let before = such!(s, any_stage::<N, S>(s), |it| stage_holds(&it) && !it.tripped, "Guard::new; invariant; case: tripped is p4_stage_latches");
             let (e, wanted) = (N::any_position(s), N::any_force(s));
             let mut after = before;

@@ -172,5 +172,5 @@ tdpa!(
 );
 tdpa!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, functions Fixed8, by cadical, sums cadical, step sampled
+    w8, Fixed8, functions Fixed8, by cadical, sums kissat, step sampled
 );

@@ -40,6 +40,8 @@ pub use unwrap::{Unwrap16, Unwrap32};
 
 #[cfg(feature = "large")]
 pub use settings::environment::{CountsFrom, Surround};
+#[cfg(feature = "large")]
+pub use settings::kept::{KeptAlignment, KeptStart, SelfStart, StartReport, Unkept};
 
 #[cfg(feature = "wire")]
 pub use measuring::MeasuringTick;

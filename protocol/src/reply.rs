@@ -48,6 +48,9 @@ pub enum Reply {
     /// To `SetEnvironment`: taken.
     #[cfg(feature = "large")]
     Taken(crate::settings::environment::CountsFrom),
+    /// To `Start`.
+    #[cfg(feature = "large")]
+    Start(crate::settings::kept::StartReport),
 }
 
 /// Why not.
@@ -65,6 +68,9 @@ pub enum Refusal {
     RingRuns,
     /// The frame was whole, but the device does not know this request.
     NotUnderstood,
+    /// The alignment cannot be kept, or there is none to start with.
+    #[cfg(feature = "large")]
+    Unkept(crate::settings::kept::Unkept),
 }
 
 /// Who the device is.

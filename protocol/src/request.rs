@@ -4,7 +4,7 @@ use crate::settings::DeviceSettings;
 use serde::{Deserialize, Serialize};
 
 /// Version of everything that goes over the wire: raised with each change that an older desktop or device would misread.
-pub const PROTOCOL_VERSION: u16 = 5;
+pub const PROTOCOL_VERSION: u16 = 6;
 
 /// A request, and the number by which its answer is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,6 +67,18 @@ pub enum Request<'a> {
     /// Other things to touch, also while the device is armed; the largest change of force in a tick is in it.
     #[cfg(feature = "large")]
     SetEnvironment(crate::settings::environment::Surround),
+    /// What is kept for the next start, and what became of this one.
+    #[cfg(feature = "large")]
+    Start,
+    /// Keeps the alignment of the calibration that has just ended. In `Ready` only; `Save` writes it.
+    #[cfg(feature = "large")]
+    KeepAlignment,
+    /// Keeps none any more: nothing starts by itself then, though it is asked for. `Save` writes it.
+    #[cfg(feature = "large")]
+    ForgetAlignment,
+    /// Whether the board checks the kept alignment and arms by itself when power comes on. `Save` writes it.
+    #[cfg(feature = "large")]
+    Autostart(bool),
 }
 
 /// What a person tells the device to do.

@@ -7,6 +7,8 @@ use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
 use crate::request::{DeviceCommand, Request, ToDevice};
 #[cfg(feature = "large")]
 use crate::settings::environment::{CountsFrom, Surround};
+#[cfg(feature = "large")]
+use crate::settings::kept::{self, KeptAlignment, KeptStart, SelfStart, StartReport, Unkept};
 use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
@@ -51,6 +53,19 @@ pub trait Backend {
     ) -> Option<Result<CountsFrom, SettingsError>> {
         None
     }
+    /// Takes the alignment that the next calibration is to check instead of looking for one; `None`: it is to look for one.
+    #[cfg(feature = "large")]
+    fn use_kept(&mut self, _kept: Option<KeptAlignment>) {}
+    /// The alignment in use at the encoder's own zero, and its direction; `None` where none was found with the settings in use.
+    #[cfg(feature = "large")]
+    fn alignment(&self) -> Option<(u16, bool)> {
+        None
+    }
+    /// Whether that was a kept one, and what became of the start by itself.
+    #[cfg(feature = "large")]
+    fn started(&self) -> (bool, SelfStart) {
+        (false, SelfStart::Off)
+    }
 }
 
 /// The flash could not be written.
@@ -63,6 +78,8 @@ pub struct Session {
     settings: DeviceSettings,
     #[cfg(feature = "large")]
     environment: Surround,
+    #[cfg(feature = "large")]
+    kept: KeptStart,
     unsaved: bool,
     /// A command of which nobody knows yet what became, and the request's number.
     waiting: Option<(u8, DeviceCommand)>,
@@ -89,6 +106,8 @@ impl Session {
             settings,
             #[cfg(feature = "large")]
             environment: Surround::default(),
+            #[cfg(feature = "large")]
+            kept: KeptStart::default(),
             unsaved: !saved,
             waiting: None,
         }
@@ -100,6 +119,21 @@ impl Session {
     pub const fn with_environment(mut self, environment: Surround) -> Self {
         self.environment = environment;
         self
+    }
+
+    /// With what is kept for the start, as the device started with it.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub const fn with_kept(mut self, kept: KeptStart) -> Self {
+        self.kept = kept;
+        self
+    }
+
+    /// What is kept for the start.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub const fn kept(&self) -> &KeptStart {
+        &self.kept
     }
 
     /// What there is to touch.
@@ -186,6 +220,10 @@ impl Session {
             Request::SetEnvironment(environment) => {
                 self.surround(environment, device).map(Reply::Taken)
             }
+            #[cfg(feature = "large")]
+            Request::KeepAlignment | Request::ForgetAlignment | Request::Autostart(_) => {
+                self.keep(request, device).map(|()| Reply::Done)
+            }
             _ => self.tell(request, decode_errors, device),
         }
     }
@@ -227,7 +265,19 @@ impl Session {
             #[cfg(feature = "large")]
             Request::Environment => Ok(Reply::Environment(self.environment)),
             #[cfg(feature = "large")]
-            Request::SetEnvironment(_) => Err(Refusal::NotUnderstood),
+            Request::Start => {
+                let (was_checked, self_start) = device.started();
+                Ok(Reply::Start(StartReport {
+                    kept: self.kept,
+                    was_checked,
+                    self_start,
+                }))
+            }
+            #[cfg(feature = "large")]
+            Request::SetEnvironment(_)
+            | Request::KeepAlignment
+            | Request::ForgetAlignment
+            | Request::Autostart(_) => Err(Refusal::NotUnderstood),
             // Nothing to tell: `act` has these.
             Request::Set { .. }
             | Request::SetAll(_)
@@ -286,6 +336,57 @@ impl Session {
             self.settings.clone_from(settings);
         }
         device.use_settings(&self.settings);
+        #[cfg(feature = "large")]
+        self.give_kept(device);
+        Ok(())
+    }
+
+    /// The kept alignment for the next calibration, where it was measured with what the settings say.
+    #[cfg(feature = "large")]
+    fn give_kept(&self, device: &mut impl Backend) {
+        let usable = self.kept.usable(&self.settings, device.identity().board);
+        device.use_kept(usable.ok());
+    }
+
+    /// What is kept for the start.
+    #[cfg(feature = "large")]
+    #[inline(never)]
+    fn keep(&mut self, request: &Request<'_>, device: &mut impl Backend) -> Result<(), Refusal> {
+        let board = device.identity().board;
+        let kept = match request {
+            Request::KeepAlignment => {
+                let phase = device.phase();
+                if phase != Phase::Ready {
+                    return Err(Refusal::NotNow(phase));
+                }
+                kept::may_keep(&self.settings).map_err(Refusal::Unkept)?;
+                let (offset, against) = device
+                    .alignment()
+                    .ok_or(Refusal::Unkept(Unkept::SettingsWait))?;
+                let alignment = KeptAlignment::new(offset, against, &self.settings, board);
+                KeptStart {
+                    alignment: Some(alignment),
+                    ..self.kept
+                }
+            }
+            Request::Autostart(autostart) => {
+                if *autostart {
+                    let usable = self.kept.usable(&self.settings, board);
+                    usable.map_err(Refusal::Unkept)?;
+                }
+                KeptStart {
+                    autostart: *autostart,
+                    ..self.kept
+                }
+            }
+            _ => KeptStart {
+                alignment: None,
+                ..self.kept
+            },
+        };
+        self.unsaved |= self.kept != kept;
+        self.kept = kept;
+        self.give_kept(device);
         Ok(())
     }
 
@@ -322,7 +423,7 @@ impl Session {
         #[cfg(not(feature = "large"))]
         let image = stored::encode(&self.settings, &mut buffer);
         #[cfg(feature = "large")]
-        let image = stored::encode_with(&self.settings, &self.environment, &mut buffer);
+        let image = stored::encode_with(&self.settings, &self.environment, &self.kept, &mut buffer);
         let image = image.map_err(|_| Refusal::Flash)?;
         device.save(image).map_err(|FlashError| Refusal::Flash)?;
         self.unsaved = false;

@@ -3,9 +3,11 @@
 //! ```text
 //! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
 //! layout version u16 | postcard of DeviceSettings | postcard of Surround | CRC-32 of all before
+//! layout version u16 | postcard of DeviceSettings | postcard of Surround | postcard of KeptStart | CRC-32 of all before
 //! ```
 //!
-//! The second form is that of boards with room for an environment; they read the first one as well, with the wall alone.
+//! The last form is that of boards with room for an environment; they read the others as well, with the wall alone and with nothing kept
+//! for the start.
 //!
 //! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
 //! the device then uses the defaults and latches `SettingsInvalid`. There is no guessing at half of an image. An image of
@@ -14,11 +16,13 @@
 use crate::frame::{PAYLOAD_MAX, crc_of};
 #[cfg(feature = "large")]
 use crate::settings::environment::Surround;
+#[cfg(feature = "large")]
+use crate::settings::kept::KeptStart;
 use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
 pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
-    5
+    6
 } else {
     WALL_ALONE
 };
@@ -26,11 +30,15 @@ pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
 /// The layout without an environment: that of boards without room for one, and of all before there was one.
 const WALL_ALONE: u16 = 4;
 
+/// The layout with an environment and nothing kept for the start.
+const NOTHING_KEPT: u16 = 5;
+
 /// No image is longer, bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
 
 #[cfg(feature = "large")]
-const SURROUND_MAX: usize = crate::settings::environment::ENVIRONMENT_MAX;
+const SURROUND_MAX: usize =
+    crate::settings::environment::ENVIRONMENT_MAX + crate::settings::kept::KEPT_MAX;
 #[cfg(not(feature = "large"))]
 const SURROUND_MAX: usize = 0;
 
@@ -59,6 +67,9 @@ pub struct Start {
     /// What there is to touch.
     #[cfg(feature = "large")]
     pub environment: Surround,
+    /// What is kept for the start.
+    #[cfg(feature = "large")]
+    pub kept: KeptStart,
     /// Why they are the defaults although something was stored: the device latches `SettingsInvalid`.
     pub refused: Option<Refused>,
 }
@@ -74,10 +85,15 @@ pub fn encode<'b>(
     #[cfg(not(feature = "large"))]
     return sealed(settings, buffer);
     #[cfg(feature = "large")]
-    encode_with(settings, &Surround::default(), buffer)
+    encode_with(
+        settings,
+        &Surround::default(),
+        &KeptStart::default(),
+        buffer,
+    )
 }
 
-/// The image of settings and of what there is to touch.
+/// The image of settings, of what there is to touch, and of what is kept for the start.
 ///
 /// # Errors
 /// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
@@ -85,9 +101,10 @@ pub fn encode<'b>(
 pub fn encode_with<'b>(
     settings: &DeviceSettings,
     environment: &Surround,
+    kept: &KeptStart,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], postcard::Error> {
-    sealed(&(settings, environment), buffer)
+    sealed(&(settings, environment, kept), buffer)
 }
 
 fn sealed<'b>(
@@ -119,7 +136,9 @@ pub fn layout_version(image: &[u8]) -> Option<u16> {
 
 /// Whether this program can read an image of this layout.
 pub(crate) const fn is_readable(version: u16) -> bool {
-    version == LAYOUT_VERSION || version == WALL_ALONE
+    version == LAYOUT_VERSION
+        || version == WALL_ALONE
+        || (cfg!(feature = "large") && version == NOTHING_KEPT)
 }
 
 /// The content of an image, and its layout.
@@ -134,23 +153,28 @@ fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
         .ok_or(Refused::Damaged)
 }
 
-/// The settings of an image and what there is to touch, validated by `check` and with each other.
+/// The settings of an image, what there is to touch and what is kept for the start, validated by `check` and with each other.
 ///
 /// # Errors
 /// Whatever is not whole, of a layout that is known, and valid.
 #[cfg(feature = "large")]
-pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<(DeviceSettings, Surround), Refused> {
+pub fn decode_with(
+    image: &[u8],
+    check: Check<'_>,
+) -> Result<(DeviceSettings, Surround, KeptStart), Refused> {
     let (version, content) = content(image)?;
-    let read = if version == WALL_ALONE {
-        crate::frame::message(content).map(|settings| (settings, Surround::default()))
-    } else {
-        crate::frame::message(content)
+    let nothing = KeptStart::default();
+    let read = match version {
+        WALL_ALONE => crate::frame::message(content).map(|it| (it, Surround::default(), nothing)),
+        NOTHING_KEPT => crate::frame::message(content).map(|(it, around)| (it, around, nothing)),
+        _ => crate::frame::message(content),
     };
-    let (settings, environment): (DeviceSettings, Surround) = read.ok_or(Refused::Damaged)?;
+    let (settings, environment, kept): (DeviceSettings, Surround, KeptStart) =
+        read.ok_or(Refused::Damaged)?;
     check(&settings)
         .and_then(|()| environment.check(&settings))
         .map_err(Refused::Invalid)?;
-    Ok((settings, environment))
+    Ok((settings, environment, kept))
 }
 
 /// The settings of an image, validated by `check`.
@@ -159,7 +183,7 @@ pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<(DeviceSettings, Su
 /// Whatever is not whole, of this layout, and valid.
 #[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
-    decode_with(image, check).map(|(settings, _)| settings)
+    decode_with(image, check).map(|(settings, ..)| settings)
 }
 
 /// The settings of an image, validated by `check`.
@@ -189,8 +213,9 @@ pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -
         #[cfg(not(feature = "large"))]
         Some(Ok(settings)) => Start::defaults(settings, None),
         #[cfg(feature = "large")]
-        Some(Ok((settings, environment))) => Start {
+        Some(Ok((settings, environment, kept))) => Start {
             environment,
+            kept,
             ..Start::defaults(settings, None)
         },
     }
@@ -203,6 +228,8 @@ impl Start {
             settings,
             #[cfg(feature = "large")]
             environment: Surround::default(),
+            #[cfg(feature = "large")]
+            kept: KeptStart::default(),
             refused,
         }
     }

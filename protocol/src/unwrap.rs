@@ -30,6 +30,13 @@ macro_rules! unwrap {
                 self.count
             }
 
+            /// The last reading.
+            #[inline]
+            #[must_use]
+            pub const fn reading(&self) -> $counter {
+                self.last
+            }
+
             /// The count at the last reading.
             #[inline]
             #[must_use]

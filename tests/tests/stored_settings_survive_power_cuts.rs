@@ -4,7 +4,7 @@ use touchstone_control::Si;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::stored::{self, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
-use touchstone_protocol::{Board, DeviceSettings, flash};
+use touchstone_protocol::{Board, DeviceSettings, KeptAlignment, KeptStart, Surround, flash};
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
@@ -25,9 +25,24 @@ fn settings(number: u16) -> DeviceSettings {
     settings
 }
 
+/// What is kept for the start with them.
+fn kept(number: u16) -> KeptStart {
+    KeptStart {
+        alignment: Some(KeptAlignment::new(
+            number,
+            number.is_multiple_of(2),
+            &settings(number),
+            BOARD,
+        )),
+        autostart: number.is_multiple_of(3),
+    }
+}
+
 fn save(flash: &mut Flash, number: u16) -> bool {
     let mut buffer = [0; IMAGE_MAX];
-    let image = stored::encode(&settings(number), &mut buffer).expect("room");
+    let around = Surround::default();
+    let image = stored::encode_with(&settings(number), &around, &kept(number), &mut buffer);
+    let image = image.expect("room");
     let pages = flash.range();
     flash::save(flash, pages, image).is_ok()
 }
@@ -47,6 +62,7 @@ fn number_in(flash: &mut Flash) -> u16 {
     assert_eq!(start.refused, None);
     let number = start.settings.wall.k_desired_n_m_per_rad.to_num();
     assert_eq!(start.settings, settings(number));
+    assert_eq!(start.kept, kept(number));
     number
 }
 
@@ -127,6 +143,39 @@ fn what_is_damaged_is_refused_and_can_be_written_over() {
 fn sealed(content: &[u8]) -> Vec<u8> {
     let sum = touchstone_protocol::frame::crc_of(content);
     [content, &sum.to_le_bytes()].concat()
+}
+
+#[test]
+fn the_layouts_before_are_read_with_nothing_kept() {
+    let mut buffer = [0; IMAGE_MAX];
+    let around = Surround {
+        first_wall: false,
+        ..Surround::default()
+    };
+    let (of_4, of_5) = (settings(4), (settings(5), around));
+    for (layout, content, settings, around) in [
+        (
+            4_u16,
+            postcard(&of_4, &mut buffer),
+            of_4.clone(),
+            Surround::default(),
+        ),
+        (5, postcard(&of_5, &mut buffer), of_5.0.clone(), around),
+    ] {
+        let image = sealed(&[&layout.to_le_bytes()[..], &content].concat());
+        let mut flash = Flash::erased(PAGES);
+        let pages = flash.range();
+        flash::save(&mut flash, pages, &image).expect("room");
+        let start = load(&mut flash);
+        assert_eq!(start.refused, None, "layout {layout}");
+        assert_eq!(start.settings, settings);
+        assert_eq!(start.environment, around);
+        assert_eq!(start.kept, KeptStart::default());
+    }
+}
+
+fn postcard(value: &impl serde::Serialize, buffer: &mut [u8]) -> Vec<u8> {
+    postcard::to_slice(value, buffer).expect("room").to_vec()
 }
 
 #[test]

@@ -108,6 +108,19 @@ impl Unwrapped {
         }
     }
 
+    /// How far the last reading is from the encoder's own zero, in the direction in which it is counted. Means nothing for an encoder
+    /// that counts from where it was switched on.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub fn from_own_zero(&self) -> i64 {
+        let value = i64::from(self.aligned.reading() >> (self.shift & 31));
+        if self.reversed {
+            value.wrapping_neg()
+        } else {
+            value
+        }
+    }
+
     /// The count at the last reading.
     #[must_use]
     pub const fn count(&self) -> i64 {

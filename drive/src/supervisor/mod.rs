@@ -69,6 +69,13 @@ impl SupervisorConfig {
         }
     }
 
+    /// Whether a bus voltage is within its limits; any is, where the power stage is somebody else's.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub fn takes_supply(&self, bus: crate::Volts) -> bool {
+        self.motor.is_none_or(|(power, ..)| power.takes(bus))
+    }
+
     /// For the shaft's speed.
     #[must_use]
     pub const fn shaft(&self) -> &ShaftConfig {

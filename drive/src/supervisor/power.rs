@@ -39,6 +39,15 @@ impl PowerConfig {
     }
 }
 
+impl PowerConfig {
+    /// Whether a bus voltage is within its limits.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub fn takes(&self, bus: Volts) -> bool {
+        (self.bus_min..=self.bus_max).contains(&bus)
+    }
+}
+
 /// The power stage; it remembers nothing.
 #[derive(Debug, Clone, Copy)]
 pub struct Power;

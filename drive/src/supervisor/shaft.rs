@@ -199,6 +199,15 @@ impl Shaft {
         (moved <= i64::from(config.jump)).then_some(count)
     }
 
+    /// How far count 0 is from an absolute encoder's own zero; `None` for one that has none, and before the first good reading.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub fn own_zero(&self, config: &ShaftConfig) -> Option<i64> {
+        let unwrapped = self.unwrapped?;
+        (config.kind != EncoderKind::Incremental)
+            .then(|| unwrapped.from_own_zero().saturating_sub(unwrapped.count()))
+    }
+
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
         if !watched {
             // Nobody counts on it: begin anew with the next good one.

@@ -4,7 +4,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{around, lasting, press, registers, storage, supply};
+use super::{around, lasting, press, registers, starts, storage, supply};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -21,6 +21,8 @@ pub const CHECKS: &[Check] = &[
     ("more than one wall", around::around),
     ("random frames", random_frames),
     ("registers after the start", registers::registers),
+    ("kept alignment", starts::kept_alignment),
+    ("start by itself", starts::start_by_itself),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
     (

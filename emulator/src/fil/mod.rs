@@ -10,6 +10,7 @@ pub mod list;
 pub mod press;
 pub mod registers;
 pub mod report;
+pub mod starts;
 pub mod storage;
 pub mod supply;
 pub mod tally;

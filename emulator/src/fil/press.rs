@@ -86,7 +86,7 @@ pub fn board_named(name: &str) -> Result<Board, String> {
 }
 
 /// The law on this machine, given the counts that the device was given: penetration, force and offset equal to the bit.
-fn compare(
+pub fn compare(
     settings: &DeviceSettings,
     board: Board,
     armed: &[&Telemetry],

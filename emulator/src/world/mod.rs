@@ -159,6 +159,7 @@ pub struct World {
     now: u64,
     /// When the knob moves next.
     step_at: u64,
+    motor: MotorParameters,
     windings: Windings,
     /// The supply and the switches.
     pub bridge: Bridge,
@@ -201,6 +202,7 @@ impl World {
             knob: parts.knob,
             now: 0,
             step_at: STEP,
+            motor: parts.motor,
             windings: Windings::new(parts.motor, seconds(STEP)),
             bridge: Bridge {
                 // 0.5 us at both ends of 50 us.
@@ -281,6 +283,12 @@ impl World {
         let plant = BareCoulomb::new(&self.knob, seconds(STEP)).expect("the knob is in range");
         let (x, v) = self.angle_and_speed();
         self.grip = Grip::Free(plant, State::from_array([x, v]));
+    }
+
+    /// The encoder's magnet slips on the shaft, while no current flows: by this much of the motor's electrical angle, rad.
+    pub fn slip(&mut self, electrical_rad: f64) {
+        self.motor.electrical_zero_rad += electrical_rad;
+        self.windings = Windings::new(self.motor, seconds(STEP));
     }
 
     /// Something stronger than the motor turns the shaft at a speed; 0 holds it.

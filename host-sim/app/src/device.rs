@@ -1,5 +1,7 @@
 //! `touchstone device`: a board's commands, state, fault, and the second before the fault; haptic devices in [`super::haptic`].
 
+pub mod start;
+
 use super::haptic;
 use super::out::{self, say, tell};
 use super::port::PortOption;
@@ -8,10 +10,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
+use touchstone_drive::Reason;
 use touchstone_link::words::{described, name_of, number_of, page};
 use touchstone_protocol::{
-    Counters, DeviceCommand, DeviceSettings, Fault, Phase, Reply, Request, ResetReason, RingRecord,
-    Status,
+    Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Phase, Reply, Request, ResetReason,
+    RingRecord, Status,
 };
 use touchstone_sim::error::{Error, Result};
 
@@ -48,6 +51,9 @@ enum BoardAction {
         /// Returns at once.
         #[arg(long)]
         no_wait: bool,
+        /// Looks for the alignment although one is kept.
+        #[arg(long)]
+        anew: bool,
     },
     /// Switches the outputs on: the wall is there from now on.
     Arm,
@@ -57,6 +63,16 @@ enum BoardAction {
     Stop,
     /// Makes this position zero. Not while armed.
     Zero,
+    /// Shows whether the alignment is kept for the next start; keeps or forgets it. For encoders that know where they are.
+    Alignment {
+        #[command(subcommand)]
+        action: Option<start::AlignmentAction>,
+    },
+    /// Shows whether the board starts by itself when power comes on, with no desktop; switches that on or off, and saves it.
+    Autostart {
+        #[arg(value_enum)]
+        switch: Option<start::Switch>,
+    },
     /// Switches off and restarts the device.
     Reboot,
     /// The latched fault: what it means and where to read on.
@@ -85,12 +101,17 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
     let mut command = |command| client.tell(&Request::Command(command));
     match action {
         BoardAction::Status => return status(&mut client),
-        BoardAction::Calibrate { no_wait } => {
-            command(DeviceCommand::Calibrate)?;
+        BoardAction::Calibrate { no_wait, anew } => {
+            if *anew && client.identity().board.is_large() {
+                client.tell(&Request::ForgetAlignment)?;
+            }
+            client.tell(&Request::Command(DeviceCommand::Calibrate))?;
             if !no_wait {
                 calibrated(&mut client)?;
             }
         }
+        BoardAction::Alignment { action } => return start::alignment(&mut client, *action),
+        BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => command(DeviceCommand::Arm)?,
         BoardAction::Disarm => command(DeviceCommand::Disarm)?,
         BoardAction::Stop => command(DeviceCommand::Stop)?,
@@ -147,6 +168,10 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
                     "look for what slows it: touchstone device ring; or wait longer by hand: touchstone device calibrate --no-wait",
                 )
             }
+            Phase::Fault if status.fault.as_ref().is_some_and(is_of_kept) => (
+                "the check of the kept alignment failed: it is wrong, or the shaft was held, loaded or turning".to_owned(),
+                "hands off, and once more; or look for it anew: touchstone device stop, touchstone device calibrate --anew",
+            ),
             Phase::Fault => (
                 format!(
                     "the calibration ended with a fault: {}",
@@ -163,6 +188,15 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
         };
         return Err(Error::device(client.place(), problem, fix));
     }
+}
+
+/// Whether a kept alignment did not pass its check.
+fn is_of_kept(fault: &Fault) -> bool {
+    fault.known() == Some(FaultCode::CalibrationFailed)
+        && matches!(
+            Reason::from_value(fault.value),
+            Some(Reason::KeptWrong | Reason::KeptNotFollowed | Reason::KeptTurning)
+        )
 }
 
 /// Where the device stands.
@@ -186,7 +220,9 @@ fn status(client: &mut Client) -> Result<()> {
         Reply::Counters(counters) => counters,
         other => return Err(client.odd(&other)),
     };
+    let (report, settings) = (start::report(client)?, client.settings()?);
     let identity = client.identity();
+    let [alignment, autostart] = start::lines(report.as_ref(), &settings, identity.board);
     let programs = || {
         serde_json::json!({
             "board": identity.board.name(),
@@ -199,6 +235,7 @@ fn status(client: &mut Client) -> Result<()> {
             "state": status.phase.name(),
             "fault": status.fault.as_ref().map(fault_json),
             "settings_unsaved": status.unsaved,
+            "start": start::json(report.as_ref(), &settings, identity.board),
             "ticks": ticks,
             "tick_cycles_max": tick_cycles_max,
             "current_loop_cycles_max": current_loop_cycles_max,
@@ -220,6 +257,8 @@ fn status(client: &mut Client) -> Result<()> {
             "as after a restart"
         };
         say!("settings  {kept}");
+        say!("alignment {alignment}");
+        say!("autostart {autostart}");
         say!("ticks     {ticks}");
         say!("longest   {tick_cycles_max} cycles a tick, {current_loop_cycles_max} a current loop");
         say!("latest    {lateness_cycles_max} cycles after a tick was due");

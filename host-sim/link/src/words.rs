@@ -1,7 +1,7 @@
 //! Names and answers of a device, for people.
 
 use touchstone_protocol::settings::KeyError;
-use touchstone_protocol::{Fault, FaultCode, Identity, Phase, Refusal, Reply};
+use touchstone_protocol::{Fault, FaultCode, Identity, Phase, Refusal, Reply, Unkept};
 
 /// The microcontroller's own number.
 #[must_use]
@@ -105,6 +105,17 @@ pub fn refused(refusal: &Refusal) -> ProblemAndFix {
         Refusal::NotUnderstood => (
             "the device does not know this request".into(),
             OTHER_VERSION,
+        ),
+        Refusal::Unkept(why) => (
+            why.words().into(),
+            match why {
+                Unkept::Incremental | Unkept::NothingToAlign => {
+                    "calibrate at each start: touchstone device calibrate"
+                }
+                _ => {
+                    "calibrate, then keep what was found: touchstone device calibrate, touchstone device alignment keep"
+                }
+            },
         ),
     }
 }

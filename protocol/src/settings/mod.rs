@@ -14,6 +14,8 @@ pub(crate) mod decimal;
 pub mod environment;
 pub mod fields;
 mod gimbal_kit;
+#[cfg(feature = "large")]
+pub mod kept;
 #[cfg(feature = "wire")]
 mod leaf;
 mod table;

@@ -2,6 +2,7 @@
 
 mod usb;
 
+use super::device::start;
 use super::flash::{BoardName, INSTALL};
 use super::haptic;
 use super::out::{self, print};
@@ -108,7 +109,11 @@ pub fn main(options: &Options) -> ExitCode {
         usb::examine(&options.sysfs, &options.dev, &mut tell);
     }
     let address = port(options.port.as_ref(), &mut tell);
-    tell("device", device(address.as_ref()));
+    let (found, start) = device(address.as_ref());
+    tell("device", found);
+    if let Some(start) = start {
+        tell("start", There(start));
+    }
     omega3(&mut tell);
     let _ = match lacks {
         _ if out::json() => print(format_args!(
@@ -225,23 +230,42 @@ fn omega3(tell: &mut impl FnMut(&str, Found)) {
     );
 }
 
-fn device(address: Option<&Address>) -> Found {
+/// The device, and how it starts.
+fn device(address: Option<&Address>) -> (Found, Option<String>) {
     let Some(address) = address else {
-        return Skipped("no port to ask it on".into());
+        return (Skipped("no port to ask it on".into()), None);
     };
     match Client::connect(address) {
-        Ok(client) => There(described(client.identity())),
-        Err(Error::Device { problem, .. }) if problem.contains("ermission") => missing(
+        Ok(mut client) => {
+            let who = There(described(client.identity()));
+            (who, how_it_starts(&mut client).ok())
+        }
+        Err(error) => (not_there(address, error), None),
+    }
+}
+
+/// Whether its alignment is kept, and whether it starts by itself.
+fn how_it_starts(client: &mut Client) -> touchstone_sim::error::Result<String> {
+    let (report, settings) = (start::report(client)?, client.settings()?);
+    let board = client.identity().board;
+    let [alignment, autostart] = start::lines(report.as_ref(), &settings, board);
+    Ok(format!("alignment {alignment}; autostart {autostart}"))
+}
+
+/// Why nobody answers, and what to do.
+fn not_there(address: &Address, error: Error) -> Found {
+    match error {
+        Error::Device { problem, .. } if problem.contains("ermission") => missing(
             format!("{address}: {problem}"),
             "sudo usermod -a -G dialout $USER, then log in again; or install the udev rule:\n"
                 .to_owned()
                 + usb::INSTALL_RULE,
         ),
-        Err(Error::Device { problem, .. }) if problem.starts_with("no answer") => missing(
+        Error::Device { problem, .. } if problem.starts_with("no answer") => missing(
             format!("{address}: {problem}"),
             "flash the firmware: touchstone flash --board BOARD",
         ),
-        Err(Error::Device { problem, fix, .. }) => missing(format!("{address}: {problem}"), fix),
-        Err(other) => missing(other.to_string(), "report this as a bug"),
+        Error::Device { problem, fix, .. } => missing(format!("{address}: {problem}"), fix),
+        other => missing(other.to_string(), "report this as a bug"),
     }
 }

@@ -7,7 +7,7 @@ mod sheet;
 mod spin;
 
 use super::config::toml_file;
-use super::device::{calibrated, status_of};
+use super::device::{calibrated, start, status_of};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
@@ -26,7 +26,8 @@ use touchstone_lab::tune::{self, Effort};
 use touchstone_link::value;
 use touchstone_link::words::{described, name_of, number_of};
 use touchstone_protocol::settings::fields::field;
-use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request};
+use touchstone_protocol::settings::kept as kept_start;
+use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Unkept};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
@@ -56,6 +57,9 @@ pub struct Options {
     /// Measures and tunes anew what was done before.
     #[arg(long)]
     again: bool,
+    /// Keeps the alignment of an encoder that knows where it is, so that the next start checks it with a small motion and looks for nothing.
+    #[arg(long)]
+    keep_alignment: bool,
 }
 
 /// Runs it. What a board does in the middle of it, its cable or its supply, costs the step that it falls into.
@@ -146,6 +150,10 @@ fn stepped(options: &Options) -> Result<()> {
     tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
     let all = with_knob(settings, &motor, &law_file, &client)?;
     take(&mut client, &all)?;
+    if options.keep_alignment {
+        tell!("    keeps its alignment, and checks it: the shaft moves a little");
+        start::keep(&mut client)?;
+    }
     let page = sheet::write(&motor, &text, &all, &who, &options.out.join("report"))?;
     out::result(
         || {
@@ -162,6 +170,11 @@ fn stepped(options: &Options) -> Result<()> {
             say!("ready; the wall is at {} rad", all.wall.surface_rad);
             say!("page       {}", page.display());
             say!("feel it    touchstone device arm");
+            if may_keep(&client, &all).is_ok() && !options.keep_alignment {
+                say!(
+                    "next start touchstone device alignment keep: a small motion instead of the whole search"
+                );
+            }
             say!(
                 "simulate   touchstone run {} --settings {}",
                 scene_file.display(),
@@ -249,7 +262,22 @@ fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceS
     }
     settings.calibration.measures = false;
     refuse_invalid(&settings, client)?;
+    if options.keep_alignment {
+        may_keep(client, &settings).map_err(|why| Error::Option {
+            option: "--keep-alignment".into(),
+            problem: why.words().into(),
+            fix: "leave it out".into(),
+        })?;
+    }
     Ok(settings)
+}
+
+/// Whether this board keeps an alignment with these settings.
+fn may_keep(client: &Client, settings: &DeviceSettings) -> std::result::Result<(), Unkept> {
+    match client.identity().board.is_large() {
+        true => kept_start::may_keep(settings),
+        false => Err(Unkept::Incremental),
+    }
 }
 
 fn refuse_invalid(settings: &DeviceSettings, client: &Client) -> Result<()> {

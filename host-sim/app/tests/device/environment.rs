@@ -63,7 +63,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
 
     device.run(&["config", "save"]).done();
     let image = device.world().1.saved.clone().expect("saved");
-    let (_, kept) = stored::decode_with(&image, &|_| Ok(())).expect("readable");
+    let (_, kept, _) = stored::decode_with(&image, &|_| Ok(())).expect("readable");
     assert_eq!(kept, expected);
 
     ask(&["--wall-alone"]).done();

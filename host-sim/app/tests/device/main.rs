@@ -13,6 +13,7 @@ mod lifecycle;
 mod monitor;
 mod setup;
 mod spun;
+mod start;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

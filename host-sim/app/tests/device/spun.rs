@@ -8,7 +8,8 @@ use touchstone_protocol::session::{Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
-    MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk, stored,
+    KeptAlignment, KeptStart, MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk,
+    SelfStart, stored,
 };
 use touchstone_tests::knob::{Knob, PERIOD_S, Tamper};
 use touchstone_world::motor::MotorParameters;
@@ -53,7 +54,7 @@ pub struct Spinning {
     pub supply_goes_in: Option<MeasuringPart>,
     /// The settings that count, and those in the flash.
     used: DeviceSettings,
-    kept: Option<DeviceSettings>,
+    kept: Option<(DeviceSettings, KeptStart)>,
     settings: u32,
     calibrations: u32,
     number: u8,
@@ -97,13 +98,16 @@ impl Spun {
     /// Its supply is back, and the cable in: it starts with what is in the flash.
     pub fn power_up(&self) {
         let (session, world) = &mut *self.world();
-        let settings = world.kept.clone();
-        let settings = settings.unwrap_or_else(|| DeviceSettings::defaults(BOARD));
+        let saved = world.kept.clone();
+        let (settings, kept) =
+            saved.unwrap_or_else(|| (DeviceSettings::defaults(BOARD), KeptStart::default()));
         let angle = world.knob.rig.now().angle_rad;
         world.knob = started(&settings, self.motor, &self.device, angle);
+        let usable = kept.usable(&settings, BOARD);
+        world.knob.device.keep(usable.ok().map(Into::into));
         world.used = settings.clone();
         (world.pulled, world.pulled_in) = (false, None);
-        *session = Session::new(settings, true);
+        *session = Session::new(settings, true).with_kept(kept);
     }
 
     /// The program, spoken to this device.
@@ -228,9 +232,10 @@ impl Backend for Spinning {
         configured.unwrap();
         self.used = settings.clone();
     }
-    fn save(&mut self, _: &[u8]) -> Result<(), FlashError> {
+    fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {
         if !self.goes(Pulled::BeforeSaved) {
-            (self.saved, self.kept) = (true, Some(self.used.clone()));
+            let (_, _, kept) = stored::decode_with(image, &|_| Ok(())).unwrap();
+            (self.saved, self.kept) = (true, Some((self.used.clone(), kept)));
             self.goes(Pulled::AfterSaved);
         }
         Ok(())
@@ -252,5 +257,15 @@ impl Backend for Spinning {
     }
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
+    }
+    fn use_kept(&mut self, kept: Option<KeptAlignment>) {
+        self.knob.device.keep(kept.map(Into::into));
+    }
+    fn alignment(&self) -> Option<(u16, bool)> {
+        let found = self.knob.device.found()?;
+        Some((found.offset.0, found.against))
+    }
+    fn started(&self) -> (bool, SelfStart) {
+        (self.knob.device.was_checked(), SelfStart::Off)
     }
 }

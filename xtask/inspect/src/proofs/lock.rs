@@ -130,38 +130,37 @@ fn looked_at(file: &str, text: &str) -> Result<Looked, String> {
     Ok(looked)
 }
 
-/// Walks through the tokens and the groups in them; `property! { ... }` is taken out.
+/// Walks through the tokens and the groups in them; `property! { ... }` is taken out, so that one more is no change of the others.
 fn look(tokens: TokenStream, into: &mut Looked) {
-    let mut tokens = tokens.into_iter().peekable();
-    let mut before = [String::new(), String::new()];
-    while let Some(token) = tokens.next() {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let word = |at: usize| tokens.get(at).map(ToString::to_string).unwrap_or_default();
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
         // Documentation is an attribute by now.
-        let next = tokens.peek().map(ToString::to_string).unwrap_or_default();
-        if token.to_string() == "#" && is_doc(&next) {
-            tokens.next();
+        if word(at) == "#" && is_doc(&word(at + 1)) {
+            at += 2;
+            continue;
+        }
+        if word(at) == "property"
+            && word(at + 1) == "!"
+            && let Some(TokenTree::Group(group)) = tokens.get(at + 2)
+            && group.delimiter() == Delimiter::Brace
+        {
+            into.properties.extend(one(group.stream()));
+            at += 3;
             continue;
         }
         match token {
             TokenTree::Group(group) => {
-                let is_property =
-                    before == ["property", "!"] && group.delimiter() == Delimiter::Brace;
-                if is_property {
-                    into.properties.extend(one(group.stream()));
-                } else {
-                    into.beside = add(into.beside, &format!("{:?}", group.delimiter()));
-                    look(group.stream(), into);
-                    into.beside = add(into.beside, "end");
-                }
-                before = Default::default();
+                into.beside = add(into.beside, &format!("{:?}", group.delimiter()));
+                look(group.stream(), into);
+                into.beside = add(into.beside, "end");
             }
             // Who proves it, or that nobody does, is no part of what is stated.
             TokenTree::Ident(word) if SOLVERS.contains(&word.to_string().as_str()) => {}
-            other => {
-                into.beside = add(into.beside, &other.to_string());
-                let [_, last] = before;
-                before = [last, other.to_string()];
-            }
+            other => into.beside = add(into.beside, &other.to_string()),
         }
+        at += 1;
     }
 }
 
@@ -258,11 +257,14 @@ mod tests {
             );
         }
         assert_ne!(line(&numbers(LAW, "fn valid() { true }")), line(&before));
-        // A change of one property is none of another.
-        let other = numbers(&LAW.replace("x > 0", "x > 1"), "fn valid() {}");
-        assert_eq!(
-            other.line("law::w8::p2_b::proof"),
-            before.line("law::w8::p2_b::proof")
-        );
+        // A change of one property is none of another, nor is one more.
+        let more = "property! { equation \"d\" over \"all\" fn p3_d(s) { assert!(false); } } } } }";
+        for other in [LAW.replace("x > 0", "x > 1"), LAW.replace("} } }", more)] {
+            assert!(other != LAW);
+            assert_eq!(
+                numbers(&other, "fn valid() {}").line("law::w8::p2_b::proof"),
+                before.line("law::w8::p2_b::proof")
+            );
+        }
     }
 }

@@ -1,0 +1,220 @@
+//! A kept alignment is checked, not looked for: the field stands where the rotor is said to stand, and is rocked a little.
+//!
+//! ```text
+//! Offsets -> Raise -> Settle -> Rock: out, back, forth, home -> done
+//! ```
+//!
+//! Be `φ` the electrical angle by which the kept alignment is wrong. A current along what it says is the rotor's direction turns the rotor
+//! by `k_t I sin φ` towards where it truly belongs.
+//!
+//! 1. The shaft is waited for until it stands still, four seconds at most. Where it stands is, by the kept alignment, an electrical angle: the
+//!    field is raised there.
+//! 2. From then on the rotor must never be more than an eighth of an electrical turn from the field. With `φ` of a quarter turn it is drawn
+//!    there while the current rises, and the outputs are off.
+//! 3. With `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the field is rocked by
+//!    an eighth of a turn each way: a rotor that stands against it falls off the other way, or does not move at all.
+//! 4. On the way back and forth, at each 32nd of a turn, the difference of rotor and field is taken. Friction makes the rotor lag, once in
+//!    each direction: the mean of both is `φ`, and must be within 20 electrical degrees. Between the two ends, the rotor must have moved at least
+//!    half as far as the field, and in its direction: this is what tells a shaft that is held, phases in another order, and a rotor that is
+//!    against the field and stuck.
+//!
+//! What it cannot tell: a magnet that slipped by whole electrical turns, which is no difference to the motor; another number of pole pairs
+//! that moves the rotor nearly as far (the settings' number is compared with the kept one's instead); less than 20 degrees, which costs at
+//! most 6 % of the torque; and a load that turns the shaft as far as the error does, the other way.
+
+use super::{Calibration, CalibrationConfig, Progress, Reason, Stage, failed};
+use crate::angle::{Angle, ElectricalScale};
+use crate::calibration::Alignment;
+use touchstone_protocol::KeptAlignment;
+
+/// How far the field is rocked each way, 2^-32 turns: an eighth.
+const REACH: i64 = 1 << 29;
+/// Furthest that rotor and field may be apart, turns/65,536: an eighth. A rotor that follows lags by less than half of it.
+const APART: i32 = 0x2000;
+/// Furthest that they may be apart in the mean, turns/65,536: 20 degrees, of which an eccentric magnet and cogging may take 15.
+const WRONG: i32 = 65_536 / 18;
+/// A shaft that stands still moves no further than this, turns/65,536: a 64th.
+const STILL: i32 = 0x400;
+/// So many half seconds it is waited for.
+const PATIENCE: u32 = 8;
+/// Places at which samples are taken are so far apart, 2^-32 turns as a power of two: a 32nd.
+const PLACES_LOG2: u32 = 27;
+
+/// The ways of the field, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Out,
+    Back,
+    Forth,
+    Home,
+}
+
+/// A running check.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Check {
+    /// At count 0 of the unwrapped encoder.
+    kept: Alignment,
+    /// Where the shaft stands, for how many ticks, and how many were waited.
+    stands: Option<i64>,
+    still: u32,
+    waited: u32,
+    way: Way,
+    /// Where the field is from where it was raised, 2^-32 turns.
+    reached: i64,
+    /// Sum of the differences of rotor and field, and how many.
+    sum: i32,
+    samples: i32,
+    /// Where the rotor was at the far end of the way back.
+    end: Angle,
+}
+
+impl Check {
+    pub(super) const fn is_backward(&self) -> bool {
+        matches!(self.way, Way::Back | Way::Home)
+    }
+}
+
+impl From<KeptAlignment> for Alignment {
+    fn from(kept: KeptAlignment) -> Self {
+        Self {
+            offset: Angle(kept.offset),
+            against: kept.against,
+        }
+    }
+}
+
+impl Alignment {
+    /// The rotor's electrical angle at a count.
+    #[must_use]
+    pub fn at(&self, count: i64, scale: &ElectricalScale) -> Angle {
+        let turned = scale.angle(if self.against {
+            count.wrapping_neg()
+        } else {
+            count
+        });
+        self.offset.plus(turned)
+    }
+
+    /// The same alignment where count 0 is this many counts further on.
+    #[must_use]
+    pub fn from(&self, count: i64, scale: &ElectricalScale) -> Self {
+        Self {
+            offset: self.at(count, scale),
+            against: self.against,
+        }
+    }
+}
+
+impl Calibration {
+    /// Begins with the check of a kept alignment, of which count 0 is that of the unwrapped encoder.
+    #[must_use]
+    pub const fn of_kept(config: CalibrationConfig, kept: Alignment) -> Self {
+        let mut calibration = Self::new(config);
+        calibration.check = Some(Check {
+            kept,
+            stands: None,
+            still: 0,
+            waited: 0,
+            way: Way::Out,
+            reached: 0,
+            sum: 0,
+            samples: 0,
+            end: Angle(0),
+        });
+        calibration
+    }
+
+    /// Whether the rotor is where a check lets it be.
+    pub(super) fn watch(&mut self, count: i64) -> Option<Reason> {
+        let field = self.field_angle();
+        let check = self.check.as_mut()?;
+        let scale = &self.config.scale;
+        let rotor = check.kept.at(count, scale);
+        if self.stage == Stage::Offsets {
+            let stands = *check.stands.get_or_insert(count);
+            self.field = i64::from(rotor.0) << 16;
+            let moved = i32::from(rotor.since(check.kept.at(stands, scale)));
+            if moved.abs() > STILL {
+                (check.stands, check.still) = (Some(count), 0);
+            }
+            check.still = check.still.saturating_add(1);
+            check.waited = check.waited.saturating_add(1);
+            let patience = self.config.settle.saturating_mul(PATIENCE);
+            return (check.waited > patience).then_some(Reason::KeptTurning);
+        }
+        (i32::from(rotor.since(field)).abs() > APART).then_some(Reason::KeptWrong)
+    }
+
+    /// Whether the shaft has stood still for a quarter of a second; where there is no check, that makes no difference.
+    pub(super) fn may_begin(&self) -> bool {
+        self.check
+            .is_none_or(|check| check.still >= self.config.settle / 2)
+    }
+
+    /// One tick of the rocking.
+    pub(super) fn rock(&mut self, count: i64) -> Option<Progress> {
+        // The count belongs to the field of the tick before: that one has acted.
+        let field = self.field_angle();
+        let (most, step) = self.rocking();
+        self.speed = self.speed.saturating_add(step).min(most);
+        let check = self.check.as_mut()?;
+        let rotor = check.kept.at(count, &self.config.scale);
+        let target = match check.way {
+            Way::Out | Way::Forth => REACH,
+            Way::Back => -REACH,
+            Way::Home => 0,
+        };
+        let before = check.reached;
+        let step = i64::from(self.speed);
+        check.reached = if check.is_backward() {
+            before.saturating_sub(step).max(target)
+        } else {
+            before.saturating_add(step).min(target)
+        };
+        self.field = self
+            .field
+            .saturating_add(check.reached.saturating_sub(before));
+        let is_looked_at = matches!(check.way, Way::Back | Way::Forth);
+        if is_looked_at && before >> PLACES_LOG2 != check.reached >> PLACES_LOG2 {
+            check.sum = check.sum.saturating_add(i32::from(rotor.since(field)));
+            check.samples = check.samples.saturating_add(1);
+        }
+        if check.reached != target {
+            return None;
+        }
+        match check.way {
+            Way::Out => check.way = Way::Back,
+            Way::Back => (check.way, check.end) = (Way::Forth, rotor),
+            Way::Forth => {
+                let mean = check.sum.checked_div(check.samples).unwrap_or(i32::MAX);
+                let followed = i32::from(rotor.since(check.end));
+                // The field moved by four times this.
+                const HALF: i32 = (REACH >> 16) as i32;
+                if !(HALF..=3 * HALF).contains(&followed) {
+                    return Some(failed(Reason::KeptNotFollowed));
+                }
+                if mean.saturating_abs() > WRONG {
+                    return Some(failed(Reason::KeptWrong));
+                }
+                check.way = Way::Home;
+            }
+            Way::Home => return Some(Progress::Done(check.kept)),
+        }
+        self.enter(Stage::Rock);
+        None
+    }
+
+    /// Speed of the field while it is rocked, and by how much it grows in a tick, 2^-32 turns a tick: an electrical turn a second at most, so
+    /// that a light rotor does not swing around it.
+    fn rocking(&self) -> (u32, u32) {
+        // Ticks in a second and in a quarter of one.
+        let settle = self.config.settle.max(2);
+        let second = settle.saturating_mul(2);
+        let most = self
+            .config
+            .speed
+            .min(u32::MAX.checked_div(second).unwrap_or(1));
+        let step = most.checked_div(settle / 2).unwrap_or(most);
+        (most.max(1), step.max(1))
+    }
+}

@@ -1,0 +1,37 @@
+//! Where the rotor stands beside the field, of many samples.
+
+use crate::angle::Angle;
+
+/// Differences of field and rotor, for one direction of counting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Fit {
+    first: Option<Angle>,
+    /// Sum, least and most of the others relative to the first.
+    sum: i32,
+    pub(super) least: i32,
+    pub(super) most: i32,
+}
+
+impl Fit {
+    pub(super) const EMPTY: Self = Self {
+        first: None,
+        sum: 0,
+        least: 0,
+        most: 0,
+    };
+
+    pub(super) fn add(&mut self, difference: Angle) {
+        let first = *self.first.get_or_insert(difference);
+        let relative = i32::from(difference.since(first));
+        // At most 2 · 8 · 50 samples of 2^15.
+        self.sum = self.sum.saturating_add(relative);
+        self.least = self.least.min(relative);
+        self.most = self.most.max(relative);
+    }
+
+    pub(super) fn mean(&self, count: i32) -> Angle {
+        let mean = self.sum.checked_div(count).unwrap_or(0);
+        // Within the least and the most, so within 16 bits.
+        self.first.unwrap_or_default().plus(Angle(mean as u16))
+    }
+}

@@ -1,0 +1,68 @@
+//! The start by itself, and the kept alignment that it checks: from the thread to the control tick. Not on the B-G431B-ESC1, which has no
+//! connector for an encoder that keeps its place.
+
+use core::sync::atomic::Ordering::Relaxed;
+
+use touchstone_drive::ResetReason;
+use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
+use touchstone_protocol::SelfStart;
+use touchstone_protocol::session::Session;
+
+use crate::board;
+use crate::control::Control;
+use crate::exchange::{HEARD, SPOKEN};
+use crate::requests::control;
+use crate::shared::InThread;
+
+const _: () = assert!(STEP_MS as u64 == crate::run::SUPERVISION.as_millis());
+
+/// What is kept, given to the control tick with the settings that it is used with.
+pub fn give(control: &mut Control, session: &Session) {
+    let kept = session.kept().usable(session.settings(), board::BOARD);
+    control.device.keep(kept.ok().map(Into::into));
+}
+
+/// Before the first tick.
+pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
+    let settings = session.settings();
+    let usable = session.kept().usable(settings, board::BOARD);
+    let has_alignment = usable.is_ok() && !settings.calibration.measures;
+    control(here, |control| {
+        give(control, session);
+        control.autostart = Autostart::new(session.kept().autostart, reason, has_alignment);
+    });
+}
+
+/// A step of it, of the supervisor's.
+pub fn step(here: InThread) {
+    let desktop_spoke = SPOKEN.load(Relaxed);
+    let is_stop_pressed = board::is_stop_pressed();
+    let steps = control(here, |control| {
+        let before = control.autostart.told();
+        let now = Glance {
+            state: control.state,
+            is_supplied: control.device.is_supplied(),
+            count: control.device.record().count,
+            is_stop_pressed,
+            desktop_spoke,
+        };
+        if let Some(command) = control.autostart.step(&now) {
+            control.command = Some(command);
+        }
+        let told = control.autostart.told();
+        (control.autostart.stands_in(desktop_spoke), before, told)
+    });
+    let Some((stands_in, before, told)) = steps else {
+        return;
+    };
+    if stands_in {
+        HEARD.store(true, Relaxed);
+    }
+    if before != told {
+        tell(told);
+    }
+}
+
+fn tell(told: SelfStart) {
+    defmt::info!("start by itself: {=str}", told.words());
+}

@@ -1,0 +1,205 @@
+//! `touchstone device alignment` and `autostart`: what a board keeps for its next start.
+
+use super::{calibrated, status_of};
+use crate::out::{self, say, tell};
+use clap::{Subcommand, ValueEnum};
+use touchstone_device::Client;
+use touchstone_protocol::{
+    Board, DeviceCommand, DeviceSettings, Phase, Reply, Request, StartReport, Unkept,
+};
+use touchstone_sim::error::{Error, Result};
+
+/// What is done with an alignment.
+#[derive(Debug, Clone, Copy, Subcommand)]
+pub enum AlignmentAction {
+    /// Keeps what the calibration found, saves it with the settings, and checks it at once: THE SHAFT MOVES A LITTLE.
+    Keep,
+    /// Forgets it, and saves that: each calibration looks for it again.
+    Forget,
+}
+
+/// Whether a board starts by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// It checks the kept alignment and arms when power comes on: the shaft moves with nobody there.
+    On,
+    /// It waits for a desktop, as shipped.
+    Off,
+}
+
+/// What the device says of its start; nothing from a board that keeps nothing for it.
+pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
+    if !client.identity().board.is_large() {
+        return Ok(None);
+    }
+    match client.ask(&Request::Start)? {
+        Reply::Start(report) => Ok(Some(report)),
+        other => Err(client.odd(&other)),
+    }
+}
+
+/// The same, demanded.
+fn demanded(client: &mut Client) -> Result<StartReport> {
+    let board = client.identity().board;
+    report(client)?.ok_or_else(|| {
+        let problem = format!(
+            "{} has no connector for an encoder that knows where it is when power comes on: it keeps no alignment",
+            board.name()
+        );
+        let fix = "calibrate at each start: touchstone device calibrate; or use a NUCLEO-G474RE";
+        Error::device(client.place(), problem, fix)
+    })
+}
+
+/// The two lines of it that `status` and `doctor` show.
+pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Board) -> [String; 2] {
+    let Some(report) = report else {
+        return [
+            "is not kept on this board".into(),
+            "not on this board".into(),
+        ];
+    };
+    let alignment = match (report.kept.usable(settings, board), report.was_checked) {
+        (Ok(_), true) => "kept, and checked at the last calibration".into(),
+        (Ok(_), false) => "kept: the next calibration checks it".into(),
+        (Err(Unkept::None | Unkept::Incremental | Unkept::NothingToAlign), _) => {
+            "not kept: each calibration looks for it".into()
+        }
+        (Err(why), _) => format!(
+            "kept and NOT USED: {}; calibrate, then: touchstone device alignment keep",
+            why.words()
+        ),
+    };
+    let autostart = match report.kept.autostart {
+        true => format!("on; at this start: {}", report.self_start.words()),
+        false => "off".into(),
+    };
+    [alignment, autostart]
+}
+
+/// The same for programs.
+pub fn json(
+    report: Option<&StartReport>,
+    settings: &DeviceSettings,
+    board: Board,
+) -> serde_json::Value {
+    let Some(report) = report else {
+        return serde_json::Value::Null;
+    };
+    let usable = report.kept.usable(settings, board);
+    serde_json::json!({
+        "alignment_is_kept": report.kept.alignment.is_some(),
+        "alignment_is_usable": usable.is_ok(),
+        "not_usable_because": usable.err().map(Unkept::words),
+        "was_checked": report.was_checked,
+        "autostart": report.kept.autostart,
+        "self_start": report.self_start.words(),
+    })
+}
+
+/// Shows both.
+fn shown(client: &mut Client) -> Result<()> {
+    let board = client.identity().board;
+    let (report, settings) = (demanded(client)?, client.settings()?);
+    let of_both = lines(Some(&report), &settings, board);
+    out::result(
+        || json(Some(&report), &settings, board),
+        || {
+            say!("alignment  {}", of_both[0]);
+            say!("autostart  {}", of_both[1]);
+            Ok(())
+        },
+    )
+}
+
+/// Shows, keeps or forgets.
+pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result<()> {
+    demanded(client)?;
+    match action {
+        None => return shown(client),
+        Some(AlignmentAction::Keep) => keep(client)?,
+        Some(AlignmentAction::Forget) => {
+            saves(client)?;
+            client.tell(&Request::ForgetAlignment)?;
+            client.tell(&Request::Save)?;
+        }
+    }
+    let phase = status_of(client)?.phase;
+    out::result(
+        || serde_json::json!({ "state": phase.name() }),
+        || {
+            tell!(
+                "{}",
+                match action {
+                    Some(AlignmentAction::Keep) => "kept and saved; checked at once: it holds",
+                    _ => "forgotten and saved",
+                }
+            );
+            tell!("{}", phase.name());
+            Ok(())
+        },
+    )
+}
+
+/// Keeps the alignment of the calibration that has ended, and tries the check that the next start will make. What does not pass it is
+/// not kept.
+pub fn keep(client: &mut Client) -> Result<()> {
+    client.tell(&Request::KeepAlignment)?;
+    client.tell(&Request::Command(DeviceCommand::Stop))?;
+    client.tell(&Request::Save)?;
+    client.tell(&Request::Command(DeviceCommand::Calibrate))?;
+    let Err(failed) = calibrated(client) else {
+        return Ok(());
+    };
+    let problem = match &failed {
+        Error::Device { problem, .. } => problem.clone(),
+        other => other.to_string(),
+    };
+    // Off and forgotten, if it can still be told.
+    client.tell(&Request::Command(DeviceCommand::Stop))?;
+    client.tell(&Request::ForgetAlignment)?;
+    client.tell(&Request::Save)?;
+    Err(Error::device(
+        client.place(),
+        format!("what was kept does not pass its check, and was forgotten again: {problem}"),
+        "hands off, a shaft without load, more calibration.current_a; then: touchstone device calibrate, and keep it again",
+    ))
+}
+
+/// Whether the device saves now: a refusal must not come after half of it.
+fn saves(client: &mut Client) -> Result<()> {
+    let phase = status_of(client)?.phase;
+    let fix = match phase {
+        Phase::Boot | Phase::Stopped | Phase::Fault => return Ok(()),
+        Phase::Armed => "let go of the knob, then: touchstone device stop",
+        Phase::Ready | Phase::Calibrating => "stop first: touchstone device stop",
+    };
+    let problem = format!("the device does not save in state `{}`", phase.name());
+    Err(Error::device(client.place(), problem, fix))
+}
+
+/// Shows it, or switches it on or off.
+pub fn autostart(client: &mut Client, switch: Option<Switch>) -> Result<()> {
+    demanded(client)?;
+    let Some(switch) = switch else {
+        return shown(client);
+    };
+    saves(client)?;
+    client.tell(&Request::Autostart(switch == Switch::On))?;
+    client.tell(&Request::Save)?;
+    out::result(
+        || serde_json::json!({ "autostart": switch == Switch::On }),
+        || {
+            match switch {
+                Switch::On => {
+                    tell!(
+                        "on and saved: WHEN POWER COMES ON, THE SHAFT MOVES AND THE WALL IS THERE, with nobody asked"
+                    );
+                    tell!("off again: touchstone device autostart off");
+                }
+                Switch::Off => tell!("off and saved: it waits for a desktop"),
+            }
+            Ok(())
+        },
+    )
+}

@@ -1,0 +1,227 @@
+//! `touchstone device alignment` and `autostart`: what is kept for the next start.
+
+use crate::fake::{Fake, Trouble};
+use crate::folder;
+use crate::spun::Spun;
+use touchstone_protocol::{KeptAlignment, KeptStart, Phase};
+use touchstone_world::motor::{GIMBAL, MotorParameters};
+use touchstone_world::plant::{Coulomb, Device};
+
+const KNOB: Device = Device {
+    inertia: 1e-4,
+    damping: 4e-4,
+    friction: Some(Coulomb {
+        kinetic: 1e-3,
+        breakaway: 1e-3,
+    }),
+};
+
+fn spun(number: u8) -> Spun {
+    let motor = MotorParameters {
+        electrical_zero_rad: 2.0,
+        ..GIMBAL
+    };
+    Spun::new(motor, &KNOB, number)
+}
+
+fn status(device: &Spun) -> serde_json::Value {
+    let said = device.run(&["device", "status", "--json"]).done();
+    serde_json::from_str(&said).unwrap()
+}
+
+#[test]
+fn an_alignment_is_kept_checked_used_and_forgotten() {
+    let device = spun(11);
+    device
+        .run(&["device", "alignment", "keep"])
+        .failed(1, &["state `boot`", "touchstone device calibrate"]);
+    device.run(&["device", "calibrate"]).done();
+    assert_eq!(status(&device)["start"]["was_checked"], false);
+    let said = device.run(&["device", "alignment", "keep"]).done();
+    assert_eq!(said, "kept and saved; checked at once: it holds\nready\n");
+    assert_eq!(status(&device)["start"]["was_checked"], true);
+
+    // The next start has it.
+    device.power_up();
+    let said = device.run(&["device", "status"]).done();
+    for part in [
+        "alignment kept: the next calibration checks it",
+        "autostart off",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    device.run(&["device", "calibrate"]).done();
+    assert_eq!(status(&device)["start"]["was_checked"], true);
+    // It was measured with seven.
+    device.run(&["device", "stop"]).done();
+    device
+        .run(&["config", "set", "motor.pole_pairs", "11"])
+        .done();
+    let said = device.run(&["device", "status"]).done();
+    assert!(
+        said.contains(
+            "NOT USED: the kept alignment was measured with another number of pole pairs"
+        ),
+        "{said}"
+    );
+    device.run(&["device", "autostart", "on"]).failed(
+        1,
+        &["another number of pole pairs", "device alignment keep"],
+    );
+    device
+        .run(&["config", "set", "motor.pole_pairs", "7"])
+        .done();
+
+    device.run(&["device", "alignment", "forget"]).done();
+    device.power_up();
+    device.run(&["device", "calibrate"]).done();
+    assert_eq!(status(&device)["start"]["alignment_is_kept"], false);
+    assert_eq!(status(&device)["start"]["was_checked"], false);
+}
+
+/// Puts another offset into the place of what is kept, turns/65,536.
+fn bend(device: &Spun, by: u16) {
+    let (session, world) = &mut *device.world();
+    let mut kept = *session.kept();
+    let alignment = kept.alignment.as_mut().unwrap();
+    alignment.offset = alignment.offset.wrapping_add(by);
+    world.knob.device.keep(Some((*alignment).into()));
+    *session = session.clone().with_kept(kept);
+}
+
+#[test]
+fn a_wrong_one_is_refused_and_looked_for_anew() {
+    let device = spun(12);
+    device.run(&["device", "calibrate"]).done();
+    device.run(&["device", "alignment", "keep"]).done();
+    device.run(&["device", "stop"]).done();
+    // A quarter turn.
+    bend(&device, 0x4000);
+    device.run(&["device", "calibrate"]).failed(
+        1,
+        &["check of the kept alignment failed", "calibrate --anew"],
+    );
+    device.run(&["device", "arm"]).failed(1, &["state `fault`"]);
+    let said = device.run(&["device", "fault"]).done();
+    assert!(
+        said.contains("10 calibration-failed") && said.contains("value  7"),
+        "{said}"
+    );
+    device.run(&["device", "stop"]).done();
+    device.run(&["device", "calibrate", "--anew"]).done();
+    device.run(&["device", "alignment", "keep"]).done();
+    let (_, world) = &*device.world();
+    assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
+}
+
+#[test]
+fn a_start_by_itself_is_asked_for_saved_shown_and_taken_back() {
+    let device = spun(13);
+    device
+        .run(&["device", "autostart", "on"])
+        .failed(1, &["no alignment is kept", "device alignment keep"]);
+    device.run(&["device", "calibrate"]).done();
+    device.run(&["device", "alignment", "keep"]).done();
+    // In `ready` it could not be saved: nothing is changed.
+    device
+        .run(&["device", "autostart", "on"])
+        .failed(1, &["does not save in state `ready`", "device stop"]);
+    assert_eq!(status(&device)["start"]["autostart"], false);
+    device.run(&["device", "stop"]).done();
+    let said = device.run(&["device", "autostart", "on"]).done();
+    assert!(said.contains("THE SHAFT MOVES"), "{said}");
+    device.power_up();
+    let said = device.run(&["device", "autostart"]).done();
+    assert!(said.contains("autostart  on; at this start:"), "{said}");
+    // Settings come and go without it.
+    device.run(&["config", "defaults"]).done();
+    assert_eq!(status(&device)["start"]["autostart"], true);
+    device.run(&["device", "autostart", "off"]).done();
+    device.power_up();
+    assert_eq!(status(&device)["start"]["autostart"], false);
+}
+
+#[test]
+fn what_has_no_zero_of_its_own_is_refused_with_the_reason() {
+    let device = spun(14);
+    device
+        .run(&["config", "set", "encoder.kind", "incremental"])
+        .done();
+    device.run(&["config", "save"]).done();
+    // Another encoder is connected.
+    device.power_up();
+    device.run(&["device", "calibrate"]).done();
+    device
+        .run(&["device", "alignment", "keep"])
+        .failed(1, &["an incremental encoder counts from", "at each start"]);
+    let small = Fake::with(Trouble {
+        small: true,
+        ..Trouble::default()
+    });
+    for command in ["alignment", "autostart"] {
+        small
+            .run(&["device", command])
+            .failed(1, &["b-g431b-esc1", "no connector", "NUCLEO-G474RE"]);
+    }
+    let said = small.run(&["device", "status"]).done();
+    assert!(
+        said.contains("alignment is not kept on this board"),
+        "{said}"
+    );
+    let law = folder("start-setup").join("law.toml");
+    std::fs::write(&law, "[law.estimator]\ninertia_kg_m2 = 0.0001\n").unwrap();
+    let out = law.with_file_name("knob").display().to_string();
+    let law = law.display().to_string();
+    small
+        .run(&["setup", "--out", &out, "--law", &law, "--keep-alignment"])
+        .failed(2, &["--keep-alignment", "incremental", "leave it out"]);
+}
+
+#[test]
+fn a_setup_keeps_it_where_it_is_asked_to() {
+    let device = spun(15);
+    let folder = folder("start-setup-keeps");
+    let law = folder.join("law.toml");
+    std::fs::write(&law, "[law.estimator]\ninertia_kg_m2 = 0.0001\n").unwrap();
+    let (out, law) = (
+        folder.join("knob").display().to_string(),
+        law.display().to_string(),
+    );
+    let setup = |more: &[&str]| {
+        let all = [&["setup", "--out", &out, "--law", &law], more].concat();
+        device.run(&all).done()
+    };
+    assert!(setup(&[]).contains("touchstone device alignment keep"));
+    assert_eq!(status(&device)["start"]["alignment_is_kept"], false);
+    let said = setup(&["--keep-alignment"]);
+    assert!(
+        said.contains("keeps its alignment, and checks it"),
+        "{said}"
+    );
+    device.power_up();
+    assert_eq!(status(&device)["start"]["alignment_is_usable"], true);
+}
+
+/// Nothing of a kept start is lost by what else is told.
+#[test]
+fn what_is_kept_is_what_the_calibration_found() {
+    let device = spun(16);
+    device.run(&["device", "calibrate"]).done();
+    let found = device.world().1.knob.device.found().unwrap();
+    device.run(&["device", "alignment", "keep"]).done();
+    let (session, _) = &*device.world();
+    let settings = session.settings();
+    let board = touchstone_protocol::Board::NucleoG474re;
+    assert_eq!(
+        *session.kept(),
+        KeptStart {
+            alignment: Some(KeptAlignment::new(
+                found.offset.0,
+                found.against,
+                settings,
+                board
+            )),
+            autostart: false,
+        }
+    );
+}

@@ -1,0 +1,274 @@
+//! What a board keeps for its next start: how its encoder is aligned with its motor, and whether it starts by itself.
+//!
+//! Only an absolute encoder's alignment can be kept: an incremental one counts from wherever it was switched on. What is kept is bound to
+//! what it was measured with. Not among the settings: a file of settings that comes from another knob must neither bring that one's
+//! alignment nor make this one start by itself.
+
+use super::{DeviceSettings, DriveKind, EncoderKind};
+use crate::Board;
+use serde::{Deserialize, Serialize};
+
+/// No [`KeptStart`] takes more bytes in flash (a test).
+pub const KEPT_MAX: usize = 24;
+
+/// What is kept for the next start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct KeptStart {
+    /// The alignment, if it is kept.
+    pub alignment: Option<KeptAlignment>,
+    /// Whether the board checks it and arms by itself when power comes on.
+    pub autostart: bool,
+}
+
+/// An alignment, and what it was measured with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct KeptAlignment {
+    /// Electrical angle at the encoder's own zero, turns/65,536.
+    pub offset: u16,
+    /// The electrical angle falls when the count rises.
+    pub against: bool,
+    /// The board: another shield may have its phases in another order.
+    pub board: Board,
+    /// The encoder.
+    #[serde(with = "super::leaf")]
+    pub encoder: EncoderKind,
+    /// Whether it was counted the other way.
+    pub reversed: bool,
+    /// Its counts in a turn.
+    pub counts_per_rev: u32,
+    /// The motor's pole pairs.
+    pub pole_pairs: u8,
+}
+
+/// Why an alignment cannot be kept, or a kept one cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unkept {
+    /// The encoder is an incremental one.
+    Incremental,
+    /// The drive is an analogue one: there is nothing to align.
+    NothingToAlign,
+    /// Settings that were changed since wait for a calibration.
+    SettingsWait,
+    /// None is kept.
+    None,
+    /// It was measured on another board.
+    OtherBoard,
+    /// It was measured with another encoder, or the same one counted otherwise.
+    OtherEncoder,
+    /// It was measured with another number of pole pairs.
+    OtherPolePairs,
+}
+
+impl Unkept {
+    /// For people.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Incremental => {
+                "an incremental encoder counts from wherever it was switched on: its alignment cannot be kept"
+            }
+            Self::NothingToAlign => "an analogue drive has no alignment",
+            Self::SettingsWait => "settings were changed since the calibration",
+            Self::None => "no alignment is kept",
+            Self::OtherBoard => "the kept alignment was measured on another board",
+            Self::OtherEncoder => {
+                "the kept alignment was measured with another encoder, or the same one counted otherwise"
+            }
+            Self::OtherPolePairs => {
+                "the kept alignment was measured with another number of pole pairs"
+            }
+        }
+    }
+}
+
+/// What became of the start by itself, since the board was switched on. The numbers never change.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum SelfStart {
+    /// Nobody asked for it.
+    #[default]
+    Off = 0,
+    /// It waits for the supply and for a shaft at rest.
+    Waiting = 1,
+    /// It checks the kept alignment.
+    Checking = 2,
+    /// It armed.
+    Started = 3,
+    /// Not: this was no coming on of the power, but another reset.
+    NoPowerOn = 4,
+    /// Not: no alignment is kept that fits the settings, or they ask for a measurement.
+    NoAlignment = 5,
+    /// Not: a desktop spoke first, and has the word.
+    DesktopSpoke = 6,
+    /// Not: the supply did not come into its range, or the shaft not to rest, in time.
+    NotReady = 7,
+    /// Not: the stop button was pressed.
+    StopPressed = 8,
+    /// Not: a fault, which is latched.
+    Faulted = 9,
+}
+
+impl SelfStart {
+    /// All of them, by their numbers.
+    pub const ALL: [Self; 10] = [
+        Self::Off,
+        Self::Waiting,
+        Self::Checking,
+        Self::Started,
+        Self::NoPowerOn,
+        Self::NoAlignment,
+        Self::DesktopSpoke,
+        Self::NotReady,
+        Self::StopPressed,
+        Self::Faulted,
+    ];
+
+    /// For people.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Off => "not asked for at this start",
+            Self::Waiting => "waits for the supply and for a shaft at rest",
+            Self::Checking => "checks the kept alignment",
+            Self::Started => "armed by itself",
+            Self::NoPowerOn => "did not start: this was a reset, and no coming on of the power",
+            Self::NoAlignment => {
+                "did not start: no alignment is kept that fits the settings, or these ask for a measurement"
+            }
+            Self::DesktopSpoke => "did not start: a desktop spoke first",
+            Self::NotReady => {
+                "did not start: the supply did not come into its range, or the shaft not to rest"
+            }
+            Self::StopPressed => "did not start: the stop button was pressed",
+            Self::Faulted => "did not start: a fault, which is latched",
+        }
+    }
+}
+
+/// What a board says of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartReport {
+    /// What is kept; `Save` writes it.
+    pub kept: KeptStart,
+    /// Whether the alignment in use was a kept one that was checked, and not searched for.
+    pub was_checked: bool,
+    /// What became of the start by itself.
+    pub self_start: SelfStart,
+}
+
+/// Whether an alignment can be kept with these settings at all.
+///
+/// # Errors
+/// Why not.
+pub const fn may_keep(settings: &DeviceSettings) -> Result<(), Unkept> {
+    match (settings.drive.kind, settings.encoder.kind) {
+        (DriveKind::Analogue, _) => Err(Unkept::NothingToAlign),
+        (_, EncoderKind::Incremental) => Err(Unkept::Incremental),
+        _ => Ok(()),
+    }
+}
+
+impl KeptAlignment {
+    /// With what these settings say that it was measured with.
+    #[must_use]
+    pub const fn new(offset: u16, against: bool, settings: &DeviceSettings, board: Board) -> Self {
+        Self {
+            offset,
+            against,
+            board,
+            encoder: settings.encoder.kind,
+            reversed: settings.encoder.reversed,
+            counts_per_rev: settings.encoder.counts_per_rev,
+            pole_pairs: settings.motor.pole_pairs,
+        }
+    }
+}
+
+impl KeptStart {
+    /// The kept alignment, where it was measured with what the settings say.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn usable(&self, settings: &DeviceSettings, board: Board) -> Result<KeptAlignment, Unkept> {
+        may_keep(settings)?;
+        let kept = self.alignment.ok_or(Unkept::None)?;
+        let now = KeptAlignment::new(kept.offset, kept.against, settings, board);
+        if kept == now {
+            Ok(kept)
+        } else if kept.board != now.board {
+            Err(Unkept::OtherBoard)
+        } else if kept.pole_pairs != now.pole_pairs {
+            Err(Unkept::OtherPolePairs)
+        } else {
+            Err(Unkept::OtherEncoder)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kept(settings: &DeviceSettings, board: Board) -> KeptStart {
+        KeptStart {
+            alignment: Some(KeptAlignment::new(u16::MAX, true, settings, board)),
+            autostart: true,
+        }
+    }
+
+    #[test]
+    fn it_is_used_with_what_it_was_measured_with_and_with_nothing_else() {
+        let board = Board::NucleoG474re;
+        let settings = DeviceSettings::defaults(board);
+        let start = kept(&settings, board);
+        assert_eq!(
+            start.usable(&settings, board).ok().map(|it| it.offset),
+            Some(u16::MAX)
+        );
+        assert_eq!(
+            start.usable(&settings, Board::NucleoG474reIhm16m1),
+            Err(Unkept::OtherBoard)
+        );
+        type Change = fn(&mut DeviceSettings);
+        let changes: [(Change, Unkept); 6] = [
+            (|it| it.motor.pole_pairs = 11, Unkept::OtherPolePairs),
+            (
+                |it| it.encoder.kind = EncoderKind::Mt6701,
+                Unkept::OtherEncoder,
+            ),
+            (|it| it.encoder.reversed = true, Unkept::OtherEncoder),
+            (|it| it.encoder.counts_per_rev = 4_096, Unkept::OtherEncoder),
+            (
+                |it| it.encoder.kind = EncoderKind::Incremental,
+                Unkept::Incremental,
+            ),
+            (
+                |it| it.drive.kind = DriveKind::Analogue,
+                Unkept::NothingToAlign,
+            ),
+        ];
+        for (change, why) in changes {
+            let mut other = settings.clone();
+            change(&mut other);
+            assert_eq!(start.usable(&other, board), Err(why));
+            // Back again, it holds again.
+            assert!(start.usable(&settings, board).is_ok());
+        }
+        assert_eq!(
+            KeptStart::default().usable(&settings, board),
+            Err(Unkept::None)
+        );
+    }
+
+    #[test]
+    fn the_longest_fits_and_the_numbers_are_in_order() {
+        let mut settings = DeviceSettings::defaults(Board::NucleoG474reIhm16m1);
+        settings.encoder.counts_per_rev = u32::MAX;
+        let mut buffer = [0; KEPT_MAX];
+        let start = kept(&settings, Board::NucleoG474reIhm16m1);
+        assert!(postcard::to_slice(&start, &mut buffer).is_ok());
+        for (number, it) in SelfStart::ALL.into_iter().enumerate() {
+            assert_eq!(it as usize, number);
+        }
+    }
+}
