@@ -322,7 +322,8 @@ pub fn number(value: Si) -> f64 {
 }
 
 /// From 0 to 1, as people move.
-fn minimum_jerk(share: f64) -> f64 {
+#[must_use]
+pub fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }

@@ -12,5 +12,6 @@ pub mod fil;
 pub mod link;
 pub mod machine;
 pub mod peripheral;
+pub mod played;
 pub mod serve;
 pub mod world;

@@ -7,6 +7,7 @@ use touchstone_emulator::bench::Setup;
 use touchstone_emulator::board::{Board, Encoder, FaultLink};
 use touchstone_emulator::cpu::elf::Program;
 use touchstone_emulator::fil::jobs::{BOARDS, Programs};
+use touchstone_emulator::played::{HandProgramme, played};
 use touchstone_emulator::world::Parts;
 use touchstone_emulator::{count, fil, serve};
 
@@ -19,6 +20,9 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
   boot ELF [BOARD]            boot, calibrate, arm, press; nucleo-g474re if no other is named
   cycles [--BOARD ELF]...     instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
+  play ELF BOARD PROGRAMME.csv RECORDING.csv
+                              a hand does what touchstone scorecard --programme wrote; what the board told and the shaft did, tick by tick,
+                              for touchstone compare --hand programme
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
                               the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
                               each of these by a factor";
@@ -100,13 +104,19 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     };
     match (command, words) {
         ("boot", []) => said(fil::report::boot(program, &Setup::default())),
-        ("boot", ["nucleo-g474re-ihm16m1"]) => {
-            let board = Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37);
-            said(fil::report::boot(program, &Setup::on(board)))
-        }
-        ("boot", ["b-g431b-esc1"]) => {
-            said(fil::report::boot(program, &Setup::on(Board::b_g431b_esc1())))
-        }
+        ("boot", [board]) => match board_of(board) {
+            Some(board) => said(fil::report::boot(program, &Setup::on(board))),
+            None => usage(),
+        },
+        ("play", [board, programme, recording]) => match board_of(board) {
+            Some(board) => said(play(
+                program,
+                board,
+                Path::new(programme),
+                Path::new(recording),
+            )),
+            None => usage(),
+        },
         ("serve", ["--tcp", address, more @ ..]) => {
             let wanted = match serve_options(more) {
                 Ok(options) => options,
@@ -134,6 +144,38 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
         },
         _ => usage(),
     }
+}
+
+/// A board by the name of its program, with an AS5047P where it has a port for one.
+fn board_of(name: &str) -> Option<Board> {
+    match name {
+        "nucleo-g474re" => Some(Board::nucleo_g474re(Encoder::As5047p)),
+        "nucleo-g474re-ihm16m1" => {
+            let board = Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37);
+            Some(board)
+        }
+        "b-g431b-esc1" => Some(Board::b_g431b_esc1()),
+        _ => None,
+    }
+}
+
+/// Plays a file's programme and writes the recording.
+fn play(
+    program: &Program,
+    board: Board,
+    programme: &Path,
+    recording: &Path,
+) -> Result<String, String> {
+    let programme = HandProgramme::read(programme)?;
+    let text = played(program, &Setup::on(board), &programme)?;
+    let written = std::fs::write(recording, &text);
+    written.map_err(|error| format!("{}: {error}", recording.display()))?;
+    let deeds = programme.deeds.len();
+    Ok(format!(
+        "{deeds} deeds, {} ticks in {}",
+        text.lines().count() - 1 - deeds,
+        recording.display()
+    ))
 }
 
 /// `--hand`, `--for SECONDS` and `--parts FACTORS`, in any order.

@@ -10,7 +10,7 @@ use crate::outcome::Outcome;
 use crate::{inspect, shell};
 
 /// An entry of a list of changes.
-#[derive(Debug, Default, Clone)]
+#[derive(Debug, Default, Clone, Hash)]
 pub struct Entry {
     /// What else it says, by name.
     words: BTreeMap<String, String>,
@@ -18,7 +18,7 @@ pub struct Entry {
 }
 
 /// A change of a file.
-#[derive(Debug, Default, Clone)]
+#[derive(Debug, Default, Clone, Hash)]
 pub struct Change {
     /// From the workspace's folder.
     pub file: String,

@@ -22,7 +22,7 @@ pub fn run(args: &[String]) -> Outcome {
 fn made() -> Result<Outcome, Outcome> {
     let folder = shell::target("dist");
     done(std::fs::create_dir_all(&folder), &folder)?;
-    ok(firmware::run(&[]))?;
+    firmware::run(&[]).went_well()?;
     let program = program(&folder.join("build"))?;
     let (name, version) = (name(), folder.join("VERSION"));
     done(std::fs::write(&version, identity()), &version)?;
@@ -64,7 +64,7 @@ fn program(folder: &Path) -> Result<PathBuf, Outcome> {
         .args(["--config", "profile.release.strip='debuginfo'"])
         .env_remove("RUSTFLAGS")
         .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
-    ok(shell::run(&mut cargo))?;
+    shell::run(&mut cargo).went_well()?;
     let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
     Ok(folder.join("release").join(name))
 }
@@ -100,7 +100,7 @@ fn tried(unpacked: &Path) -> Result<(), Outcome> {
     for arguments in calls {
         let mut command = Command::new(unpacked.join("touchstone"));
         command.args(&arguments).env("PATH", "");
-        ok(shell::run(command.current_dir(&nowhere)))?;
+        shell::run(command.current_dir(&nowhere)).went_well()?;
     }
     Ok(())
 }
@@ -150,13 +150,6 @@ fn paired(name: &str, path: &Path) -> OsString {
     let mut word = OsString::from(format!("{name}="));
     word.push(path);
     word
-}
-
-fn ok(outcome: Outcome) -> Result<(), Outcome> {
-    match outcome {
-        Outcome::Ok(_) => Ok(()),
-        other => Err(other),
-    }
 }
 
 fn done(result: std::io::Result<()>, path: &Path) -> Result<(), Outcome> {

@@ -1,19 +1,35 @@
 //! `cargo xtask fil [--only TEXT]`: the firmware in the loop. The real programs of all boards, on an emulated chip with a
 //! simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the bit, and
-//! every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`].
+//! every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`]. `--scorecard`: what a
+//! hand feels of the reference board, [`board_scorecard`]; a press of it is in the run of everything.
 
-use crate::emulator;
 use crate::outcome::Outcome;
-use crate::sabotage;
+use crate::{board_scorecard, emulator, sabotage};
 
 pub fn run(args: &[String]) -> Outcome {
     match args {
         [] => match emulator::test() {
-            Outcome::Ok(_) => emulator::call("fil", &[]),
+            Outcome::Ok(_) => everything(),
             other => other,
         },
+        [option] if option == "--scorecard" => board_scorecard::run(true),
+        [option, deed] if option == "--scorecard" && deed == "press" => board_scorecard::run(false),
         [option, _] if option == "--only" => emulator::call("fil", args),
         [option, rest @ ..] if option == "--sabotage" => sabotage::run(rest),
-        _ => Outcome::Usage("cargo xtask fil [--only TEXT] | --sabotage [--only TEXT]".into()),
+        _ => Outcome::Usage(
+            "cargo xtask fil [--only TEXT] | --scorecard [press] | --sabotage [--only TEXT]".into(),
+        ),
+    }
+}
+
+fn everything() -> Outcome {
+    match emulator::call("fil", &[]) {
+        Outcome::Ok(rows) => match board_scorecard::run(false) {
+            Outcome::Ok(card) => {
+                Outcome::Ok(format!("{rows}; a press on the reference board: {card}"))
+            }
+            other => other,
+        },
+        other => other,
     }
 }

@@ -5,6 +5,7 @@
 //! `inspect/`, which only the steps that need it build.
 
 mod bench;
+mod board_scorecard;
 mod changes;
 mod counted;
 mod cycles;
@@ -138,7 +139,8 @@ const STEPS: &[Step] = &[
     Step {
         name: "fil",
         about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
-                their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`",
+                their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`; a board's scorecard beside the desktop's: \
+                `fil --scorecard [press]`",
         in_test: true,
         quick: Quick::LeftOut,
         run: fil::run,

@@ -42,6 +42,14 @@ impl Outcome {
         }
     }
 
+    /// For `?`: whatever is not well ends what follows.
+    pub fn went_well(self) -> Result<(), Self> {
+        match self {
+            Outcome::Ok(_) => Ok(()),
+            other => Err(other),
+        }
+    }
+
     /// The word for tables.
     pub fn word(&self) -> &'static str {
         match self {

@@ -4,6 +4,11 @@
 //! A sabotage is caught when the row that it names goes wrong in the words that it names. A change that does not compile, a
 //! program that does not boot, a row that fails for another reason: none of these is a catch. All the rows are run before, on
 //! the same copy of the firmware with nothing changed, and must be right.
+//!
+//! A run takes as long as several builds of the firmware an entry, and a program without its safety may take minutes to end: what was
+//! found is written down at once, and is not asked again of the same sources ([`memo`]).
+
+mod memo;
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -13,6 +18,7 @@ use std::time::Instant;
 use crate::changes::{self, Change, Entry};
 use crate::outcome::Outcome;
 use crate::{emulator, firmware, shell};
+use memo::Memo;
 
 const LIST: &str = "emulator/sabotage.toml";
 /// What the firmware is made of.
@@ -21,10 +27,9 @@ const MORE: [&str; 3] = ["firmware", "memory.x", "memory-g474re.x"];
 const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
 const LEAST: usize = 12;
 
-/// A program to be tried: which sabotage (`None`: nothing is changed), and where it is, or why it could not be built.
+/// A program to be tried, and where it is, or why it could not be built.
 struct Built<'s> {
-    sabotage: Option<&'s Entry>,
-    board: String,
+    asked: &'s Asked<'s>,
     program: Result<PathBuf, String>,
     seconds: f64,
 }
@@ -69,12 +74,18 @@ pub fn run(args: &[String]) -> Outcome {
             all.len()
         ));
     }
+    let memo = Memo::open(folder.join("found.tsv"), &work, &emulator);
+    let memo = match memo {
+        Ok(memo) => memo,
+        Err(why) => return Outcome::Failed(format!("{}: {why}", folder.display())),
+    };
     // One is built while the one before runs.
     let (send, receive) = mpsc::sync_channel(1);
+    let asked = asked(&all, &memo);
     std::thread::scope(|scope| {
         // With it goes its end of the channel: nothing more comes when it is done.
-        scope.spawn(|| build_all(&all, &folder, &work, send));
-        let answers = judge_all(&emulator, &all, &receive);
+        scope.spawn(|| build_all(&asked, &folder, &work, send));
+        let answers = judge_all(&emulator, &asked, memo, &receive);
         // Where it ended early, whoever still builds is told by this.
         drop(receive);
         answers
@@ -94,31 +105,67 @@ fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
     })
 }
 
-/// Builds one after the other: of each board first the program as it is.
-fn build_all<'s>(all: &'s [Entry], folder: &Path, work: &Path, send: mpsc::SyncSender<Built<'s>>) {
+/// What is to be tried, of each board first the program as it is, with the rows to be run and what is known of it already.
+struct Asked<'s> {
+    board: &'static str,
+    sabotage: Option<&'s Entry>,
+    rows: Vec<&'s str>,
+    key: u64,
+    is_known: bool,
+}
+
+fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
+    let mut asked = Vec::new();
     for board in firmware::BOARDS {
-        let mut of_board = all
+        let of_board: Vec<&Entry> = all
             .iter()
             .filter(|one| one.word("board") == board)
-            .peekable();
-        if of_board.peek().is_none() {
+            .collect();
+        if of_board.is_empty() {
             continue;
         }
-        let with_none = std::iter::once(None).chain(of_board.map(Some));
-        for (number, sabotage) in with_none.enumerate() {
-            let begun = Instant::now();
-            let changes = sabotage.map_or(&[][..], |one| &one.changes);
-            let kept = folder.join(format!("{board}-{number}.elf"));
-            let program = changes::with(work, changes, || build(board, work, folder, &kept));
-            let built = Built {
-                sabotage,
-                board: board.to_owned(),
-                program,
-                seconds: begun.elapsed().as_secs_f64(),
+        let with_none = std::iter::once(None).chain(of_board.iter().copied().map(Some));
+        for sabotage in with_none {
+            let rows: Vec<&str> = match sabotage {
+                Some(sabotage) => vec![sabotage.word("only")],
+                None => of_board.iter().map(|one| one.word("only")).collect(),
             };
-            if send.send(built).is_err() {
-                return;
-            }
+            let key = memo.key(board, sabotage, &rows);
+            asked.push(Asked {
+                is_known: memo.get(key).is_some(),
+                board,
+                sabotage,
+                rows,
+                key,
+            });
+        }
+    }
+    asked
+}
+
+/// Builds one after the other; what is known already is not built.
+fn build_all<'s>(
+    all: &'s [Asked<'s>],
+    folder: &Path,
+    work: &Path,
+    send: mpsc::SyncSender<Built<'s>>,
+) {
+    for (number, asked) in all.iter().enumerate() {
+        let begun = Instant::now();
+        let changes = asked.sabotage.map_or(&[][..], |one| &one.changes);
+        let board = asked.board;
+        let kept = folder.join(format!("{board}-{number}.elf"));
+        let program = match asked.is_known {
+            true => Ok(kept),
+            false => changes::with(work, changes, || build(board, work, folder, &kept)),
+        };
+        let built = Built {
+            asked,
+            program,
+            seconds: begun.elapsed().as_secs_f64(),
+        };
+        if send.send(built).is_err() {
+            return;
         }
     }
 }
@@ -143,53 +190,74 @@ fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf
 }
 
 /// Runs what was built as it comes; prints a line for each.
-fn judge_all(emulator: &Path, all: &[Entry], receive: &mpsc::Receiver<Built<'_>>) -> Outcome {
+fn judge_all(
+    emulator: &Path,
+    all: &[Asked<'_>],
+    mut memo: Memo,
+    receive: &mpsc::Receiver<Built<'_>>,
+) -> Outcome {
     let begun = Instant::now();
     println!(
         "{:>6} {:>5}  {:<7}  sabotage, and what went wrong",
         "build", "run", ""
     );
-    let mut caught = 0;
+    let entries = all.iter().filter(|one| one.sabotage.is_some()).count();
+    let (mut caught, mut known) = (0, 0);
     while let Ok(built) = receive.recv() {
         let begun = Instant::now();
-        let of_board = all.iter().filter(|one| one.word("board") == built.board);
-        let rows: Vec<&str> = match built.sabotage {
-            Some(sabotage) => vec![sabotage.word("only")],
-            None => of_board.map(|one| one.word("only")).collect(),
+        let Asked {
+            board,
+            sabotage,
+            rows,
+            key,
+            ..
+        } = built.asked;
+        let name = sabotage.map_or("nothing changed, all rows", |one| one.word("name"));
+        let (word, reason) = match memo.get(*key) {
+            Some((word, reason)) => {
+                known += usize::from(sabotage.is_some());
+                (word.clone(), reason.clone())
+            }
+            None => {
+                let wrong = built
+                    .program
+                    .and_then(|program| wrong(emulator, board, &program, rows));
+                let (word, reason) = verdict(*sabotage, &wrong);
+                // What was not run is run the next time.
+                if wrong.is_ok()
+                    && let Err(why) = memo.keep(*key, word, &reason)
+                {
+                    return Outcome::Failed(format!("what was found cannot be kept: {why}"));
+                }
+                (word.to_owned(), reason)
+            }
         };
-        let wrong = built
-            .program
-            .and_then(|program| wrong(emulator, &built.board, &program, &rows));
-        let (word, name, reason) = verdict(built.sabotage, &wrong);
         caught += usize::from(word == "caught");
         println!(
-            "{:>4.0} s {:>3.0} s  {word:<7}  {}: {name}\n                        {reason}",
+            "{:>4.0} s {:>3.0} s  {word:<7}  {board}: {name}\n                        {reason}",
             built.seconds,
             begun.elapsed().as_secs_f64(),
-            built.board
         );
-        if built.sabotage.is_none() && word != "right" {
-            return Outcome::Failed(format!("{}, nothing changed: {reason}", built.board));
+        if sabotage.is_none() && word != "right" {
+            return Outcome::Failed(format!("{board}, nothing changed: {reason}"));
         }
     }
     let text = format!(
-        "{caught} of {} sabotages caught by the row that they name, in {:.0} s",
-        all.len(),
+        "{caught} of {entries} sabotages caught by the row that they name, {known} of them known from before, in {:.0} s",
         begun.elapsed().as_secs_f64()
     );
-    match caught == all.len() {
+    match caught == entries {
         true => Outcome::Ok(text),
         false => Outcome::Failed(text),
     }
 }
 
-/// A word on it, its name, and why.
-fn verdict<'t>(
-    sabotage: Option<&'t Entry>,
-    wrong: &'t Result<Vec<String>, String>,
-) -> (&'static str, &'t str, String) {
-    let name = sabotage.map_or("nothing changed, all rows", |one| one.word("name"));
-    let (word, reason) = match (wrong, sabotage) {
+/// A word on it, and why.
+fn verdict(
+    sabotage: Option<&Entry>,
+    wrong: &Result<Vec<String>, String>,
+) -> (&'static str, String) {
+    match (wrong, sabotage) {
         (Err(why), _) => ("NOT RUN", why.clone()),
         (Ok(wrong), None) => match wrong.first() {
             None => ("right", "nothing is wrong".into()),
@@ -204,8 +272,7 @@ fn verdict<'t>(
                 (None, None) => ("MISSED", format!("`{only}` passes")),
             }
         }
-    };
-    (word, name, reason)
+    }
 }
 
 /// What `fil` finds wrong on a program in these rows.

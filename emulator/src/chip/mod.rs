@@ -172,6 +172,13 @@ impl Chip {
         self.system = Plain::default();
         self.running.clear();
         self.reset_request = None;
+        // The pins float, and the gate drivers take that for off.
+        self.drive_world();
+    }
+
+    /// What is fed with the chip forgets what it knew.
+    pub fn forget_encoder(&mut self) {
+        self.spi3.slave = self.board.encoder.slave();
     }
 
     /// The vector table.

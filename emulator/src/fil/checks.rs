@@ -4,7 +4,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{around, lasting, press, registers, starts, storage};
+use super::{around, lasting, press, registers, starts, storage, supply};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -15,7 +15,8 @@ pub type Check = (&'static str, fn(&Program, &Setup, &mut Tally));
 /// On each board.
 pub const CHECKS: &[Check] = &[
     ("boot and presses", presses),
-    ("power cuts", power_cuts),
+    ("power cuts", supply::power_cuts),
+    ("supply cut", supply::supply_cut),
     ("damaged settings", damaged_settings),
     ("more than one wall", around::around),
     ("random frames", random_frames),
@@ -50,7 +51,10 @@ fn presses(program: &Program, setup: &Setup, tally: &mut Tally) {
                 press.compared, press.in_contact, press.max_force, press.shown, press.moves
             )
         });
-        tally.check(&format!("press of {} N·m into {k} N·m/rad", setup.board.press_n_m), pressed);
+        tally.check(
+            &format!("press of {} N·m into {k} N·m/rad", setup.board.press_n_m),
+            pressed,
+        );
     }
     let used = program.symbol("_stack_start").map(|top| {
         let bottom = program.symbol("_stack_end").unwrap_or(top);
@@ -65,13 +69,6 @@ fn presses(program: &Program, setup: &Setup, tally: &mut Tally) {
         },
     );
     tally.ran(&bench);
-}
-
-fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
-    let cuts = storage::power_cuts(program, setup, 40);
-    tally.check("power cuts at writes to flash", cuts.map(|cuts| {
-        format!("at each of the first {cuts} changes of a Save: the old or the new settings, each time")
-    }));
 }
 
 fn damaged_settings(program: &Program, setup: &Setup, tally: &mut Tally) {

@@ -253,7 +253,9 @@ fn press(chip: &mut Chip, pressed: bool) {
 }
 
 impl Level {
-    fn exception(self) -> Option<usize> {
+    /// The number of its exception; `None` for the thread.
+    #[must_use]
+    pub fn exception(self) -> Option<usize> {
         match self {
             Self::Thread => None,
             Self::Interrupt(number) => Some(crate::cpu::nvic::FIRST + number),

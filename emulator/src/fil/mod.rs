@@ -12,4 +12,5 @@ pub mod registers;
 pub mod report;
 pub mod starts;
 pub mod storage;
+pub mod supply;
 pub mod tally;

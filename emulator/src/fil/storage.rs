@@ -1,4 +1,4 @@
-//! Settings in flash: damaged bits, and the power cut at each of the writes.
+//! Settings in flash whose bits are damaged.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -8,7 +8,6 @@ use super::fault::Random;
 use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
-use crate::machine::Halt;
 
 /// Where the program keeps its settings, and how many bytes: `memory.x` says it to the linker.
 fn place(program: &Program) -> Result<(u32, usize), String> {
@@ -21,73 +20,21 @@ fn place(program: &Program) -> Result<(u32, usize), String> {
 }
 
 /// Something to tell apart from the defaults, and from one another.
-fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
+///
+/// # Errors
+/// It is refused.
+pub fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
 }
 
-fn k_of(bench: &mut Bench) -> Result<Si, String> {
-    Ok(bench.settings()?.wall.k_desired_n_m_per_rad)
-}
-
-fn restart(bench: &mut Bench) -> Result<(), String> {
+/// The power comes back.
+///
+/// # Errors
+/// The device does not answer.
+pub fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.machine.power_on(ResetCause::PowerOn);
     bench.halted = None;
     bench.boot().map(|_| ())
-}
-
-/// The field turns when it is asked for, and ends when it is not.
-fn starts(bench: &mut Bench) -> Result<(), String> {
-    bench.demand(Request::Command(DeviceCommand::Calibrate))?;
-    let on = bench.run_until("the outputs on", 200 * MS, |bench| bench.is_on());
-    let status = bench.status()?;
-    on.map_err(|error| format!("{error}: {} with {:?}", status.phase.name(), status.fault))?;
-    bench
-        .demand(Request::Command(DeviceCommand::Stop))
-        .map(|_| ())
-}
-
-/// Cuts the power at each change of the flash during `Save` until one is not cut any more; how many cuts there were. Each time the
-/// settings afterwards must be the old or the new ones, and the device must take and keep further ones.
-///
-/// # Errors
-/// What is wrong after which cut.
-pub fn power_cuts(program: &Program, setup: &Setup, at_most: u64) -> Result<u64, String> {
-    let (old, new) = (Si::lit("2"), Si::lit("3"));
-    let mut bench = Bench::new(program, setup)?;
-    bench.boot()?;
-    for cut in 0..at_most {
-        let said = |error: String| format!("cut at change {cut}: {error}");
-        changed(&mut bench, old)?;
-        bench.demand(Request::Save).map_err(said)?;
-        changed(&mut bench, new)?;
-        let flash = &mut bench.machine.chip_mut().flash;
-        flash.cut_at = Some(flash.count + cut);
-        let saved = bench.demand(Request::Save);
-        bench.machine.chip_mut().flash.cut_at = None;
-        match (saved, bench.halted.take()) {
-            // All its changes came before the cut.
-            (Ok(_), None) => return Ok(cut),
-            (Err(_), Some(Halt::PowerCut)) => {}
-            (Err(error), _) => return Err(said(error)),
-            (Ok(_), Some(halt)) => return Err(said(format!("{halt:?}"))),
-        }
-        restart(&mut bench).map_err(said)?;
-        let status = bench.status()?;
-        if status.phase != Phase::Boot {
-            return Err(said(format!(
-                "{} with {:?}",
-                status.phase.name(),
-                status.fault
-            )));
-        }
-        // A word that was torn interrupts when it is read, and pulls the system's break: it must be over by now.
-        starts(&mut bench).map_err(said)?;
-        let k = k_of(&mut bench)?;
-        if k != old && k != new {
-            return Err(said(format!("k_desired is {k}")));
-        }
-    }
-    Ok(at_most)
 }
 
 /// Damages the settings in flash in `ways` ways, one after the other: bits turned over in what was written. After each the

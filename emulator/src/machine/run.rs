@@ -101,8 +101,10 @@ impl Machine {
                     if before.iter().any(|byte| *byte != 0xff) && bytes != [0; 8] {
                         self.chip_mut().flash.refuse();
                     } else if cut {
-                        // Cut in the middle: some bits have fallen, and the check bits are wrong.
-                        let torn: Vec<u8> = bytes.iter().map(|byte| byte | 0xa4).collect();
+                        // Cut in the middle: some bits have fallen, others each time, and the check bits are wrong.
+                        let not_yet = self.chip().flash.not_yet();
+                        let torn = bytes.iter().zip(not_yet.to_le_bytes());
+                        let torn: Vec<u8> = torn.map(|(byte, not_yet)| byte | not_yet).collect();
                         self.set_memory(address, &torn);
                         self.chip_mut().flash.torn.insert(address);
                     } else {

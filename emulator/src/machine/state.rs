@@ -210,6 +210,15 @@ impl Machine {
         self.reset(cause);
     }
 
+    /// Takes the supply away: nothing runs, no pin drives anything, and the encoder forgets what it was asked for. The flash stays.
+    pub fn power_off(&mut self) {
+        let chip = self.chip_mut();
+        chip.reset(ResetCause::PowerOn);
+        chip.forget_encoder();
+        self.asleep = None;
+        self.locked = true;
+    }
+
     /// Resets; flash, RAM and the world around stay as they are.
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));

@@ -7,7 +7,7 @@ use std::fmt;
 
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
 use touchstone_world::plant::{
-    BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Kinematics as _, State, Stepper,
+    BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Kinematics as _, Port, State, Stepper,
 };
 
 use crate::peripheral::CORE_HZ;
@@ -103,6 +103,21 @@ impl Parts {
     }
 }
 
+/// Crosses a step; what went through the motor's port, where that is wanted.
+fn step<S: Stepper>(
+    plant: &S,
+    state: &mut S::State,
+    torque: f64,
+    rest: f64,
+    is_wanted: bool,
+) -> Port {
+    if is_wanted {
+        return plant.step_with_port(state, torque, rest);
+    }
+    plant.step(state, torque, rest);
+    Port::default()
+}
+
 /// The rest point of a hand, rad, by the time since it took hold, s.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
@@ -123,6 +138,21 @@ enum Grip {
     },
 }
 
+/// The shaft at the end of a mechanical step, and what went through it since the world began to keep books.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ShaftBooks {
+    /// Angle, rad.
+    pub angle_rad: f64,
+    /// Speed, rad/s.
+    pub rad_per_s: f64,
+    /// The motor's torque over time, N·m·s.
+    pub impulse_n_m_s: f64,
+    /// The motor's work on the shaft, J.
+    pub motor_j: f64,
+    /// Dissipated in the knob, J.
+    pub loss_j: f64,
+}
+
 /// The world.
 pub struct World {
     knob: Device,
@@ -138,6 +168,8 @@ pub struct World {
     /// Torque times time since the knob moved last, N·m·s, and the mean torque before that, N·m.
     impulse: f64,
     torque_n_m: f64,
+    /// Kept where somebody asked for them.
+    books: Option<ShaftBooks>,
     /// Temperature of driver and motor, degrees C.
     pub temperature_c: f64,
     /// Current at which the bridge's own comparators pull the break, A.
@@ -181,6 +213,7 @@ impl World {
             grip: Grip::Free(plant, State::at_rest(angle_rad)),
             impulse: 0.0,
             torque_n_m: 0.0,
+            books: None,
             temperature_c: 25.0,
             break_a: 20.0,
         }
@@ -202,7 +235,8 @@ impl World {
     /// # Panics
     /// If the hand is out of range.
     pub fn hold(&mut self, hand: &Hand, rest: impl Fn(f64) -> f64 + 'static) {
-        let plant = HeldCoulomb::new(&self.knob, hand, seconds(STEP)).expect("the hand is in range");
+        let plant =
+            HeldCoulomb::new(&self.knob, hand, seconds(STEP)).expect("the hand is in range");
         let (x, v) = self.angle_and_speed();
         let state = State::from_array([x, v, x, v]);
         self.grip = Grip::Held {
@@ -211,6 +245,34 @@ impl World {
             since: self.now,
             rest: Box::new(rest),
         };
+    }
+
+    /// The hand that holds goes on to another rest point, rad, by the time since now, s. Without a hand nothing changes.
+    pub fn lead(&mut self, to: impl Fn(f64) -> f64 + 'static) {
+        if let Grip::Held { since, rest, .. } = &mut self.grip {
+            *since = self.now;
+            *rest = Box::new(to);
+        }
+    }
+
+    /// Where the hand that holds means to be, rad.
+    #[must_use]
+    pub fn rest_rad(&self) -> Option<f64> {
+        match &self.grip {
+            Grip::Held { since, rest, .. } => Some(rest(seconds(self.now - since))),
+            _ => None,
+        }
+    }
+
+    /// Begins to keep books of the shaft.
+    pub fn keep_books(&mut self) {
+        self.books = Some(ShaftBooks::default());
+    }
+
+    /// The shaft at the last mechanical step; all 0 where nobody asked for books.
+    #[must_use]
+    pub fn books(&self) -> ShaftBooks {
+        self.books.unwrap_or_default()
     }
 
     /// The hand lets go.
@@ -276,18 +338,32 @@ impl World {
     fn move_knob(&mut self) {
         self.torque_n_m = std::mem::take(&mut self.impulse) / seconds(STEP);
         let (now, torque) = (self.now, self.torque_n_m);
-        match &mut self.grip {
-            Grip::Free(plant, state) => plant.step(state, torque, 0.0),
+        let keeps = self.books.is_some();
+        let port = match &mut self.grip {
+            Grip::Free(plant, state) => step(plant, state, torque, 0.0, keeps),
             Grip::Held {
                 plant,
                 state,
                 since,
                 rest,
-            } => plant.step(state, torque, rest(seconds(now - *since))),
+            } => step(plant, state, torque, rest(seconds(now - *since)), keeps),
             Grip::Forced {
                 angle_rad,
                 rad_per_s,
-            } => *angle_rad += *rad_per_s * seconds(STEP),
+            } => {
+                *angle_rad += *rad_per_s * seconds(STEP);
+                Port::default()
+            }
+        };
+        let (angle_rad, rad_per_s) = self.angle_and_speed();
+        if let Some(books) = &mut self.books {
+            *books = ShaftBooks {
+                angle_rad,
+                rad_per_s,
+                impulse_n_m_s: books.impulse_n_m_s + torque * seconds(STEP),
+                motor_j: books.motor_j + port.work_j,
+                loss_j: books.loss_j + port.loss.device_j,
+            };
         }
     }
 

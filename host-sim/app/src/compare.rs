@@ -1,5 +1,7 @@
 //! `touchstone compare`: a recording of a device beside its simulation.
 
+mod board_scorecard;
+
 use super::SceneOptions;
 use super::number;
 use super::out::{self, note, say, tell};
@@ -7,8 +9,9 @@ use super::report_options::program;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::beside::{Beside, HandWas, PARTS, Told, beside, sections};
-use touchstone_lab::report::pages;
+use touchstone_lab::report::{Section, pages};
 use touchstone_sim::error::Result;
+use touchstone_sim::scene::Scene;
 
 /// Exit code where the two are further apart than was asked for.
 const APART: u8 = 3;
@@ -36,7 +39,8 @@ pub struct Options {
     /// Ends at this time of the recording, s; without it, with the recording.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     to: Option<f64>,
-    /// Ends with 3 where the rms difference of position or force is a larger share of what was recorded, from its lowest to its highest value.
+    /// Ends with 3 where the rms difference of position or force is a larger share of what was recorded, from its lowest to its highest value;
+    /// with --hand programme, where a figure is further apart than this share of the scene's, and is none that the scene's own scatters to.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = number::not_negative("a share"))]
     tolerance: Option<f64>,
     /// Folder of the page, its numbers, and the hand's motion.
@@ -54,6 +58,8 @@ enum Hand {
     Held,
     /// It let go before the wall.
     Released,
+    /// It did the scorecard's programme.
+    Programme,
 }
 
 /// What of the scene the recording replaces.
@@ -66,32 +72,19 @@ const REPLACED: [(&str, &str); 2] = [
 pub fn main(options: &Options) -> Result<ExitCode> {
     options.changes.refuse_replaced("compare", &REPLACED)?;
     let (scene, _) = options.changes.load(&options.scene)?;
+    let hand = match options.hand {
+        Hand::Held => HandWas::Holding,
+        Hand::Released => HandWas::Gone,
+        Hand::Programme => return board_scorecard::main(options, &scene),
+    };
     let told = Told::read(
         &options.recording,
         options.from,
         options.to.unwrap_or(f64::INFINITY),
     )?;
-    let hand = match options.hand {
-        Hand::Held => HandWas::Holding,
-        Hand::Released => HandWas::Gone,
-    };
     let found = beside(&scene, &told, hand, &options.out)?;
     let result = found.to_json();
-    let page = pages::Page {
-        title: "A recording beside its simulation",
-        intro: &format!(
-            "{} and the scene {}",
-            options.recording.display(),
-            scene.name
-        ),
-        command: &crate::command_line(),
-        program: program(),
-        sections: &sections(&found),
-        results: ("compare", &result),
-        files: &[],
-        force: options.force,
-    };
-    let page = pages::write(&page, &options.out)?.page;
+    let page = options.written(&scene, &sections(&found), &result)?;
     let holds = options.tolerance.is_none_or(|share| found.holds(share));
     out::result(
         || {
@@ -114,6 +107,28 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         options.tolerance.unwrap_or_default()
     );
     Ok(ExitCode::from(APART))
+}
+
+impl Options {
+    /// The page of what was found; where it is.
+    fn written(
+        &self,
+        scene: &Scene,
+        sections: &[Section],
+        result: &serde_json::Value,
+    ) -> Result<PathBuf> {
+        let page = pages::Page {
+            title: "A recording beside its simulation",
+            intro: &format!("{} and the scene {}", self.recording.display(), scene.name),
+            command: &crate::command_line(),
+            program: program(),
+            sections,
+            results: ("compare", result),
+            files: &[],
+            force: self.force,
+        };
+        Ok(pages::write(&page, &self.out)?.page)
+    }
 }
 
 fn print(found: &Beside) -> Result<()> {

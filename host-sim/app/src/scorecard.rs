@@ -5,15 +5,18 @@ use super::out::{self, say, tell};
 use super::progress;
 use super::report_options::program;
 use super::wall_options::WallOptions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use touchstone_lab::report::{self, pages};
 use touchstone_lab::scorecard::{
-    self, Entry, page,
+    self, Entry,
+    cases::GRIPS,
+    on_board::{deed_words, programme_csv},
+    page,
     rivals::{RIVALS, Rival},
 };
 use touchstone_lab::tune::{self, Effort};
-use touchstone_sim::error::Result;
-use touchstone_sim::scene::Scene;
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::{Grip, Scene};
 
 /// Options of `scorecard`.
 #[derive(Debug, Clone, clap::Args)]
@@ -41,11 +44,24 @@ pub struct Options {
     /// Replaces what another command left in the folder.
     #[arg(long)]
     force: bool,
+    /// Writes what the hand does, tick by tick and for every grip, to this file, and nothing else: for a hand on a test stand or in the
+    /// emulator, whose recording `touchstone compare --hand programme` puts beside the scorecard.
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
+    programme: Option<PathBuf>,
+    /// With --programme: this grip alone.
+    #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
+    grip: Option<String>,
+    /// With --programme: these deeds alone.
+    #[arg(long = "deed", value_name = "DEED", requires = "programme", num_args = 1.., value_parser = deed)]
+    deeds: Vec<String>,
 }
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
     let scene = options.wall.load(&options.scene)?;
+    if let Some(file) = &options.programme {
+        return programme(&scene, options, file);
+    }
     let command = super::command_line();
     if let Some(folder) = &options.out {
         report::check_folder(folder, &command, options.force)?;
@@ -88,6 +104,37 @@ pub fn main(options: &Options) -> Result<()> {
         tell!("page  {}", written.page.display());
     }
     Ok(())
+}
+
+/// A deed's word.
+fn deed(word: &str) -> std::result::Result<String, String> {
+    let words = deed_words();
+    match words.iter().any(|it| it == word) {
+        true => Ok(word.to_owned()),
+        false => Err(format!("is none of {}", words.join(", "))),
+    }
+}
+
+/// Writes the hand's programme.
+fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
+    let grip = options.grip.as_deref();
+    let asked = |it: &Grip| grip.is_none_or(|grip| it.name() == grip);
+    let grips: Vec<Grip> = GRIPS.into_iter().filter(asked).collect();
+    let text = programme_csv(scene, &grips, &options.deeds)?;
+    let written = std::fs::write(file, &text);
+    written.map_err(|error| Error::Io {
+        path: file.to_owned(),
+        problem: error.to_string(),
+        fix: "choose another file with --programme".into(),
+    })?;
+    let ticks = text.lines().count() - 1;
+    out::result(
+        || serde_json::json!({"file": file.display().to_string(), "ticks": ticks}),
+        || {
+            tell!("{ticks} ticks in {}", file.display());
+            Ok(())
+        },
+    )
 }
 
 /// A law, and the settings that were found for it.

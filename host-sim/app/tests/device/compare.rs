@@ -117,3 +117,24 @@ fn what_is_no_recording_is_named() {
     ])
     .failed(2, &["the device's surface"]);
 }
+
+#[test]
+fn a_programme_is_written_and_what_is_no_recording_of_it_is_named() {
+    let here = folder("compare-programme");
+    let file = here.join("hand.csv");
+    let name = file.to_str().unwrap();
+    let mut words = vec!["scorecard", "gimbal-knob", "--programme", name];
+    words.extend(["--grip", "medium", "--deed", "press"]);
+    let said = run(&words);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.starts_with("grip,deed,time_s,surface_rad,rest_rad\nmedium,press,0,0.5,"));
+    // 4.45 s, and the heading.
+    assert_eq!(text.lines().count(), 4_451);
+    let mut wrong = words.clone();
+    wrong[7] = "hop";
+    run(&wrong).failed(2, &["none of press, move-0.25"]);
+    let compare = ["compare", name, "gimbal-knob", "--hand", "programme"];
+    run(&compare).failed(2, &["has no column penetration_rad"]);
+    run(&[&compare[..], &["--from", "1"]].concat()).failed(2, &["--from", "deed by deed"]);
+}

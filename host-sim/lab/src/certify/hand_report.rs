@@ -88,6 +88,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
         bounce: played.bounce,
         loan_used: played.loan_used,
         ends: None,
+        presses: None,
         friction_holds_rad: friction_holds(undamped, hand, &mode),
         stirred_by_ramp: false,
     };

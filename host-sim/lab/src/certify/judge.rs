@@ -30,8 +30,10 @@ pub const STIFFEST_PER_TICK: f64 = 1.0;
 /// Amplitude of a motion that still is rest, counts.
 pub const LEFT_COUNTS: f64 = 1.5;
 
-/// Largest motion at the end of every touch that is played, over a limit cycle's, that is called rest.
+/// Largest motion at the end of everything that is played, over a limit cycle's, that is called rest.
 pub const RESTS: f64 = 0.5;
+/// The same where the matrices have called it stable by themselves.
+pub const RESTS_AS_SAID: f64 = 0.75;
 /// Least motion at the end of every such touch, over a limit cycle's, that is called none.
 pub const MOVES: f64 = 1.5;
 
@@ -83,8 +85,10 @@ pub struct HandReport {
     pub bounce: f64,
     /// What the press borrows at most, of the loan; absent without a loan or a press.
     pub loan_used: Option<f64>,
-    /// Least and largest motion at the end of touches that were played because nothing else decided, over what counts as a limit cycle.
+    /// Least and largest motion at the end of the touches that were played, over what counts as a limit cycle.
     pub ends: Option<[f64; 2]>,
+    /// The same of slow presses, where an offset dies out too slowly or a press borrows more than the loan.
+    pub presses: Option<[f64; 2]>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,
     /// Whether a motion is left that a press which comes slowly stirs more than a touch: that of an offset, which dies out too slowly.
@@ -201,30 +205,45 @@ pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     }
 }
 
-/// Decides what the matrices left open by how touches end, and holds what they called stable against it; where some rest and some do not,
-/// it is open.
-pub(super) fn settle(report: &mut HandReport, ends: [f64; 2]) {
-    let [least, most] = ends;
-    report.ends = Some(ends);
-    // A touch borrows less than a press that comes slowly.
-    let lent = report.loan_used.is_none_or(|used| used <= LOAN_USED);
-    if most <= RESTS && lent && !report.stirred_by_ramp {
-        if report.verdict == Verdict::Stable {
+/// Whether a press that comes slowly does what no touch shows.
+pub(super) fn asks_for_presses(report: &HandReport) -> bool {
+    report.stirred_by_ramp || report.loan_used.is_some_and(|used| used > LOAN_USED)
+}
+
+/// Decides what the matrices left open by how touches end, and slow presses where they were played, and holds what they called stable
+/// against it; where some rest and some do not, it is open.
+pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option<[f64; 2]>) {
+    (report.ends, report.presses) = (Some(touches), presses);
+    let [mut least, mut most] = touches;
+    let (mut each, mut all) = ("touch that was played", "touches that were played");
+    if let Some(ends) = presses {
+        (least, most) = (least.min(ends[0]), most.max(ends[1]));
+        (each, all) = (
+            "touch and slow press that was played",
+            "touches and slow presses that were played",
+        );
+    }
+    let said = report.verdict == Verdict::Stable;
+    let rests = if said { RESTS_AS_SAID } else { RESTS };
+    // A few presses do not speak for all where the law by itself grows, and dry friction alone holds it.
+    let shown = presses.is_some() && report.decay_per_s > 0.0;
+    if most <= rests && (shown || !asks_for_presses(report)) {
+        if said {
             return;
         }
         report.verdict = Verdict::Stable;
         report.causes.push(format!(
-            "but every touch that was played comes to rest: at most {most:.2} of a limit cycle is left"
+            "but every {each} comes to rest: at most {most:.2} of a limit cycle is left"
         ));
     } else if least >= MOVES {
         report.verdict = Verdict::Unstable;
         report.causes.push(format!(
-            "and no touch that was played comes to rest: at least {least:.1} of a limit cycle is left"
+            "and no {each} comes to rest: at least {least:.1} of a limit cycle is left"
         ));
     } else {
         report.verdict = Verdict::Undecided;
         report.causes.push(format!(
-            "touches that were played leave {least:.2} to {most:.2} of a limit cycle"
+            "{all} leave {least:.2} to {most:.2} of a limit cycle"
         ));
     }
 }

@@ -28,6 +28,7 @@ pub mod linear_law;
 pub mod margins;
 mod not_covered;
 pub mod plant;
+pub mod press;
 pub mod sector;
 pub mod state_space;
 #[cfg(test)]
@@ -37,7 +38,7 @@ pub mod touch;
 use contact::Contact;
 use hand_report::{Played, report};
 use hands::Family;
-use judge::{HandReport, settle, within_reach};
+use judge::{HandReport, RESTS, asks_for_presses, settle, within_reach};
 use margins::Margins;
 use serde::Serialize;
 use touchstone_sim::error::Result;
@@ -153,7 +154,12 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
             // Nor do matrices say what happens between phases, or where a device leaves the wall and comes back.
             let alone = report.verdict == Verdict::Unstable;
             if let (Some(hand), true, false) = (hand, shown, alone) {
-                settle(&mut report, touch::ends(scene, &contact, hand)?);
+                let touches = touch::ends(scene, &contact, hand)?;
+                // Where a touch does not rest, a press does not change that.
+                let presses = (asks_for_presses(&report) && touches[1] <= RESTS)
+                    .then(|| press::ends(scene, &contact, hand))
+                    .transpose()?;
+                settle(&mut report, touches, presses);
             }
             within_reach(&mut report, per_tick(&contact));
             Ok(report)

@@ -315,6 +315,62 @@ fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
     }
 }
 
+/// A slow offset that every touch leaves at rest, and a press does not.
+#[test]
+fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
+    let scene = campaign::scene(61, 1121, StatesKind::Measured);
+    let options = Options {
+        family: Family::Own,
+        margins: false,
+        ..Options::default()
+    };
+    let own = certify(&scene, &options).unwrap().hands.remove(0);
+    let (touches, presses) = (own.ends.unwrap(), own.presses.unwrap());
+    assert!(
+        touches[1] <= judge::RESTS && presses[1] > judge::RESTS,
+        "{own:?}"
+    );
+    assert_eq!(own.verdict, Verdict::Undecided);
+}
+
+#[test]
+fn what_is_played_settles_what_the_matrices_left_open() {
+    let scene = Scene::load("press-hold").unwrap();
+    let own = certify(&scene, &Options::default())
+        .unwrap()
+        .hands
+        .remove(0);
+    let said = |verdict, stirred_by_ramp, touches, presses| {
+        let mut report = own.clone();
+        (report.verdict, report.stirred_by_ramp) = (verdict, stirred_by_ramp);
+        (report.loan_used, report.decay_per_s) = (None, 0.5);
+        judge::settle(&mut report, touches, presses);
+        report.verdict
+    };
+    use Verdict::{Stable, Undecided, Unstable};
+    assert_eq!(said(Undecided, false, [0.0, 0.4], None), Stable);
+    assert_eq!(said(Undecided, false, [0.0, 0.6], None), Undecided);
+    assert_eq!(said(Stable, false, [0.0, 0.6], None), Stable);
+    assert_eq!(said(Stable, false, [0.0, 0.8], None), Undecided);
+    assert_eq!(said(Stable, false, [1.6, 1.8], None), Unstable);
+    // A slow offset: touches alone are not enough, and presses may take back what they said.
+    assert_eq!(said(Undecided, true, [0.0, 0.1], None), Undecided);
+    assert_eq!(said(Undecided, true, [0.0, 0.1], Some([0.0, 0.1])), Stable);
+    assert_eq!(
+        said(Undecided, true, [0.0, 0.1], Some([0.0, 0.6])),
+        Undecided
+    );
+    assert_eq!(
+        said(Undecided, true, [0.0, 0.1], Some([0.0, f64::INFINITY])),
+        Undecided
+    );
+    // What grows without dry friction is not called stable for a few presses.
+    let mut grows = own.clone();
+    (grows.verdict, grows.stirred_by_ramp, grows.decay_per_s) = (Undecided, true, -0.3);
+    judge::settle(&mut grows, [0.0, 0.1], Some([0.0, 0.1]));
+    assert_eq!(grows.verdict, Undecided);
+}
+
 #[test]
 fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
     // Of seed 41 some walls are so soft that a tenth of them is below the least k_v of the settings.

@@ -21,7 +21,7 @@ const PHASES: u32 = 12;
 /// Speeds, of the one that carries the device as far as the press is deep.
 const SPEEDS: [f64; 4] = [1.0, 1.5, 2.5, 4.0];
 /// Press that is taken where the scene has none, N·m.
-const PRESS_N_M: f64 = 0.1;
+pub(super) const PRESS_N_M: f64 = 0.1;
 /// Swings of the device on `k_de` that are waited for, and ticks at least.
 const SWINGS: f64 = 8.0 * RETURNS as f64;
 const TICKS: f64 = 400.0;
@@ -35,6 +35,11 @@ const PHASES_TO_THE_END: u32 = 4;
 /// How long a scene without a hold is waited for, and any at most, s.
 const HOLD_S: f64 = 2.0;
 const LONGEST_HOLD_S: f64 = 20.0;
+
+/// How long a press is held, s.
+pub(super) fn hold_s(contact: &Contact) -> f64 {
+    contact.hold_s.unwrap_or(HOLD_S).min(LONGEST_HOLD_S)
+}
 
 /// Watches how far the device still moves at the end.
 struct Rest {
@@ -210,8 +215,7 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
 /// # Errors
 /// Settings that the law cannot take.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
-    let hold_s = contact.hold_s.unwrap_or(HOLD_S).min(LONGEST_HOLD_S);
-    let ticks = (hold_s / contact.clock.period_s).ceil().max(TICKS) as u64;
+    let ticks = (hold_s(contact) / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
     let mut found = [f64::INFINITY, 0.0_f64];
     let press_n_m = contact.press_n_m.unwrap_or(PRESS_N_M);
@@ -264,7 +268,7 @@ const ENDLESS_J: f64 = 1e3;
 /// A hand that holds no place pushes through a spring so soft, N·m/rad, that it is a force.
 const LEAST_STIFFNESS: f64 = 2e-3;
 
-fn of_plant(hand: &Hand) -> scene::Hand {
+pub(super) fn of_plant(hand: &Hand) -> scene::Hand {
     scene::Hand {
         inertia_kg_m2: hand.inertia,
         damping_n_m_s_per_rad: hand.damping,

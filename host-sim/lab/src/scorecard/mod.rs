@@ -9,6 +9,8 @@ pub mod direction;
 pub mod in_turn;
 pub mod measure;
 pub mod noticed;
+pub mod on_board;
+pub mod on_board_page;
 pub mod on_device;
 pub mod on_device_page;
 pub mod page;

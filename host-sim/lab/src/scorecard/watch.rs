@@ -8,7 +8,7 @@ use super::measure::{Beside, Figures, Measure};
 use super::press::{DesiredStiffness, HELD_AFTER_S, PressFigures};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Judge;
-use touchstone_sim::run::measure::{Response, Ripple};
+use touchstone_sim::run::measure::{DynamicStiffness, Response, Ripple};
 use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
@@ -17,6 +17,17 @@ use touchstone_sim::scene::{MotionSpec, Scene};
 const REST_S: f64 = 0.25;
 /// A run that is so far inside or outside is lost, rad.
 const LOST_RAD: f64 = 3.0;
+
+/// All that is seen of one run.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// What has a limit.
+    pub figures: Figures,
+    /// What has none.
+    pub beside: Beside,
+    /// What a hand that moved met; `None` where none did, or it left the wall.
+    pub met: Option<DynamicStiffness>,
+}
 
 /// Watches.
 #[derive(Debug, Clone)]
@@ -95,7 +106,12 @@ impl Watch {
         }
     }
 
-    fn finish(mut self) -> (Figures, Beside) {
+    fn finish(self) -> (Figures, Beside) {
+        let seen = self.seen();
+        (seen.figures, seen.beside)
+    }
+
+    fn seen(mut self) -> Seen {
         if let Some(response) = &self.response {
             self.figures.raise_moved(response, self.terms.k_desired);
         }
@@ -119,7 +135,11 @@ impl Watch {
             let motion = self.rest.1 - self.rest.0;
             self.beside.motion_at_rest_counts = Some(motion / self.count_rad);
         }
-        (self.figures, self.beside)
+        Seen {
+            figures: self.figures,
+            beside: self.beside,
+            met: self.response.and_then(|response| response.stiffness()),
+        }
     }
 }
 
@@ -159,4 +179,20 @@ impl Recorder for Watch {
 /// Settings that the law cannot take.
 pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)> {
     run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
+}
+
+/// The same of a run, with all that is seen of it.
+///
+/// # Errors
+/// Settings that the law cannot take.
+pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
+    run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
+}
+
+/// The same of ticks that something else than a simulated loop went through, for a scene of a programme.
+#[must_use]
+pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
+    let mut watch = Watch::new(scene, deed, true);
+    ticks.iter().for_each(|tick| watch.record(tick));
+    watch.seen()
 }

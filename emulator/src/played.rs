@@ -1,0 +1,438 @@
+//! A hand's programme, played on the emulated board: what `touchstone scorecard --programme` wrote is done by a hand in the world, deed by
+//! deed, and written down tick by tick: what the board told, as `touchstone monitor` keeps it, and beside it what the shaft did.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use touchstone_protocol::{DeviceCommand, Limit, Limits, Phase, Request, Telemetry};
+use touchstone_world::plant::{FIRM, Hand, LIGHT, MEDIUM};
+
+use crate::bench::{Bench, MS, Setup, US, minimum_jerk};
+use crate::cpu::elf::Program;
+use crate::fil::fault::CONTROL_TICK;
+use crate::world::ShaftBooks;
+
+/// Cycles of a second.
+const SECOND: u64 = 1_000 * MS;
+/// The torque fades in after arming, and a deed begins with all of it.
+const FADED_IN: u64 = 300 * MS;
+/// Between two deeds: to where the next one begins, and at rest there.
+const OUT_S: f64 = 0.5;
+const REST: u64 = SECOND / 4;
+/// A mechanical step of the world, us.
+const STEP_US: u64 = 25;
+/// Until the last records are here.
+const ON_THE_LINE: u64 = 20 * MS;
+/// In nearly all ticks the count is the one that belongs to the shaft's angle, or the next: the shaft moves on between sample and reading.
+const IN_STEP: f64 = 0.99;
+
+/// What one hand does, by the programme's words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandDeed {
+    /// How it grips.
+    pub grip: String,
+    /// What it does.
+    pub deed: String,
+    /// Where it means to be, rad, a value a tick.
+    pub rest_rad: Vec<f64>,
+}
+
+/// A programme.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandProgramme {
+    /// Where the wall is, rad.
+    pub surface_rad: f64,
+    /// Ticks a second.
+    pub rate_hz: u32,
+    /// Deed after deed.
+    pub deeds: Vec<HandDeed>,
+}
+
+impl HandProgramme {
+    /// Reads a file of `touchstone scorecard --programme`.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn read(file: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(file);
+        let text = text.map_err(|error| format!("{}: {error}", file.display()))?;
+        Self::parse(&text).map_err(|error| format!("{}: {error}", file.display()))
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        const HEADER: &str = "grip,deed,time_s,surface_rad,rest_rad";
+        let mut lines = text.lines().enumerate();
+        if lines.next().map(|(_, line)| line) != Some(HEADER) {
+            return Err(format!("does not begin with {HEADER}"));
+        }
+        let mut deeds: Vec<HandDeed> = Vec::new();
+        let (mut surface_rad, mut rate_hz) = (0.0, 0);
+        for (index, line) in lines {
+            let wrong = || format!("line {}: `{line}`", index + 1);
+            let cells: Vec<&str> = line.split(',').collect();
+            let [grip, deed, numbers @ ..] = &cells[..] else {
+                return Err(wrong());
+            };
+            let numbers: Result<Vec<f64>, _> = numbers.iter().map(|it| it.parse()).collect();
+            let Ok([time_s, surface, rest]) = <[f64; 3]>::try_from(numbers.unwrap_or_default())
+            else {
+                return Err(wrong());
+            };
+            let same = |last: &&mut HandDeed| last.grip == *grip && last.deed == *deed;
+            match deeds.last_mut().filter(same) {
+                Some(last) => {
+                    if last.rest_rad.len() == 1 {
+                        rate_hz = (1.0 / time_s).round() as u32;
+                    }
+                    last.rest_rad.push(rest);
+                }
+                None => deeds.push(HandDeed {
+                    grip: (*grip).to_owned(),
+                    deed: (*deed).to_owned(),
+                    rest_rad: vec![rest],
+                }),
+            }
+            surface_rad = surface;
+        }
+        if deeds.iter().any(|deed| deed.rest_rad.len() < 2) || deeds.is_empty() {
+            return Err("has no deed of two ticks".into());
+        }
+        Ok(Self {
+            surface_rad,
+            rate_hz,
+            deeds,
+        })
+    }
+}
+
+/// A grip by its word.
+fn hand_of(grip: &str) -> Result<Hand, String> {
+    match grip {
+        "light" => Ok(LIGHT),
+        "medium" => Ok(MEDIUM),
+        "firm" => Ok(FIRM),
+        other => Err(format!("no grip is called `{other}`")),
+    }
+}
+
+/// Columns of the recording: those of `touchstone monitor` that tell of the wall, and what only a test stand sees.
+const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j";
+
+/// Plays a programme on a board, each grip on a device of its own; the recording's text.
+///
+/// # Errors
+/// What failed.
+pub fn played(
+    program: &Program,
+    setup: &Setup,
+    programme: &HandProgramme,
+) -> Result<String, String> {
+    let by_grip: Vec<&[HandDeed]> = programme
+        .deeds
+        .chunk_by(|one, next| one.grip == next.grip)
+        .collect();
+    let parts: Vec<Result<String, String>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = by_grip
+            .iter()
+            .map(|deeds| scope.spawn(move || with_a_grip(program, setup, programme, deeds)))
+            .collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, _>| {
+            thread.join().unwrap_or_else(|_| Err("panicked".into()))
+        };
+        threads.into_iter().map(join).collect()
+    });
+    let mut text = format!("{COLUMNS}\n");
+    for part in parts {
+        text += &part?;
+    }
+    Ok(text)
+}
+
+fn with_a_grip(
+    program: &Program,
+    setup: &Setup,
+    programme: &HandProgramme,
+    deeds: &[HandDeed],
+) -> Result<String, String> {
+    let mut stand = Stand::new(program, setup, programme, &deeds[0])?;
+    let mut text = String::new();
+    for deed in deeds {
+        let said = |error| format!("{}, {}: {error}", deed.grip, deed.deed);
+        let course = stand.play(deed).map_err(said)?;
+        stand.write(deed, &course, &mut text);
+    }
+    Ok(text)
+}
+
+/// A board on a test stand, which sees the shaft.
+struct Stand {
+    bench: Bench,
+    rate_hz: u32,
+    /// Angle of a count, rad.
+    step_rad: f64,
+    /// Counts that the device is ahead of those of the shaft.
+    ahead: i64,
+    first_tick: Option<u32>,
+}
+
+/// What was seen of some ticks, and of the first one after them.
+struct Course {
+    shaft: Vec<ShaftBooks>,
+    told: Vec<Telemetry>,
+}
+
+impl Stand {
+    /// Calibrated, in the hand, which goes to where the first deed begins.
+    fn new(
+        program: &Program,
+        setup: &Setup,
+        programme: &HandProgramme,
+        first: &HandDeed,
+    ) -> Result<Self, String> {
+        let mut bench = Bench::new(program, setup)?;
+        bench.boot()?;
+        let kind = setup.board.encoder.kind();
+        let surface = programme.surface_rad.to_string();
+        let surface = touchstone_control::Si::from_str(&surface);
+        let surface = surface.map_err(|error| error.to_string())?;
+        bench.configure(|settings| {
+            settings.encoder.kind = kind;
+            settings.wall.surface_rad = surface;
+        })?;
+        let settings = bench.settings()?;
+        if settings.timing.rate_hz != programme.rate_hz {
+            return Err(format!(
+                "the board runs at {} Hz, the programme at {}",
+                settings.timing.rate_hz, programme.rate_hz
+            ));
+        }
+        bench.calibrate()?;
+        // A light rotor coasts, and swings in a hand.
+        bench.run(REST)?;
+        let now = bench.now();
+        let world = &mut bench.machine.chip_mut().world;
+        world.advance(now);
+        world.keep_books();
+        let here = world.angle_rad();
+        world.hold(&hand_of(&first.grip)?, move |_| here);
+        let mut stand = Self {
+            step_rad: std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev),
+            rate_hz: programme.rate_hz,
+            bench,
+            ahead: 0,
+            first_tick: None,
+        };
+        stand.bench.run(REST)?;
+        // Some way, on which counts and angles are told together; then to where it begins.
+        for to in [here + 0.1, here - 0.1] {
+            stand.go(to);
+            let course = stand.watch(700)?;
+            stand.ahead = stand.in_step(&course).1;
+        }
+        Ok(stand)
+    }
+
+    /// A shaft's angle as it is in the programme, where a count's middle is the angle that it says.
+    fn in_programme(&self, world_rad: f64) -> f64 {
+        world_rad + (self.ahead as f64 - 0.5) * self.step_rad
+    }
+
+    fn in_world(&self, programme_rad: f64) -> f64 {
+        programme_rad - (self.ahead as f64 - 0.5) * self.step_rad
+    }
+
+    /// The hand moves to a place and stays there.
+    fn go(&mut self, to: f64) {
+        let now = self.bench.now();
+        let world = &mut self.bench.machine.chip_mut().world;
+        world.advance(now);
+        let from = world.rest_rad().unwrap_or(to);
+        world.lead(move |time| from + (to - from) * minimum_jerk(time / OUT_S));
+    }
+
+    /// The stand turns the shaft to a place, and there a hand takes it, at rest: a hand alone would leave it where its friction holds it.
+    fn put(&mut self, hand: &Hand, to: f64) -> Result<(), String> {
+        let now = self.bench.now();
+        let world = &mut self.bench.machine.chip_mut().world;
+        world.advance(now);
+        let way = to - world.books().angle_rad;
+        // In whole mechanical steps, of which each moves the shaft by as much.
+        let steps = (OUT_S * 1e6) as u64 / STEP_US;
+        world.force(way / OUT_S);
+        self.bench.run(steps * STEP_US * US)?;
+        let now = self.bench.now();
+        let world = &mut self.bench.machine.chip_mut().world;
+        world.advance(now);
+        world.force(0.0);
+        world.hold(hand, move |_| to);
+        self.bench.run(REST)
+    }
+
+    /// Some ticks from the next one on.
+    fn watch(&mut self, ticks: usize) -> Result<Course, String> {
+        let from = self.bench.link.telemetry.len();
+        self.bench.machine.run_to(CONTROL_TICK.exception())?;
+        self.watch_from_here(from, ticks)
+    }
+
+    /// The same, in the handler of the first one; `from`: records that there were before.
+    fn watch_from_here(&mut self, from: usize, ticks: usize) -> Result<Course, String> {
+        let begin = self.bench.now();
+        let period = SECOND / u64::from(self.rate_hz);
+        let mut shaft = Vec::with_capacity(ticks + 1);
+        for tick in 0..=ticks as u64 {
+            let wait = (begin + tick * period).saturating_sub(self.bench.now());
+            self.bench.run(wait)?;
+            let now = self.bench.now();
+            let world = &mut self.bench.machine.chip_mut().world;
+            world.advance(now);
+            shaft.push(world.books());
+        }
+        self.bench.run(ON_THE_LINE)?;
+        if self.bench.link.gaps(from) > 0 {
+            return Err("records of telemetry are missing".into());
+        }
+        let told = self.bench.link.telemetry[from..].to_vec();
+        let mut course = Course { shaft, told };
+        let (first, ahead) = self.in_step(&course);
+        let share = self.share(&course, first, ahead, 1);
+        if share < IN_STEP {
+            return Err(format!(
+                "counts and shaft are in step in {share:.2} of the ticks"
+            ));
+        }
+        course.told.drain(..first);
+        course.told.truncate(ticks + 1);
+        Ok(course)
+    }
+
+    /// With which record the shaft's course begins, and how many counts the device is ahead: where most counts belong to their angles.
+    fn in_step(&self, course: &Course) -> (usize, i64) {
+        let spare = course.told.len().saturating_sub(course.shaft.len());
+        let mut best = (0, 0, -1.0);
+        for first in 0..=spare {
+            let middle = course.shaft.len() / 2;
+            let Some(told) = course.told.get(first + middle) else {
+                continue;
+            };
+            let about = i64::from(told.count) - self.count_of(&course.shaft[middle]);
+            for ahead in about - 1..=about + 1 {
+                let share = self.share(course, first, ahead, 0);
+                if share > best.2 {
+                    best = (first, ahead, share);
+                }
+            }
+        }
+        (best.0, best.1)
+    }
+
+    fn count_of(&self, shaft: &ShaftBooks) -> i64 {
+        (shaft.angle_rad / self.step_rad).floor() as i64
+    }
+
+    /// Share of the ticks whose count is that of the shaft's angle, or next to it.
+    fn share(&self, course: &Course, first: usize, ahead: i64, off: i64) -> f64 {
+        let pairs = course.told.iter().skip(first).zip(&course.shaft);
+        let here = |shaft: &ShaftBooks| self.count_of(shaft) + ahead;
+        let right = pairs
+            .filter(|(told, shaft)| (i64::from(told.count) - here(shaft)).abs() <= off)
+            .count();
+        right as f64 / course.shaft.len() as f64
+    }
+
+    /// A deed, from outside of the wall and with the law as after arming, and out again.
+    fn play(&mut self, deed: &HandDeed) -> Result<Course, String> {
+        self.put(&hand_of(&deed.grip)?, self.in_world(deed.rest_rad[0]))?;
+        let bench = &mut self.bench;
+        bench.demand(Request::Command(DeviceCommand::Arm))?;
+        bench.wait_for(Phase::Armed, 100 * MS)?;
+        bench.run(FADED_IN)?;
+        let from = bench.link.telemetry.len();
+        bench.machine.run_to(CONTROL_TICK.exception())?;
+        let rests: Vec<f64> = deed.rest_rad.iter().map(|it| self.in_world(*it)).collect();
+        let (rate_hz, last) = (f64::from(self.rate_hz), rests[rests.len() - 1]);
+        let ticks = rests.len();
+        let now = self.bench.now();
+        let world = &mut self.bench.machine.chip_mut().world;
+        world.advance(now);
+        // Held over a tick, as the simulator's is.
+        world.lead(move |time| {
+            let tick = (time * rate_hz + 1e-6) as usize;
+            rests.get(tick).copied().unwrap_or(last)
+        });
+        let course = self.watch_from_here(from, ticks)?;
+        let status = self.bench.status()?;
+        if status.phase != Phase::Armed {
+            return Err(format!("{} with {:?}", status.phase.name(), status.fault));
+        }
+        if self.in_step(&course).1 != self.ahead {
+            return Err("the device has lost counts".into());
+        }
+        let disarm = Request::Command(DeviceCommand::Disarm);
+        self.bench.demand(disarm)?;
+        self.bench.wait_for(Phase::Ready, 100 * MS)?;
+        Ok(course)
+    }
+
+    /// A row a tick; the last one says where the last tick led to.
+    fn write(&mut self, deed: &HandDeed, course: &Course, text: &mut String) {
+        let period_s = 1.0 / f64::from(self.rate_hz);
+        for (index, (told, shaft)) in course.told.iter().zip(&course.shaft).enumerate() {
+            let first = *self.first_tick.get_or_insert(told.tick);
+            let next = course.shaft.get(index + 1).unwrap_or(shaft);
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+                deed.grip,
+                deed.deed,
+                told.tick,
+                f64::from(told.tick.wrapping_sub(first)) * period_s,
+                told.count,
+                told.penetration_rad,
+                told.force_n_m,
+                told.phase.name(),
+                limits(told.limits),
+                self.in_programme(shaft.angle_rad),
+                shaft.rad_per_s,
+                -(next.impulse_n_m_s - shaft.impulse_n_m_s) / period_s,
+                -(next.motor_j - shaft.motor_j),
+                next.loss_j - shaft.loss_j,
+            );
+        }
+    }
+}
+
+/// The limits that act, by their names, as `touchstone monitor` writes them.
+fn limits(bits: u8) -> String {
+    let limits = Limits::from_wire(bits);
+    let names = Limit::ALL.into_iter().filter(|limit| limits.has(*limit));
+    let names: Vec<String> = names.map(|it| format!("{it:?}").to_lowercase()).collect();
+    names.join("+")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HandProgramme;
+
+    #[test]
+    fn a_programme_is_read_deed_by_deed_and_what_is_none_is_named() {
+        let text = "grip,deed,time_s,surface_rad,rest_rad\n\
+                    light,press,0,0.5,0.1\nlight,press,0.001,0.5,0.2\nlight,move-1,0,0.5,0.3\nlight,move-1,0.001,0.5,0.4\n";
+        let read = HandProgramme::parse(text).unwrap();
+        assert_eq!((read.deeds.len(), read.rate_hz), (2, 1_000));
+        assert_eq!(read.deeds[1].deed, "move-1");
+        assert_eq!(read.deeds[1].rest_rad, [0.3, 0.4]);
+        assert!((read.surface_rad - 0.5).abs() < 1e-12);
+        for (wrong, said) in [
+            ("", "begin"),
+            ("grip,deed,time_s,surface_rad,rest_rad\n", "no deed"),
+            (
+                "grip,deed,time_s,surface_rad,rest_rad\nlight,press,0,x,1\n",
+                "line 2",
+            ),
+        ] {
+            assert!(HandProgramme::parse(wrong).unwrap_err().contains(said));
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! `touchstone compare --hand programme`: a board whose hand did the scorecard's programme, beside the scene's scorecard.
+
+use super::{APART, Options};
+use crate::out::{self, note, say, tell};
+use std::process::ExitCode;
+use touchstone_lab::scorecard::on_board::{BoardRecording, board_card};
+use touchstone_lab::scorecard::on_board_page::{section, text};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
+
+/// Runs it.
+pub fn main(options: &Options, scene: &Scene) -> Result<ExitCode> {
+    if options.from > 0.0 || options.to.is_some() {
+        let option = if options.from > 0.0 { "--from" } else { "--to" };
+        return Err(Error::Option {
+            option: option.into(),
+            problem: "a programme is compared deed by deed".into(),
+            fix: "leave it out".into(),
+        });
+    }
+    let recording = BoardRecording::read(&options.recording)?;
+    let card = board_card(scene, &recording)?;
+    let result = serde_json::json!(card);
+    let page = options.written(scene, &[section(&card)], &result)?;
+    let beyond = options
+        .tolerance
+        .map_or(0, |share| card.beyond(share).count());
+    out::result(
+        || {
+            let mut value = result.clone();
+            value["holds"] = (beyond == 0).into();
+            value["page"] = page.display().to_string().into();
+            value
+        },
+        || {
+            say!("{}", text(&card).trim_end());
+            tell!("{}", page.display());
+            Ok(())
+        },
+    )?;
+    if beyond == 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let share = options.tolerance.unwrap_or_default();
+    note!(
+        "apart: {beyond} figures by more than {share} of the scene's, and more than the scene's scatter"
+    );
+    Ok(ExitCode::from(APART))
+}

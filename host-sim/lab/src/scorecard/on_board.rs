@@ -1,0 +1,379 @@
+//! The scorecard of a board whose hand does the scorecard's programme, beside the desktop's of the same scene.
+//!
+//! [`programme_csv`] is what a hand on a test stand is told: the emulator's, or a machine's. What the board and the shaft did under it comes
+//! back as a table, [`BoardRecording`], and goes through the very code that watches a simulated run. Of every figure the worst of
+//! the grips counts on both sides, as in a scorecard.
+//!
+//! Where the surface lies within a count of the encoder is chance, and a law that steps with the counts makes something else of each
+//! place. So the desktop's figures are taken at eight places within a count: what they scatter by is what a figure cannot tell apart.
+
+mod recording;
+#[cfg(test)]
+mod tests;
+
+pub use recording::BoardRecording;
+
+use super::cases::{Deed, GRIPS, Programme};
+use super::measure::Measure;
+use super::watch::{Seen, seen, seen_of};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt::Write as _;
+use touchstone_sim::error::Result;
+use touchstone_sim::scene::{Grip, RestPath, Scene};
+
+/// Frequencies of a hand that moves, Hz: below and above those of a scorecard, up to what hands do.
+pub const FREQUENCIES_HZ: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// The figures of a scorecard are those of its own frequencies.
+const OWN_HZ: [f64; 3] = [1.0, 2.0, 4.0];
+/// Two figures are the same within this share of the desktop's.
+pub const SAME: f64 = 0.1;
+
+/// The words of all deeds.
+#[must_use]
+pub fn deed_words() -> Vec<String> {
+    let moves = FREQUENCIES_HZ.into_iter().map(Deed::Move);
+    std::iter::once(Deed::Press)
+        .chain(moves)
+        .map(deed_word)
+        .collect()
+}
+
+/// What a hand does for it.
+#[must_use]
+pub fn board_programme(scene: &Scene) -> Programme {
+    Programme {
+        frequencies_hz: FREQUENCIES_HZ.to_vec(),
+        ..Programme::of(scene)
+    }
+}
+
+/// A deed's word in the tables.
+#[must_use]
+pub fn deed_word(deed: Deed) -> String {
+    match deed {
+        Deed::Press => "press".to_owned(),
+        Deed::Move(frequency_hz) => format!("move-{frequency_hz}"),
+    }
+}
+
+/// All that a hand is told, as CSV: its rest point in every control tick of every deed, with every grip; or of the deeds whose words are
+/// named.
+///
+/// # Errors
+/// A motion that the scene cannot have.
+pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<String> {
+    let programme = board_programme(scene);
+    let surface = scene.wall.surface_rad;
+    let mut text = String::from("grip,deed,time_s,surface_rad,rest_rad\n");
+    for grip in grips {
+        let is_named = |deed: &Deed| named.is_empty() || named.contains(&deed_word(*deed));
+        for deed in programme.deeds().filter(is_named) {
+            let scene = programme.scene(scene, *grip, deed);
+            let path = RestPath::from_scene(&scene)?;
+            for tick in 0..scene.timing.ticks() {
+                let time_s = tick as f64 * scene.timing.period_s();
+                // Writing into a string cannot fail.
+                let _ = writeln!(
+                    text,
+                    "{},{},{time_s},{surface},{}",
+                    grip.name(),
+                    deed_word(deed),
+                    path.rest_rad(time_s)
+                );
+            }
+        }
+    }
+    Ok(text)
+}
+
+/// A figure of the board beside the desktop's.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct FigureBeside {
+    /// Its name for programs, with its unit.
+    pub key: &'static str,
+    /// Its heading for people, and what multiplies it for them.
+    #[serde(skip)]
+    pub heading: (&'static str, f64),
+    /// The grip; absent: the worst of all, which is the scorecard's.
+    pub grip: Option<&'static str>,
+    /// For a hand that moves, its frequency, Hz.
+    pub frequency_hz: Option<f64>,
+    /// The desktop's; absent where it is beyond all numbers, as where the wall was left.
+    pub desktop: Option<f64>,
+    /// The board's.
+    pub board: Option<f64>,
+    /// The lowest and the highest that the desktop's is where the surface lies elsewhere within a count; absent where one is lost.
+    pub scatter: Option<(f64, f64)>,
+}
+
+impl FigureBeside {
+    /// By how much the board's differs, as a share of the desktop's.
+    #[must_use]
+    pub fn apart(&self) -> Option<f64> {
+        let (desktop, board) = self.desktop.zip(self.board)?;
+        (desktop != board)
+            .then(|| (board - desktop) / desktop.abs())
+            .or(Some(0.0))
+    }
+
+    /// What the figure cannot tell apart: the width of its own scatter.
+    #[must_use]
+    pub fn resolution(&self) -> Option<f64> {
+        self.scatter.map(|(low, high)| high - low)
+    }
+
+    /// Whether both are smaller than the figure can tell apart.
+    #[must_use]
+    pub fn is_unresolved(&self) -> bool {
+        let both = [self.desktop, self.board].into_iter();
+        let small = |value: Option<f64>| value.zip(self.resolution());
+        both.map(small)
+            .all(|it| it.is_some_and(|(value, resolution)| value.abs() <= resolution))
+    }
+
+    /// Whether the board's is one that the desktop's might as well be.
+    #[must_use]
+    pub fn is_in_scatter(&self) -> bool {
+        let both = self.board.zip(self.scatter);
+        both.is_some_and(|(board, (low, high))| (low..=high).contains(&board))
+    }
+
+    /// Whether they are the same within a share, or nothing that could be told apart. Both without a number are the same.
+    #[must_use]
+    pub fn holds(&self, share: f64) -> bool {
+        match self.apart() {
+            Some(apart) => apart.abs() <= share || self.is_unresolved(),
+            None => self.desktop.is_none() && self.board.is_none(),
+        }
+    }
+}
+
+/// All of it.
+#[derive(Debug, Clone, Serialize)]
+pub struct BoardCard {
+    /// The grips that were played.
+    pub grips: Vec<&'static str>,
+    /// Ticks in all.
+    pub ticks: usize,
+    /// Of the scorecard: the worst of the grips, then each grip's.
+    pub figures: Vec<FigureBeside>,
+    /// Dynamic stiffness, grip by grip.
+    pub moved: Vec<FigureBeside>,
+}
+
+impl BoardCard {
+    /// What is further apart than a share: of the scorecard itself, and of dynamic stiffness.
+    pub fn apart(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
+        let own = self.figures.iter().filter(|it| it.grip.is_none());
+        own.chain(&self.moved).filter(move |it| !it.holds(share))
+    }
+
+    /// Of these what the desktop's own might not as well be.
+    pub fn beyond(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
+        self.apart(share).filter(|it| !it.is_in_scatter())
+    }
+}
+
+/// The surface's places within a count, of which the first is the scene's own.
+const PLACES: usize = 8;
+
+/// One deed of one grip: the desktop's, with the surface at each of its places, and the board's.
+struct Pair {
+    grip: Grip,
+    deed: Deed,
+    desktop: [Seen; PLACES],
+    board: Seen,
+}
+
+/// Puts a recording beside the desktop's scorecard of a scene.
+///
+/// # Errors
+/// A recording that is not of this scene's programme; settings that the law cannot take.
+pub fn board_card(scene: &Scene, recording: &BoardRecording) -> Result<BoardCard> {
+    let programme = board_programme(scene);
+    let deeds = GRIPS
+        .into_iter()
+        .flat_map(|grip| programme.deeds().map(move |deed| (grip, deed)));
+    let mut ticks = 0;
+    let mut played = Vec::new();
+    for (grip, deed) in deeds {
+        let of_deed = programme.scene(scene, grip, deed);
+        // A short recording has fewer deeds, but those whole.
+        if let Some(of_board) = recording.ticks(&of_deed, grip, deed)? {
+            ticks += of_board.len();
+            played.push((grip, deed, seen_of(&of_deed, deed, &of_board)));
+        }
+    }
+    if played.is_empty() {
+        return Err(recording.wrong("has no deed of the scorecard's programme"));
+    }
+    let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+    let places: Vec<Scene> = (0..PLACES)
+        .map(|place| {
+            let mut scene = scene.clone();
+            scene.wall.surface_rad += count_rad * place as f64 / PLACES as f64;
+            scene
+        })
+        .collect();
+    let pairs: Vec<Pair> = played
+        .par_iter()
+        .map(|(grip, deed, board)| {
+            let mut desktop = [*board; PLACES];
+            for (seen_there, scene) in desktop.iter_mut().zip(&places) {
+                *seen_there = seen(&programme.scene(scene, *grip, *deed), *deed)?;
+            }
+            Ok(Pair {
+                grip: *grip,
+                deed: *deed,
+                desktop,
+                board: *board,
+            })
+        })
+        .collect::<Result<_>>()?;
+    let grips: Vec<&'static str> = GRIPS
+        .into_iter()
+        .filter(|grip| pairs.iter().any(|pair| pair.grip == *grip))
+        .map(Grip::name)
+        .collect();
+    let mut figures = of_grip(&pairs, None);
+    for grip in &grips {
+        figures.extend(of_grip(&pairs, Some(grip)));
+    }
+    Ok(BoardCard {
+        grips,
+        ticks,
+        figures,
+        moved: pairs.iter().flat_map(moved).collect(),
+    })
+}
+
+/// What a figure is called, and of which deeds it is the worst.
+struct Asked {
+    key: &'static str,
+    heading: (&'static str, f64),
+    deeds: fn(Deed) -> bool,
+}
+
+/// The worst of some deeds on both sides.
+fn figure(
+    pairs: &[Pair],
+    grip: Option<&'static str>,
+    asked: &Asked,
+    of: impl Fn(&Seen) -> f64,
+) -> FigureBeside {
+    let is_asked =
+        |pair: &&Pair| (asked.deeds)(pair.deed) && grip.is_none_or(|grip| pair.grip.name() == grip);
+    let worst = |side: &dyn Fn(&Pair) -> Seen| {
+        let values = pairs.iter().filter(is_asked).map(|pair| of(&side(pair)));
+        values.reduce(f64::max).filter(|value| value.is_finite())
+    };
+    let desktop: Vec<Option<f64>> = (0..PLACES)
+        .map(|place| worst(&|pair| pair.desktop[place]))
+        .collect();
+    FigureBeside {
+        key: asked.key,
+        heading: asked.heading,
+        grip,
+        frequency_hz: None,
+        desktop: desktop[0],
+        board: worst(&|pair| pair.board),
+        scatter: scatter(&desktop),
+    }
+}
+
+/// From the lowest to the highest, where there are all.
+fn scatter(values: &[Option<f64>]) -> Option<(f64, f64)> {
+    let mut all = (f64::INFINITY, f64::NEG_INFINITY);
+    for value in values {
+        let value = (*value)?;
+        all = (all.0.min(value), all.1.max(value));
+    }
+    Some(all)
+}
+
+fn is_press(deed: Deed) -> bool {
+    deed == Deed::Press
+}
+
+fn is_own(deed: Deed) -> bool {
+    match deed {
+        Deed::Press => true,
+        Deed::Move(frequency_hz) => OWN_HZ.contains(&frequency_hz),
+    }
+}
+
+fn of_grip(pairs: &[Pair], grip: Option<&'static str>) -> Vec<FigureBeside> {
+    let measured = |key, measure: Measure| {
+        let asked = Asked {
+            key,
+            heading: measure.heading(),
+            deeds: is_own,
+        };
+        figure(pairs, grip, &asked, |seen| seen.figures.get(measure))
+    };
+    let beside = |key, heading, deeds, of: fn(&Seen) -> f64| {
+        let asked = Asked {
+            key,
+            heading,
+            deeds,
+        };
+        figure(pairs, grip, &asked, of)
+    };
+    vec![
+        measured("peak_penetration_ratio", Measure::PeakPenetrationRatio),
+        beside(
+            "settle_from_ramp_end_s",
+            ("settle ms", 1e3),
+            is_press,
+            |seen| {
+                let settle = seen.beside.settle_from_ramp_end_s;
+                settle.unwrap_or(f64::INFINITY)
+            },
+        ),
+        measured("stiffness_error", Measure::StiffnessError),
+        measured("stiffness_error_held", Measure::StiffnessErrorHeld),
+        measured("stiffness_error_release", Measure::StiffnessErrorRelease),
+        measured("ripple_rms_n_m", Measure::RippleRmsNM),
+        beside(
+            "release_speed_rad_per_s",
+            ("release rad/s", 1.0),
+            is_press,
+            |seen| seen.beside.release_speed_rad_per_s,
+        ),
+        beside(
+            "energy_out_worst_window_j",
+            ("in a window mJ", 1e3),
+            is_own,
+            |seen| seen.beside.energy_out_worst_window_j,
+        ),
+        measured("energy_out_j", Measure::EnergyOutJ),
+    ]
+}
+
+/// Modulus and phase that a hand met that moved.
+fn moved(pair: &Pair) -> Vec<FigureBeside> {
+    let Deed::Move(frequency_hz) = pair.deed else {
+        return Vec::new();
+    };
+    let of = |key, heading, get: fn(&Seen) -> Option<f64>| {
+        let desktop = pair.desktop.each_ref().map(get);
+        FigureBeside {
+            key,
+            heading,
+            grip: Some(pair.grip.name()),
+            frequency_hz: Some(frequency_hz),
+            desktop: desktop[0],
+            board: get(&pair.board),
+            scatter: scatter(&desktop),
+        }
+    };
+    vec![
+        of("modulus_n_m_per_rad", ("|F/x| N·m/rad", 1.0), |seen| {
+            Some(seen.met?.modulus_n_m_per_rad)
+        }),
+        of("phase_deg", ("phase °", 1.0), |seen| {
+            Some(seen.met?.phase_deg)
+        }),
+    ]
+}

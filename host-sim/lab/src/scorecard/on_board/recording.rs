@@ -1,0 +1,149 @@
+//! What a board told and its shaft did under the scorecard's programme, read from a table.
+
+use super::super::cases::Deed;
+use super::deed_word;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::run::Tick;
+use touchstone_sim::run::wall::Inside;
+use touchstone_sim::scene::{Grip, Scene};
+
+/// The columns that are read: what the board told, then what only a test stand sees.
+const COLUMNS: [&str; 10] = [
+    "grip",
+    "deed",
+    "penetration_rad",
+    "force_n_m",
+    "state",
+    "angle_rad",
+    "velocity_rad_per_s",
+    "motor_force_n_m",
+    "absorbed_j",
+    "device_loss_j",
+];
+
+/// Numbers of a row, in the columns' order.
+type Row = [f64; 7];
+
+/// A recording.
+#[derive(Debug, Clone)]
+pub struct BoardRecording {
+    file: PathBuf,
+    deeds: BTreeMap<(String, String), Vec<Row>>,
+}
+
+impl BoardRecording {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is none of a programme; a tick in which the wall was off.
+    pub fn read(file: &Path) -> Result<Self> {
+        let wrong = |problem: String| {
+            Error::Io {
+            path: file.to_owned(),
+            problem,
+            fix: "give a file that touchstone-emulator play, or a test stand, wrote of touchstone scorecard --programme".into(),
+        }
+        };
+        let mut reader = csv::Reader::from_path(file).map_err(|error| wrong(error.to_string()))?;
+        let header = reader.headers().map_err(|error| wrong(error.to_string()))?;
+        let mut places = [0; COLUMNS.len()];
+        for (place, name) in places.iter_mut().zip(COLUMNS) {
+            let found = header.iter().position(|column| column == name);
+            *place = found.ok_or_else(|| wrong(format!("has no column {name}")))?;
+        }
+        let mut deeds: BTreeMap<(String, String), Vec<Row>> = BTreeMap::new();
+        for record in reader.records() {
+            let record = record.map_err(|error| wrong(error.to_string()))?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let cell = |column: usize| record.get(places[column]).unwrap_or_default();
+            if cell(4) != "armed" {
+                return Err(wrong(format!("line {line}: the wall was {}", cell(4))));
+            }
+            let mut row = [0.0; 7];
+            for (value, column) in row.iter_mut().zip([2, 3, 5, 6, 7, 8, 9]) {
+                let number = cell(column).parse::<f64>().ok().filter(|it| it.is_finite());
+                *value = number.ok_or_else(|| {
+                    let name = COLUMNS[column];
+                    wrong(format!(
+                        "line {line}, {name}: `{}` is no number",
+                        cell(column)
+                    ))
+                })?;
+            }
+            let deed = (cell(0).to_owned(), cell(1).to_owned());
+            deeds.entry(deed).or_default().push(row);
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            deeds,
+        })
+    }
+
+    /// Something that is wrong with it as a whole.
+    pub(super) fn wrong(&self, problem: impl Into<String>) -> Error {
+        Error::Io {
+            path: self.file.clone(),
+            problem: problem.into(),
+            fix: "give the scene of which touchstone scorecard wrote the programme".into(),
+        }
+    }
+
+    /// The ticks of a deed, as the simulator's loop would have told them; `None` where it was not played.
+    ///
+    /// # Errors
+    /// It has another length than the scene, or its wall is not the scene's.
+    pub fn ticks(&self, scene: &Scene, grip: Grip, deed: Deed) -> Result<Option<Vec<Tick>>> {
+        let word = deed_word(deed);
+        let Some(rows) = self.deeds.get(&(grip.name().to_owned(), word.clone())) else {
+            return Ok(None);
+        };
+        let wrong = |problem: String| self.wrong(format!("{}, {word}: {problem}", grip.name()));
+        // The last row only says where the last tick led to.
+        let ticks = scene.timing.ticks() as usize;
+        if rows.len() != ticks + 1 {
+            return Err(wrong(format!(
+                "{} ticks instead of {ticks}",
+                rows.len() - 1
+            )));
+        }
+        let surface = scene.wall.surface_rad;
+        let step = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+        // What is told and what is true differ by half a count, and by a motion between sample and reading.
+        let off = rows.iter().map(|row| (row[2] - surface - row[0]).abs());
+        let near = off.filter(|off| *off <= 1.5 * step).count();
+        if step > 0.0 && near < rows.len() * 9 / 10 {
+            return Err(wrong(
+                "the device's wall is not where the scene's is".into(),
+            ));
+        }
+        let period_s = scene.timing.period_s();
+        let tick = |(index, pair): (usize, &[Row])| {
+            let [penetration, force, angle, speed, motor, absorbed, loss] = pair[0];
+            Tick {
+                index: index as u64,
+                time_s: index as f64 * period_s,
+                angle_rad: angle,
+                velocity_rad_per_s: speed,
+                angle_after_rad: pair[1][2],
+                velocity_after_rad_per_s: pair[1][3],
+                hand_rad: angle,
+                rest_rad: f64::NAN,
+                told_rad: penetration,
+                force_n_m: force,
+                motor_force_n_m: motor,
+                absorbed_j: absorbed,
+                device_loss_j: loss,
+                stored_j: 0.0,
+                inside: Inside {
+                    energy_j: f64::NAN,
+                    offset_rad: f64::NAN,
+                    mass_rad: None,
+                    guard: None,
+                },
+            }
+        };
+        Ok(Some(rows.windows(2).enumerate().map(tick).collect()))
+    }
+}

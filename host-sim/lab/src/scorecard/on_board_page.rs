@@ -1,0 +1,130 @@
+//! A board's scorecard beside the desktop's, for people: on the terminal, and as sections of a page.
+
+use super::on_board::{BoardCard, FigureBeside, SAME};
+use crate::report::{Block, Section};
+use std::fmt::Write as _;
+
+fn value(figure: &FigureBeside, value: Option<f64>) -> String {
+    let shown = |value: f64| match (figure.heading.1 * value).abs() {
+        large if large >= 1e-3 || value == 0.0 => format!("{:.3}", figure.heading.1 * value),
+        _ => format!("{:.1e}", figure.heading.1 * value),
+    };
+    value.map_or("lost".to_owned(), shown)
+}
+
+fn apart(figure: &FigureBeside) -> String {
+    match figure.apart() {
+        Some(apart) if apart.is_finite() => format!("{:+.1} %", 100.0 * apart),
+        Some(_) => "from 0".to_owned(),
+        None => "-".to_owned(),
+    }
+}
+
+fn scatter(figure: &FigureBeside) -> String {
+    figure.scatter.map_or("-".to_owned(), |(low, high)| {
+        format!(
+            "{} to {}",
+            value(figure, Some(low)),
+            value(figure, Some(high))
+        )
+    })
+}
+
+fn remark(figure: &FigureBeside) -> &'static str {
+    let within = figure.apart().is_none_or(|it| it.abs() <= SAME);
+    match (figure.holds(SAME), within) {
+        (false, _) if figure.is_in_scatter() => "APART, within the scatter",
+        (false, _) => "APART",
+        (true, false) => "both smaller than the scatter",
+        (true, true) => "",
+    }
+}
+
+fn name(figure: &FigureBeside) -> String {
+    let grip = figure
+        .grip
+        .map_or(String::new(), |grip| format!(", {grip}"));
+    match figure.frequency_hz {
+        Some(hz) => format!("{} at {hz} Hz{grip}", figure.heading.0),
+        None => format!("{}{grip}", figure.heading.0),
+    }
+}
+
+fn cells(figure: &FigureBeside) -> Vec<String> {
+    vec![
+        name(figure),
+        value(figure, figure.desktop),
+        value(figure, figure.board),
+        apart(figure),
+        scatter(figure),
+        remark(figure).to_owned(),
+    ]
+}
+
+/// In a sentence.
+#[must_use]
+pub fn verdict(card: &BoardCard) -> String {
+    let all = card.figures.iter().filter(|it| it.grip.is_none()).count() + card.moved.len();
+    let (apart, beyond) = (card.apart(SAME).count(), card.beyond(SAME).count());
+    format!(
+        "{} of {all} figures within {:.0} % or smaller than their own scatter; {} further apart, but within it; {beyond} beyond both",
+        all - apart,
+        100.0 * SAME,
+        apart - beyond
+    )
+}
+
+/// What the scatter is.
+pub const SCATTER: &str =
+    "Scatter: the desktop's own figure where the surface lies at eight places within a count.";
+
+/// As text: what is the scorecard's own, and every grip's where it is apart.
+#[must_use]
+pub fn text(card: &BoardCard) -> String {
+    let line = |[name, desktop, board, apart, scatter, remark]: [&str; 6]| {
+        let line = format!("{name:<34}{desktop:>9}{board:>9}{apart:>10}{scatter:>18}  {remark}");
+        format!("{}\n", line.trim_end())
+    };
+    let mut text = line(["", "desktop", "board", "apart", "scatter", ""]);
+    let of_a_grip = |it: &&FigureBeside| it.grip.is_none() || !it.holds(SAME);
+    let shown = card.figures.iter().filter(of_a_grip).chain(&card.moved);
+    for figure in shown {
+        let cells = cells(figure);
+        if let Ok(cells) =
+            <[&str; 6]>::try_from(cells.iter().map(String::as_str).collect::<Vec<_>>())
+        {
+            text += &line(cells);
+        }
+    }
+    let _ = writeln!(text, "{SCATTER}\n{}", verdict(card));
+    text
+}
+
+/// As a section.
+#[must_use]
+pub fn section(card: &BoardCard) -> Section {
+    let table = |caption: &str, figures: &[FigureBeside]| Block::Table {
+        caption: caption.to_owned(),
+        header: ["figure", "desktop", "board", "apart", "scatter", ""]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: figures.iter().map(cells).collect(),
+    };
+    Section {
+        title: "The board's scorecard beside the desktop's".to_owned(),
+        body: vec![
+            Block::Text(format!(
+                "{}. {} ticks; {} grips; a figure without a grip is the worst of them. {SCATTER}",
+                verdict(card),
+                card.ticks,
+                card.grips.len()
+            )),
+            table(
+                "Press, and a hand that moves at 1, 2 and 4 Hz",
+                &card.figures,
+            ),
+            table("Dynamic stiffness", &card.moved),
+        ],
+        folded: false,
+    }
+}

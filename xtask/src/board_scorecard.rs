@@ -1,0 +1,81 @@
+//! `cargo xtask fil --scorecard`: the scorecard's programme, played by a hand on the emulated reference board, and the figures that come of
+//! it beside the desktop's of the same scene.
+
+use std::path::PathBuf;
+
+use crate::outcome::Outcome;
+use crate::{emulator, shell};
+
+/// The board, and the scene of its knob.
+const REFERENCE: &str = "nucleo-g474re-ihm16m1";
+const SCENE: &str = "gimbal-knob";
+/// What the board has and the scene has not: its current loop's bandwidth as it ships, and that the loop takes a command with the PWM
+/// period after the one in which the encoder was read.
+const LOOP: [&str; 2] = [
+    "device.current_loop.bandwidth_hz=600",
+    "timing.computational_delay_s=0.00005",
+];
+/// Figures are the same within this share.
+const SAME: &str = "0.1";
+
+/// All grips and deeds, or as much as takes seconds: a medium grip's press.
+pub fn run(is_whole: bool) -> Outcome {
+    played(is_whole).unwrap_or_else(|outcome| outcome)
+}
+
+fn played(is_whole: bool) -> Result<Outcome, Outcome> {
+    let cargo = &mut shell::cargo_locked("build");
+    shell::run(cargo.args(["--package", "touchstone"])).went_well()?;
+    let (emulator, programs) = emulator::firmware_and_emulator(&[REFERENCE])?;
+    let folder = shell::target("board-scorecard");
+    let made = std::fs::create_dir_all(&folder);
+    made.map_err(|why| Outcome::Failed(format!("{}: {why}", folder.display())))?;
+    let [programme, recording] = ["programme.csv", "recording.csv"].map(|name| folder.join(name));
+
+    let mut write = touchstone();
+    write
+        .args(["scorecard", SCENE, "--programme"])
+        .arg(&programme);
+    if !is_whole {
+        write.args(["--grip", "medium", "--deed", "press"]);
+    }
+    shell::run(&mut write).went_well()?;
+    let mut play = shell::program(&emulator);
+    play.arg("play").args(programs).arg(REFERENCE);
+    shell::run(play.arg(&programme).arg(&recording)).went_well()?;
+    let compared = |name: &str| {
+        let mut compare = touchstone();
+        compare.arg("compare").arg(&recording).arg(SCENE);
+        compare.args(["--hand", "programme", "--force", "--out"]);
+        compare.arg(folder.join(name));
+        compare
+    };
+    if is_whole {
+        println!("\nbeside the scene as it is");
+        shell::run(&mut compared("as-it-is")).went_well()?;
+        println!("\nbeside the scene with the board's current loop");
+    }
+    let mut with_loop = compared("with-loop");
+    for field in LOOP {
+        with_loop.args(["--set", field]);
+    }
+    with_loop.args(["--tolerance", SAME]);
+    let mut last = String::new();
+    let code = shell::exit_code(&mut with_loop, |line| {
+        if line.contains("beyond both") {
+            last = line.to_owned();
+        }
+    });
+    match code {
+        Ok(Some(0)) => Ok(Outcome::Ok(last)),
+        Ok(_) => Ok(Outcome::Failed(format!(
+            "the board's scorecard is not the desktop's: {last}"
+        ))),
+        Err(why) => Ok(Outcome::Failed(why.to_string())),
+    }
+}
+
+fn touchstone() -> std::process::Command {
+    let program: PathBuf = shell::target("debug").join("touchstone");
+    shell::program(program)
+}

@@ -1,0 +1,124 @@
+//! What was found of each sabotage, in a file: a run that is broken off goes on where it was. What is kept counts only for the same
+//! sources, the same emulator and the same entry of the list.
+
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::changes::Entry;
+
+/// A word on it, and why.
+pub type Found = (String, String);
+
+/// What is known.
+pub struct Memo {
+    file: PathBuf,
+    ground: u64,
+    known: BTreeMap<u64, Found>,
+}
+
+impl Memo {
+    /// Of these sources and this emulator; what was found of others is not counted.
+    pub fn open(file: PathBuf, sources: &Path, emulator: &Path) -> std::io::Result<Self> {
+        let mut hasher = DefaultHasher::new();
+        take(sources, sources, &mut hasher)?;
+        std::fs::read(emulator)?.hash(&mut hasher);
+        let text = std::fs::read_to_string(&file).unwrap_or_default();
+        let known = text.lines().filter_map(line).collect();
+        Ok(Self {
+            file,
+            ground: hasher.finish(),
+            known,
+        })
+    }
+
+    /// The number of an entry on this ground; without one, of a board's program as it is, in these rows.
+    pub fn key(&self, board: &str, entry: Option<&Entry>, rows: &[&str]) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (self.ground, board, entry, rows).hash(&mut hasher);
+        hasher.finish()
+    }
+
+    /// What was found.
+    pub fn get(&self, key: u64) -> Option<&Found> {
+        self.known.get(&key)
+    }
+
+    /// Writes it down at once.
+    pub fn keep(&mut self, key: u64, word: &str, reason: &str) -> std::io::Result<()> {
+        let mut file = std::fs::OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&self.file)?;
+        let reason = reason.replace(['\n', '\t'], " ");
+        writeln!(file, "{key:016x}\t{word}\t{reason}")?;
+        self.known.insert(key, (word.to_owned(), reason));
+        Ok(())
+    }
+}
+
+fn line(text: &str) -> Option<(u64, Found)> {
+    let mut words = text.splitn(3, '\t');
+    let key = u64::from_str_radix(words.next()?, 16).ok()?;
+    let (word, reason) = (words.next()?, words.next()?);
+    Some((key, (word.to_owned(), reason.to_owned())))
+}
+
+/// All files of a folder, by their names in it and what is in them, in the order of their names.
+fn take(root: &Path, from: &Path, hasher: &mut DefaultHasher) -> std::io::Result<()> {
+    let mut entries = std::fs::read_dir(from)?.collect::<Result<Vec<_>, _>>()?;
+    entries.sort_by_key(std::fs::DirEntry::file_name);
+    for entry in entries {
+        let path = entry.path();
+        if path.is_dir() {
+            take(root, &path, hasher)?;
+        } else {
+            path.strip_prefix(root).unwrap_or(&path).hash(hasher);
+            std::fs::read(&path)?.hash(hasher);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_found_counts_for_the_same_sources_emulator_and_entry_only() {
+        let folder = std::env::temp_dir().join(format!("touchstone-memo-{}", std::process::id()));
+        let sources = folder.join("sources/drive");
+        std::fs::create_dir_all(&sources).unwrap();
+        let (source, emulator) = (sources.join("a.rs"), folder.join("emulator"));
+        let (root, kept) = (folder.join("sources"), folder.join("found.tsv"));
+        let write = |path: &Path, text: &str| std::fs::write(path, text).unwrap();
+        let open = || Memo::open(kept.clone(), &root, &emulator).unwrap();
+        write(&source, "one");
+        write(&emulator, "one");
+        let entry = Entry::with(&[("name", "no limit"), ("only", "a row")]);
+        let of = |memo: &Memo| memo.key("board", Some(&entry), &["a row"]);
+        let mut memo = open();
+        assert_eq!(memo.get(of(&memo)), None);
+        memo.keep(of(&memo), "caught", "the outputs\tstay on")
+            .unwrap();
+        let again = open();
+        let found = ("caught".to_owned(), "the outputs stay on".to_owned());
+        assert_eq!(again.get(of(&again)), Some(&found));
+        let other = Entry::with(&[("name", "no limit"), ("only", "another row")]);
+        assert_eq!(
+            again.get(again.key("board", Some(&other), &["a row"])),
+            None
+        );
+        assert_eq!(again.get(again.key("board", None, &["a row"])), None);
+        for changed in [&source, &emulator] {
+            write(changed, "two");
+            let memo = open();
+            assert_eq!(memo.get(of(&memo)), None);
+            write(changed, "one");
+        }
+        let memo = open();
+        assert_eq!(memo.get(of(&memo)), Some(&found));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}
