@@ -35,6 +35,27 @@ pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "held-guarded",
+        &[
+            "operator.grip=medium",
+            "encoder.counts_per_rev=40000",
+            "law.kind=enhanced-sfa",
+            "wall.k_desired_n_m_per_rad=5",
+            "law.guard.on=true",
+        ],
+    ),
+    (
+        "held-guarded-f64",
+        &[
+            "operator.grip=medium",
+            "encoder.counts_per_rev=40000",
+            "law.kind=enhanced-sfa",
+            "wall.k_desired_n_m_per_rad=5",
+            "law.guard.on=true",
+            "law.number=f64",
+        ],
+    ),
+    (
         "held-shipped",
         &[
             "operator.grip=medium",
@@ -43,6 +64,18 @@ pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
             "wall.k_desired_n_m_per_rad=5",
             "law.states=estimated",
             "law.guard.on=true",
+        ],
+    ),
+    (
+        "held-shipped-f64",
+        &[
+            "operator.grip=medium",
+            "encoder.counts_per_rev=40000",
+            "law.kind=enhanced-sfa",
+            "wall.k_desired_n_m_per_rad=5",
+            "law.states=estimated",
+            "law.guard.on=true",
+            "law.number=f64",
         ],
     ),
 ];
