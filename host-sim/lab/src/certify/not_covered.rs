@@ -5,6 +5,7 @@ use touchstone_sim::scene::Scene;
 
 use super::contact::Contact;
 use super::law::Clamp;
+use super::press::RAMPS_S;
 
 /// Effects of a scene that the certificate knows, or says something of by itself.
 const COVERED: [&str; 9] = [
@@ -25,6 +26,9 @@ pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
         "hands outside the family, and hands that push back on purpose".to_owned(),
         "loss of contact in the middle of an oscillation, and how hard a wall throws back"
             .to_owned(),
+        format!(
+            "presses that come in another time than those that are played where an offset dies out slowly: {RAMPS_S:?} s"
+        ),
         "force limits: a law or drive at its limit is softer than its matrix".to_owned(),
         "compliance between encoder and hand, cogging, noise, a wrong torque constant".to_owned(),
         format!(

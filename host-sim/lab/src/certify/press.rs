@@ -11,7 +11,7 @@ use touchstone_sim::scene::{Grip, MotionSpec, Number, RampAndHold, Scene};
 use touchstone_world::plant::Hand;
 
 /// Times from rest outside to the full push, s: brisk, and slow. The campaigns press in 0.3 s.
-const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
+pub(super) const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
 
 /// How presses of these ramps end: the least and the largest motion in the last part of the hold, peak to peak, over what counts as a limit
 /// cycle; infinite where the wall throws the device out. With counts, dry friction and the loan that there is; without the guard.
