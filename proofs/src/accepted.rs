@@ -7,10 +7,10 @@
 use crate::format::Format;
 use crate::source::Source;
 use crate::valid::Valid;
-use crate::{cover, property};
+use crate::{assume, cover, property, settings_property};
 use touchstone_control::{
-    AnyLaw, Compliance, FilterSettings, FirstContact, Fixed32, Force, IdealStep, LawKind,
-    ObserverForm, OffsetUpdate, Ratio, Regulate, Settings, Si, Stiffness,
+    AnyLaw, Compliance, Energy, FilterSettings, FirstContact, Fixed32, Force, IdealStep, LawKind,
+    ObserverForm, OffsetUpdate, Ratio, Regulate, Settings, Si, Stiffness, quotient::quotient,
 };
 
 type N = Fixed32;
@@ -82,6 +82,34 @@ fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
 }
 
 property! {
+    /// P8: a quotient of settings that are not negative is not negative.
+    equation "a >= 0, b > 0  =>  a/b >= 0"
+    over "number, number above 0"
+    by kissat fn p8_quotient_sign64(s) {
+        let (a, b) = (Si::from_bits(s.i64()), Si::from_bits(s.i64()));
+        assume!(s, a >= Si::ZERO && b > Si::ZERO, "case; nothing is said of others");
+        let found = quotient(a, b);
+        assert!(found >= Si::ZERO);
+        cover!(s, found > Si::ONE, "more than one");
+        cover!(s, found == Si::MAX, "saturated");
+    }
+}
+property! {
+    /// P8: a product of settings that are not negative is not negative, and twice one is its sum.
+    equation "a >= 0, b >= 0  =>  a b >= 0;  2 a = a + a"
+    over "two numbers"
+    by kissat fn p8_product64(s) {
+        let two = Si::const_from_int(2);
+        let (a, any) = (Si::from_bits(s.i64()), Si::from_bits(s.i64()));
+        let b = if s.bool() { two } else { any };
+        assume!(s, a >= Si::ZERO && b >= Si::ZERO, "case; nothing is said of others");
+        let found = a.saturating_mul(b);
+        assert!(found >= Si::ZERO && (b != two || found == a.saturating_add(a)));
+        cover!(s, found > Si::ONE && found < Si::MAX, "more than one");
+        cover!(s, found == Si::MAX, "saturated");
+    }
+}
+property! {
     /// P8, spring with damping.
     equation "accepted  =>  k, b >= 0, limit > 0, invariant"
     over "setting of the law"
@@ -130,11 +158,11 @@ property! {
         assert!(law.energy_cap == N::energy_cap());
     }
 }
-property! {
+settings_property! {
     /// P8, SFA, original and continuous.
     equation "accepted  =>  k, k_v, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
-    by kissat fn p8_sfa_accepted32(s) {
+    by cadical fn p8_sfa_accepted32(s) {
         let kind = if s.bool() { LawKind::Sfa } else { LawKind::SfaContinuous };
         let settings = any_settings(s, kind);
         let accepted = AnyLaw::<N>::new(&settings);
@@ -147,14 +175,13 @@ property! {
         assert!(law.gain >= Ratio::zero() && law.compliance >= Compliance::zero());
     }
 }
-property! {
+settings_property! {
     /// P8, enhanced law: the parts of the mass are no more than their sum, of which twice fits; the loan is within the cap.
     equation "accepted  =>  M + k_f + C <= D <= 2^30, k_f > 0, 0 <= credit <= cap, shares >= 0"
     over "setting of the law"
-    by kissat fn p8_enhanced_accepted32(s) {
+    by cadical fn p8_enhanced_accepted32(s) {
         let settings = any_settings(s, LawKind::EnhancedSfa);
         let accepted = AnyLaw::<N>::new(&settings);
-        cover!(s, matches!(accepted, Ok(AnyLaw::Enhanced(..))), "accepted");
         let Ok(AnyLaw::Enhanced(law, state)) = accepted else {
             assert!(!matches!(accepted, Ok(AnyLaw::Tdpa(..) | AnyLaw::Fba(..) | AnyLaw::Sfa(..))));
             return;
@@ -162,5 +189,6 @@ property! {
         assert!(law.valid() && law.holds(&state) && law.limit > Force::zero());
         assert!(law.energy_cap == N::energy_cap());
         assert!(law.mass.stiffness > Stiffness::zero() && law.compliance >= Compliance::zero());
+        cover!(s, law.credit > Energy::zero(), "accepted, with a loan");
     }
 }

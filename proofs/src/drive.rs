@@ -103,12 +103,12 @@ property! {
 
 #[cfg(all(test, not(kani)))]
 mod tests {
-    use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1};
+    use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 
     /// What `p4_duties32` assumes of a timer; a zero voltage is within its range as well.
     #[test]
     fn p4_the_boards_are_as_assumed() {
-        for board in [IHM08M1, B_G431B_ESC1, IHM16M1] {
+        for board in [IHM08M1, B_G431B_ESC1, IHM16M1, SIMPLEFOC_MINI] {
             let timer = board.modulator();
             assert!(timer.longest <= timer.top && timer.top - timer.longest <= timer.longest);
             assert!(timer.longest < timer.top);

@@ -12,6 +12,7 @@
 
 pub mod accepted;
 pub mod device;
+pub mod divided;
 pub mod drive;
 pub mod edges;
 pub mod enhanced;

@@ -10,7 +10,7 @@
 use crate::format::Format;
 use crate::source::Source;
 use crate::valid::{Valid, drive_ok};
-use crate::{assume, cover, property, such};
+use crate::{assume, cover, divided_property, property, such};
 use touchstone_control::filter::VirtualMass;
 use touchstone_control::law::{
     Contact, EnhancedSfa, EnhancedState, Fba, Law, Sample, Sfa, Spring, Tdpa,
@@ -198,7 +198,7 @@ macro_rules! refines {
                     cover!(s, state.contact == Contact::Free, "stays outside");
                 }
             }
-            property! {
+            divided_property! {
                 /// P11, enhanced law, the first contact, until it turns back.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant in first contact, sample that does not turn back inside"
@@ -237,7 +237,7 @@ macro_rules! refines {
                     cover!(s, state.augmented.mass.position != before.last, "behind");
                 }
             }
-            property! {
+            divided_property! {
                 /// P11, enhanced law, the hand-over to the mass, at rest between its springs.
                 equation "memory' = spec(memory)"
                 over "valid configuration that starts without an offset, memory in the invariant in first contact"
@@ -320,7 +320,7 @@ macro_rules! refines {
                     cover!(s, spec.coupled(&memory, e, moved) < 0, "pulls");
                 }
             }
-            property! {
+            divided_property! {
                 /// P11, enhanced law: the mass' move that the energy pays for at the wanted force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
@@ -341,7 +341,7 @@ macro_rules! refines {
                     cover!(s, left > stored, "stored");
                 }
             }
-            property! {
+            divided_property! {
                 /// P11, enhanced law: the mass' move that the energy pays for with less force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
@@ -354,6 +354,12 @@ macro_rules! refines {
                     let mut left = stored;
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut left);
                     assume!(s, force > Force::zero() && force < wanted, "case; the others are p11_move_at_full_force and p11_move_pulled_out");
+                    let (full, less, out) = (specified::force(wanted), specified::force(force), -position(step));
+                    assume!(
+                        s,
+                        specified::times(full - less, out) + specified::times(less, out) == specified::times(full, out),
+                        "arithmetic, said to the solver"
+                    );
                     let spec = specified::enhanced(&law, specified::gain(series));
                     let memory = specified::EnhancedMemory { energy: specified::energy(stored), mass: position(from), ..Default::default() };
                     let expected = spec.paid_move(&memory, specified::tension(drive), specified::force(wanted));
@@ -362,7 +368,7 @@ macro_rules! refines {
                     cover!(s, step < Position::zero(), "retreats");
                 }
             }
-            property! {
+            divided_property! {
                 /// P11, enhanced law: the mass is pulled out, without a force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
@@ -456,7 +462,7 @@ macro_rules! refines {
 
 refines!(
     /// At 8 bits: every case.
-    w8, Fixed8, at8, by kissat, spring kissat, thesis kissat, energy kissat, first kissat, held kissat, rest kissat, forces kissat, paid kissat, whole sampled, guard kissat, ends kissat
+    w8, Fixed8, at8, by kissat, spring kissat, thesis kissat, energy kissat, first cadical, held kissat, rest kissat, forces kissat, paid kissat, whole sampled, guard kissat, ends kissat
 );
 refines!(
     /// As shipped, on samples from every memory of the invariant, reachable or not.

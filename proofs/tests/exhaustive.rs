@@ -95,3 +95,26 @@ fn every_root_scale_and_quotient() {
         }
     }
 }
+
+/// What `proofs/src/divided.rs` puts in their place, for all arguments.
+#[test]
+fn every_division_is_a_floor_with_its_sign() {
+    type Signal = <Fixed8 as Number>::Signal;
+    type Energy = <Fixed8 as Number>::Energy;
+    let floor = |a: u16, b: u16| a.checked_div(b).unwrap_or(0).min(127);
+    for p in i16::MIN..=i16::MAX {
+        for k in 0..=u8::MAX {
+            let size = floor(p.unsigned_abs(), u16::from(k)) as i8;
+            let expected = if p < 0 { -size } else { size };
+            assert!(Fixed8::divide_by(p, &k) == Signal::from_bits(expected));
+        }
+        let energy = p.max(0).unsigned_abs();
+        for f in i8::MIN..=i8::MAX {
+            let (moved, rest) = Fixed8::affordable(Energy::from_bits(p), Signal::from_bits(f));
+            let size = u16::from(f.unsigned_abs());
+            let out = floor(energy, size);
+            assert!(moved == Signal::from_bits(out as i8));
+            assert!(rest == Energy::from_bits((energy - out * size) as i16));
+        }
+    }
+}

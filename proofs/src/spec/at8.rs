@@ -40,3 +40,13 @@ pub fn times(a: Int, b: Int) -> Int {
     let half = |x: Int| i16::try_from(x).expect("a word");
     i32::from(half(a) * half(b))
 }
+
+/// `a / b` of what is not negative and what 16 bits hold, for the same sake. Of anything else it panics.
+///
+/// # Panics
+/// If one of them is no such word, or `b` is 0.
+#[must_use]
+pub fn over(a: Int, b: Int) -> Int {
+    let half = |x: Int| u16::try_from(x).expect("a word that is not negative");
+    i32::from(half(a) / half(b))
+}

@@ -1,6 +1,6 @@
 //! The enhanced law's specification tick (thesis Algorithm 3.1, Fig. 3.18; the virtual mass of §3.5 by backward Euler).
 
-use super::{GAIN, HIGHEST, Int, SIGNAL, cut, signal, spring, times, towards_zero};
+use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, towards_zero};
 
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -279,7 +279,7 @@ impl Enhanced {
         if after >= 0 {
             return (after.min(self.energy_cap), wanted, step);
         }
-        let retreat = m.energy / wanted;
+        let retreat = over(m.energy, wanted);
         let force = outward_up(drive + times(self.total, retreat)).min(wanted);
         if force == 0 {
             return (m.energy, 0, self.displacement(m.mass, drive, 0));
@@ -293,7 +293,7 @@ fn passive(energy: Int, wanted: Int, moved: Int) -> (Int, Int) {
     let force = if energy + times(wanted, moved) >= 0 {
         wanted
     } else {
-        energy / -moved
+        over(energy, -moved)
     };
     (energy + times(force, moved), force)
 }

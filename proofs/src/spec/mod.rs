@@ -41,3 +41,9 @@ pub const LOWEST_ENERGY: i128 = -(1 << 63);
 pub fn times(a: Int, b: Int) -> Int {
     a * b
 }
+
+/// `a / b` of what is not negative; what is said of it at 8 bits is in [`at8::over`].
+#[must_use]
+pub fn over(a: Int, b: Int) -> Int {
+    a / b
+}

@@ -1,11 +1,11 @@
 //! What all specification ticks do with numbers.
 
-use super::{GAIN, HIGHEST, Int, LOWEST, times};
+use super::{GAIN, HIGHEST, Int, LOWEST, over, times};
 
 /// The quotient rounded towards zero.
 #[must_use]
 pub fn towards_zero(dividend: Int, divisor: Int) -> Int {
-    let size = dividend.abs() / divisor;
+    let size = over(dividend.abs(), divisor);
     if dividend < 0 { -size } else { size }
 }
 

@@ -16,9 +16,10 @@ struct Room {
 }
 
 /// Each board's.
-const ROOMS: [(&str, Room); 3] = [
+const ROOMS: [(&str, Room); 4] = [
     ("nucleo-g474re", room(240, 128)),
     ("nucleo-g474re-ihm16m1", room(240, 128)),
+    ("nucleo-g474re-simplefoc-mini", room(240, 128)),
     ("b-g431b-esc1", room(112, 32)),
 ];
 

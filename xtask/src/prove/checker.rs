@@ -213,7 +213,8 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
     let mut command = Command::new("cargo");
     // It knows neither packages nor a target, and takes the folder's package.
     command
-        .args(["kani", "list", "--format", "json"])
+        // It does not read the package's settings, where this stands for a run.
+        .args(["kani", "list", "--format", "json", "-Z", "stubbing"])
         .current_dir("proofs")
         .env("CARGO_TARGET_DIR", target)
         .stdout(Stdio::null())

@@ -3,10 +3,12 @@
 //! The checker ends with 0 also when there was nothing to prove, when an assumption was impossible and when a cover was never
 //! reached. So the gate in `inspect/` reads its report: every harness of the committed list ran, no other did, each succeeded,
 //! each cover was reached, and each assertion of a property can be. Without the checker the sampled form and the integer
-//! obligations run, and the answer is "not run". The theorems over traces ([`coq`]) need no checker, but Coq.
+//! obligations run, and the answer is "not run". The theorems over traces ([`coq`]) need no checker, but Coq; properties with few
+//! inputs ([`every`]) neither.
 
 pub mod checker;
 mod coq;
+mod every;
 mod systematic;
 mod usage;
 
@@ -21,7 +23,7 @@ use checker::{Left, MEMORY_KIB, Which};
 use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --mutants [--tests | --theorems | --systematic [--sample | [--shard I/N] [--proofs]]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --mutants [--tests | --theorems | --systematic [--sample | [--shard I/N] [--proofs]]]";
 const LOCK: &str = "proofs/harnesses.lock";
 /// What was proved, beside the report.
 const MEMO: &str = "proved.tsv";
@@ -45,6 +47,8 @@ pub fn run(args: &[String]) -> Outcome {
     }
     match words.as_slice() {
         ["--theorems"] => return coq::run(),
+        ["--every"] => return every::run(""),
+        ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
         ["--mutants", "--systematic", rest @ ..] => return by_rule(rest),
         _ => {}
@@ -78,7 +82,9 @@ pub fn run(args: &[String]) -> Outcome {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
-            with_theorems(coq::run(), harnesses)
+            let every = every::run("");
+            println!("all inputs: {every}");
+            with_theorems(coq::run(), with_every(every, harnesses))
         }
     }
 }
@@ -100,6 +106,11 @@ fn by_rule(words: &[&str]) -> Outcome {
     shard.map_or(Outcome::Usage(USAGE.into()), |shard| {
         systematic::run(shard, proofs)
     })
+}
+
+/// Harnesses, and the properties that were tried on all inputs: what failed, else what is said of the harnesses.
+fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
+    if every.is_failure() { every } else { harnesses }
 }
 
 /// Harnesses with theorems: what failed, else what did not run, else both.
@@ -235,6 +246,10 @@ fn without_harnesses() -> Outcome {
     let sampled = shell::run(tests.args(["--quiet", "-p", "touchstone-proofs"]));
     if sampled.is_failure() {
         return Outcome::Failed(format!("the sampled and exhaustive form; {INSTALL}"));
+    }
+    let every = every::run(every::SAMPLE);
+    if every.is_failure() {
+        return every;
     }
     let statements = inspect::call(["statements", LOCK]);
     let statements = statements.reason();

@@ -16,6 +16,11 @@ const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 const COMPARES: &str = "refines";
 const SPECIFICATION: &str = "proofs/src/spec";
 const BRIDGE: &str = "specified";
+/// And the divisions of those that divide.
+const DIVIDED: &str = "divided";
+
+/// What a property is written in.
+pub const MACROS: [&str; 3] = ["property", "divided_property", "settings_property"];
 
 /// What a property or its file names after `by`.
 const SOLVERS: [&str; 5] = ["cadical", "kissat", "cvc5", "z3", "sampled"];
@@ -64,7 +69,7 @@ impl Statements {
         }
         let mut specification = EMPTY;
         for (file, text) in files {
-            if file == BRIDGE || file.starts_with("spec/") {
+            if [BRIDGE, DIVIDED].contains(&file.as_str()) || file.starts_with("spec/") {
                 let beside = looked_at(file, text)?.beside;
                 specification = beside.wrapping_add(add(specification, file));
             }
@@ -141,7 +146,7 @@ fn look(tokens: TokenStream, into: &mut Looked) {
             at += 2;
             continue;
         }
-        if word(at) == "property"
+        if MACROS.contains(&word(at).as_str())
             && word(at + 1) == "!"
             && let Some(TokenTree::Group(group)) = tokens.get(at + 2)
             && group.delimiter() == Delimiter::Brace

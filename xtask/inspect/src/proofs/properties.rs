@@ -5,6 +5,8 @@
 
 use std::path::Path;
 
+use super::lock::MACROS;
+
 /// One property; it may be proved at several widths.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Property {
@@ -62,7 +64,10 @@ pub fn read(file: &str, text: &str) -> Vec<Property> {
     let mut open = String::new();
     for line in text.lines() {
         let code = line.trim();
-        if code == "property! {" {
+        if code
+            .strip_suffix("! {")
+            .is_some_and(|word| MACROS.contains(&word))
+        {
             depth = line[..line.len() - line.trim_start().len()].to_string();
             found.push(Property {
                 file: file.into(),

@@ -1,0 +1,197 @@
+//! Properties that have so few inputs that all of them can be tried: `every [NAME]`, `every --list`.
+//!
+//! Products and a root of three axes at 8 bits are more than the solvers follow, and no more than 2^31 inputs. What is run here is the
+//! body that is sampled in every test, compiled with overflow checks and debug assertions (`--profile every`): a proof at this
+//! width that rests on no solver.
+//!
+//! ```text
+//! cargo xtask prove --every
+//! ```
+
+use std::process::ExitCode;
+use std::time::Instant;
+use touchstone_proofs::source::Source;
+use touchstone_proofs::space::w8;
+
+/// A property's name, where it begins and its body.
+type Row = (&'static str, fn(&mut Every));
+
+const PROPERTIES: &[Row] = &[
+    ("space::w8::p4_unit", w8::p4_unit::body),
+    ("space::w8::p4_within", w8::p4_within::body),
+    ("space::w8::p4_longer", w8::p4_longer::body),
+    ("space::w8::p4_polar", w8::p4_polar::body),
+    ("space::w8::p7_leaving", w8::p7_leaving::body),
+];
+
+/// All inputs, one after the other: each number that is asked for is a digit of one large number that counts up.
+struct Every {
+    /// Value and width of each.
+    digits: Vec<(u64, u32)>,
+    at: usize,
+    rejected: bool,
+    covers: Vec<(&'static str, u64)>,
+}
+
+impl Every {
+    /// Those whose first digit, of 8 bits or cut to fewer, is `first`.
+    fn beginning_with(first: u64) -> Self {
+        Self {
+            digits: vec![(first, 8)],
+            at: 0,
+            rejected: false,
+            covers: Vec::new(),
+        }
+    }
+
+    /// The next input; `false` where there is none with the same first digit.
+    fn advance(&mut self) -> bool {
+        // What was not asked for after a refused assumption does not count.
+        self.digits.truncate(self.at.max(1));
+        while let [_, .., (value, bits)] = self.digits.as_mut_slice() {
+            if *value < u64::MAX >> (64 - *bits) {
+                *value += 1;
+                return true;
+            }
+            self.digits.pop();
+        }
+        false
+    }
+}
+
+impl Source for Every {
+    fn bits(&mut self, bits: u32) -> u64 {
+        if self.at == self.digits.len() {
+            self.digits.push((0, bits));
+        }
+        let digit = &mut self.digits[self.at];
+        if self.at == 0 {
+            digit.1 = bits;
+        }
+        assert!(digit.1 == bits, "another question after the same answers");
+        self.at += 1;
+        digit.0 & (u64::MAX >> (64 - bits))
+    }
+    fn assume(&mut self, holds: bool) -> bool {
+        self.rejected |= !holds;
+        holds
+    }
+    fn shortcut(&mut self) -> bool {
+        false
+    }
+    fn cover(&mut self, reached: bool, what: &'static str) {
+        match self.covers.iter_mut().find(|(text, _)| *text == what) {
+            Some((_, count)) => *count += u64::from(reached),
+            None => self.covers.push((what, u64::from(reached))),
+        }
+    }
+}
+
+/// What the inputs with one first digit came to: tried, of these accepted, and how often each cover was reached.
+#[derive(Default)]
+struct Found {
+    tried: u64,
+    accepted: u64,
+    covers: Vec<(&'static str, u64)>,
+}
+
+fn of_one_first(body: fn(&mut Every), first: u64) -> Found {
+    let mut source = Every::beginning_with(first);
+    let mut found = Found::default();
+    loop {
+        (source.at, source.rejected) = (0, false);
+        body(&mut source);
+        // The first number has fewer bits than 8, and this is none of its values.
+        if source.digits[0].0 >> source.digits[0].1 != 0 {
+            return Found::default();
+        }
+        found.tried += 1;
+        found.accepted += u64::from(!source.rejected);
+        if !source.advance() {
+            found.covers = source.covers;
+            return found;
+        }
+    }
+}
+
+impl Found {
+    fn with(mut self, other: Self) -> Self {
+        self.tried += other.tried;
+        self.accepted += other.accepted;
+        for (what, count) in other.covers {
+            match self.covers.iter_mut().find(|(text, _)| *text == what) {
+                Some((_, sum)) => *sum += count,
+                None => self.covers.push((what, count)),
+            }
+        }
+        self
+    }
+}
+
+/// All inputs of a property, on every processor; ends the program where the property does not hold.
+fn of_all(body: fn(&mut Every)) -> Found {
+    let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..processors)
+            .map(|worker| {
+                scope.spawn(move || {
+                    (worker..256)
+                        .step_by(processors as usize)
+                        .fold(Found::default(), |found, first| {
+                            found.with(of_one_first(body, first))
+                        })
+                })
+            })
+            .collect();
+        workers
+            .into_iter()
+            .map(|worker| worker.join().expect("the property holds"))
+            .fold(Found::default(), Found::with)
+    })
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if words == ["--list"] {
+        for (name, _) in PROPERTIES {
+            println!("{name}");
+        }
+        return ExitCode::SUCCESS;
+    }
+    let part = words.first().map_or("", String::as_str);
+    let asked: Vec<&Row> = PROPERTIES
+        .iter()
+        .filter(|(name, _)| name.contains(part))
+        .collect();
+    if asked.is_empty() || words.len() > 1 {
+        eprintln!("every [PART OF A NAME], one of every --list");
+        return ExitCode::from(2);
+    }
+    let mut fine = true;
+    for (name, body) in asked {
+        let begun = Instant::now();
+        let found = of_all(*body);
+        let missing: Vec<_> = found
+            .covers
+            .iter()
+            .filter(|(_, count)| *count == 0)
+            .collect();
+        let ok = found.accepted > 0 && missing.is_empty() && !found.covers.is_empty();
+        fine &= ok;
+        let said = if ok { "holds" } else { "says nothing" };
+        println!(
+            "{name}: {said}: {} inputs, {} of them within its assumptions, {:.0} s",
+            found.tried,
+            found.accepted,
+            begun.elapsed().as_secs_f64()
+        );
+        if !ok {
+            println!("  covers never reached: {missing:?}");
+        }
+    }
+    if fine {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

@@ -1,0 +1,20 @@
+//! `cargo xtask prove --every [NAME]`: the properties of which all inputs are tried (`proofs/examples/every.rs`).
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+/// What is said where all of them hold.
+pub const HOLD: &str = "all inputs of the properties that have few enough hold";
+/// One of a second: what runs where the checker is not.
+pub const SAMPLE: &str = "space::w8::p4_unit";
+
+/// Those whose name contains `part`.
+pub fn run(part: &str) -> Outcome {
+    let mut command = shell::cargo_locked("run");
+    command.args(["--quiet", "--profile", "every", "-p", "touchstone-proofs"]);
+    command.args(["--example", "every", "--", part]);
+    if shell::run(&mut command).is_failure() {
+        return Outcome::Failed(format!("`cargo xtask prove --every {part}`"));
+    }
+    Outcome::Ok(HOLD.into())
+}
