@@ -64,6 +64,7 @@ impl Bench {
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut world = World::new(&setup.parts, 0.3);
         world.bridge.bus_v = setup.board.supply_v;
+        world.bridge.dead_share = setup.board.dead_share;
         world.break_a = setup.board.break_a;
         let chip = Chip::new(setup.board.clone(), world, setup.lsi_hz);
         let mut machine = Machine::new(chip, program)?;
@@ -220,6 +221,9 @@ impl Bench {
     /// They are refused.
     pub fn configure(&mut self, change: impl FnOnce(&mut DeviceSettings)) -> Result<(), String> {
         let mut settings = self.settings()?;
+        if let Some(motor) = self.machine.chip().board.told {
+            motor.tell(&mut settings);
+        }
         change(&mut settings);
         self.demand(Request::SetAll(settings)).map(|_| ())
     }

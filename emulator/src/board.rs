@@ -1,7 +1,7 @@
 //! What is soldered around the chip: which pin sees what, at which scale.
 
 use touchstone_control::Si;
-use touchstone_protocol::settings::EncoderKind;
+use touchstone_protocol::settings::{DeviceSettings, EncoderKind};
 
 use crate::peripheral::encoder::{As5047p, Mt6701};
 use crate::peripheral::spi::Slave;
@@ -111,6 +111,8 @@ pub struct Board {
     pub break_a: f64,
     /// The supply, V.
     pub supply_v: f64,
+    /// Part of a PWM period that a phase loses to dead time.
+    pub dead_share: f64,
     /// Motor and knob that are mounted.
     pub parts: Parts,
     /// A press of a hand here, and a lean that the motor does not bear for ever, N·m.
@@ -121,8 +123,41 @@ pub struct Board {
     pub field_turns_per_s: Si,
     /// Stiffnesses that are pressed, N·m/rad.
     pub walls: [Si; 2],
+    /// What a person says of the motor, where the board cannot measure it.
+    pub told: Option<ToldMotor>,
     /// What is wrong.
     pub wiring: Wiring,
+}
+
+/// A motor as a person says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ToldMotor {
+    /// Of a phase to the star point, with the driver's transistor, Ω.
+    pub resistance_ohm: Si,
+    /// Of a phase to the star point, H.
+    pub inductance_h: Si,
+    /// N·m for an amplitude of 1 A.
+    pub torque_constant_n_m_per_a: Si,
+    /// What the wall may push with, N·m.
+    pub force_limit_n_m: Si,
+}
+
+impl ToldMotor {
+    /// The GBM2804H-100T, with a transistor of the DRV8313.
+    pub const GIMBAL: Self = Self {
+        resistance_ohm: Si::lit("5.53"),
+        inductance_h: Si::lit("0.00105"),
+        torque_constant_n_m_per_a: Si::lit("0.0565"),
+        force_limit_n_m: Si::lit("0.045"),
+    };
+
+    /// Into the settings.
+    pub fn tell(&self, settings: &mut DeviceSettings) {
+        settings.motor.resistance_ohm = self.resistance_ohm;
+        settings.motor.inductance_h = self.inductance_h;
+        settings.motor.torque_constant_n_m_per_a = self.torque_constant_n_m_per_a;
+        settings.law.force_limit_n_m = self.force_limit_n_m;
+    }
 }
 
 /// What is mounted and pressed on the boards for larger motors.
@@ -141,6 +176,18 @@ pub enum FaultLink {
 }
 
 impl Board {
+    /// Whether the driver's temperature goes to a pin.
+    #[must_use]
+    pub fn has_thermistor(&self) -> bool {
+        self.pins.iter().any(|(.., at)| *at == Source::Temperature)
+    }
+
+    /// Whether the motor is the small gimbal motor with its light knob.
+    #[must_use]
+    pub fn has_small_motor(&self) -> bool {
+        matches!(self.gates, GateDriver::Stspin830 | GateDriver::Drv8313)
+    }
+
     /// Whether its program has more than one wall.
     #[must_use]
     pub fn is_large(&self) -> bool {
@@ -179,11 +226,14 @@ impl Board {
             driver_line: None,
             break_a: 20.0,
             supply_v: 24.0,
+            // 0.5 us at both ends of 50 us.
+            dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
             walls: THESIS.0,
             press_n_m: THESIS.1,
             lean_n_m: THESIS.2,
+            told: None,
             wiring: Wiring::default(),
         }
     }
@@ -221,6 +271,29 @@ impl Board {
         }
     }
 
+    /// NUCLEO-G474RE with a SimpleFOC Mini on wires and the small gimbal motor, at 12 V. From the Mini's schematic, and from the DRV8313's
+    /// data sheet (SLVSBA5D), of which the tables of operating conditions and inputs were read and its protections were not.
+    #[must_use]
+    pub fn nucleo_g474re_simplefoc_mini(encoder: Encoder) -> Self {
+        Self {
+            name: "nucleo-g474re-simplefoc-mini",
+            // ADC1_IN1 is PA0.
+            pins: &[(0, 1, Source::Bus)],
+            gates: GateDriver::Drv8313,
+            // 100 kohm over 10 kohm.
+            bus_divider: 1.0 / 11.0,
+            driver_line: Some(BREAK_PIN),
+            // The least of IOCP.
+            break_a: 3.0,
+            // 90 ns in 50 us.
+            dead_share: 0.0018,
+            parts: Parts::gimbal_on_mini(),
+            told: Some(ToldMotor::GIMBAL),
+            // The rest is that of the board with the same motor.
+            ..Self::nucleo_g474re_ihm16m1(encoder, FaultLink::R37)
+        }
+    }
+
     /// B-G431B-ESC1 with an incremental encoder.
     #[must_use]
     pub fn b_g431b_esc1() -> Self {
@@ -249,11 +322,14 @@ impl Board {
             driver_line: None,
             break_a: 20.0,
             supply_v: 24.0,
+            // 0.5 us at both ends of 50 us.
+            dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
             walls: THESIS.0,
             press_n_m: THESIS.1,
             lean_n_m: THESIS.2,
+            told: None,
             wiring: Wiring::default(),
         }
     }
@@ -308,8 +384,15 @@ impl Board {
 
     /// Whether the driver pulls its own line: by itself, or made to.
     #[must_use]
-    pub fn driver_pulls(&self, world: &World) -> bool {
-        self.wiring.break_pulled || world.hardware_over_current()
+    pub fn driver_pulls(&mut self, world: &World) -> bool {
+        let over = world.hardware_over_current();
+        if self.gates == GateDriver::Drv8313 {
+            // Kept until the supply was off: its line for a reset is not wired.
+            self.wiring.break_pulled |= over;
+            // TTSD, 150 degrees at the least: over when it is cooler.
+            return self.wiring.break_pulled || world.temperature_c >= 150.0;
+        }
+        self.wiring.break_pulled || over
     }
 
     /// Level of the break pin, and the comparators that see too much current, as a mask: COMP1, COMP2 and COMP4 watch the

@@ -152,7 +152,13 @@ pub fn run(programs: &Programs) -> u8 {
         Encoder::As5047p,
         FaultLink::R37,
     )];
-    let boards = [&nucleo[..], &small[..], &[Board::b_g431b_esc1()][..]];
+    let mini = [Board::nucleo_g474re_simplefoc_mini(Encoder::As5047p)];
+    let boards = [
+        &nucleo[..],
+        &small[..],
+        &mini[..],
+        &[Board::b_g431b_esc1()][..],
+    ];
     let (mut code, mut summaries) = (0, Vec::new());
     for boards in boards {
         let Some(program) = programs.of(&boards[0]) else {
@@ -200,7 +206,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         table.row("start", booted, &mut bench, top);
         // The cases' walls are too stiff for a small knob, and its program is the NUCLEO's.
         let (cases, faults) = match index {
-            0 if board.gates == GateDriver::Stspin830 => (&CASES[..1], FAULTS),
+            0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
             _ => (&CASES[..1], &FAULTS[..1]),
         };
@@ -216,7 +222,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
                 calibrate(&mut bench, &CASES[0], encoder).and_then(|()| fail(&mut bench, *fault));
             table.row(name, failed, &mut bench, top);
             // A light rotor coasts for seconds, and a calibration wants it at rest.
-            if board.gates == GateDriver::Stspin830 && matches!(fault, Fault::Flicked(..)) {
+            if board.has_small_motor() && matches!(fault, Fault::Flicked(..)) {
                 bench.run(5_000 * MS)?;
             }
         }

@@ -10,6 +10,7 @@ use defmt_rtt as _;
 #[cfg(not(any(
     feature = "nucleo-g474re",
     feature = "nucleo-g474re-ihm16m1",
+    feature = "nucleo-g474re-simplefoc-mini",
     feature = "b-g431b-esc1"
 )))]
 compile_error!("which board? --no-default-features --features <board>");
@@ -23,6 +24,9 @@ pub mod board;
 pub mod board;
 #[cfg(feature = "nucleo-g474re-ihm16m1")]
 #[path = "board/nucleo_g474re_ihm16m1.rs"]
+pub mod board;
+#[cfg(feature = "nucleo-g474re-simplefoc-mini")]
+#[path = "board/nucleo_g474re_simplefoc_mini.rs"]
 pub mod board;
 
 pub mod analogue;

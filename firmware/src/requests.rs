@@ -72,6 +72,8 @@ impl Thread {
                 // What there is to touch was checked with them.
                 #[cfg(feature = "g474re")]
                 let _ = crate::surround::give(self.here, settings, session.environment());
+                #[cfg(feature = "g474re")]
+                crate::surround::play(self.here, settings, session.cogging(board::BOARD));
             }
             // They were checked, so this does not happen.
             Err(_) => {
@@ -211,8 +213,27 @@ impl Backend for Thread {
     fn use_kept(&mut self, kept: Option<touchstone_protocol::KeptAlignment>) {
         // With the settings that it is used with, where there are others: `apply`.
         if !self.new_settings {
-            control(self.here, |control| control.device.keep(kept.map(Into::into)));
+            control(self.here, |control| {
+                control.device.keep(kept.map(Into::into))
+            });
         }
+    }
+
+    #[cfg(feature = "g474re")]
+    fn use_cogging(
+        &mut self,
+        settings: &DeviceSettings,
+        map: Option<&touchstone_protocol::CoggingMap>,
+    ) {
+        // As above.
+        if !self.new_settings {
+            crate::surround::play(self.here, settings, map);
+        }
+    }
+
+    #[cfg(feature = "g474re")]
+    fn sweep(&mut self, sweep: touchstone_protocol::Sweep) {
+        control(self.here, |control| control.device.sweep(sweep));
     }
 
     #[cfg(feature = "g474re")]

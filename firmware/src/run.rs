@@ -64,6 +64,8 @@ fn start(
     #[cfg(feature = "g474re")]
     let _ = crate::surround::give(here, session.settings(), session.environment());
     #[cfg(feature = "g474re")]
+    crate::surround::play(here, session.settings(), session.cogging(board::BOARD));
+    #[cfg(feature = "g474re")]
     crate::autostart::begin(here, session, reason);
     let device = Thread::new(storage, reason.into(), here);
     match link(serial, session, device) {
@@ -85,7 +87,8 @@ fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     #[cfg(feature = "g474re")]
     let session = session
         .with_environment(start.environment)
-        .with_kept(start.kept);
+        .with_kept(start.kept)
+        .with_cogging(start.cogging);
     (SESSION.init(session), are_refused)
 }
 

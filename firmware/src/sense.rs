@@ -45,6 +45,14 @@ pub fn start<const RANKS: usize>(
     let second =
         second.setup_injected_conversions(second_channels, TIM1_TRGO2, Exten::RISING_EDGE, false);
     core::mem::forget(second);
+    start_first(first, first_channels);
+}
+
+/// Starts ADC1 alone, whose end interrupts.
+pub fn start_first<const RANKS: usize>(
+    first: Adc<'static, peripherals::ADC1>,
+    first_channels: [(AnyAdcChannel<'static, peripherals::ADC1>, SampleTime); RANKS],
+) {
     let first =
         first.setup_injected_conversions(first_channels, TIM1_TRGO2, Exten::RISING_EDGE, true);
     core::mem::forget(first);
@@ -54,17 +62,24 @@ pub fn start<const RANKS: usize>(
 #[inline(always)]
 pub fn take<const RANKS: usize>() -> Raw<RANKS> {
     let raw = Raw {
-        first: core::array::from_fn(|rank| ADC1.jdr(rank).read().jdata()),
+        first: take_first(),
         second: core::array::from_fn(|rank| ADC2.jdr(rank).read().jdata()),
     };
-    // Written with ones to clear, JEOC with it.
-    ADC1.isr().write(|w| {
-        w.set_jeos(true);
-        w.set_jeoc(true);
-    });
     ADC2.isr().write(|w| {
         w.set_jeos(true);
         w.set_jeoc(true);
     });
     raw
+}
+
+/// Reads ADC1's finished set and clears its flags.
+#[inline(always)]
+pub fn take_first<const RANKS: usize>() -> [u16; RANKS] {
+    let codes = core::array::from_fn(|rank| ADC1.jdr(rank).read().jdata());
+    // Written with ones to clear, JEOC with it.
+    ADC1.isr().write(|w| {
+        w.set_jeos(true);
+        w.set_jeoc(true);
+    });
+    codes
 }

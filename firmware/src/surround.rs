@@ -1,8 +1,9 @@
-//! What there is to touch beside the wall, from the thread to the control tick.
+//! What there is to touch beside the wall, and the map of the cogging, from the thread to the control tick.
 
 use touchstone_drive::around::Surrounding;
+use touchstone_drive::cogging::Played;
 use touchstone_drive::{DeviceSettings, SettingsError};
-use touchstone_protocol::{CountsFrom, Surround};
+use touchstone_protocol::{CoggingMap, CountsFrom, Surround};
 
 use crate::board;
 use crate::control::AROUND;
@@ -21,4 +22,13 @@ pub fn give(
     Ok(control(here, |control| {
         AROUND.in_thread(here, |around| control.device.surround(around, &surrounding))
     }))
+}
+
+/// Makes the map of the cogging ready, and gives it to the control tick; `None`: none is played.
+#[inline(never)]
+pub fn play(here: InThread, settings: &DeviceSettings, map: Option<&CoggingMap>) {
+    let played = map.map(|map| Played::new(map, settings, &board::HARDWARE));
+    control(here, |control| {
+        AROUND.in_thread(here, |around| control.device.play(around, played.as_ref()));
+    });
 }

@@ -100,7 +100,7 @@ pub struct Trip {
 pub struct CurrentReport {
     /// PWM periods since the start, wrapping.
     pub periods: u32,
-    /// Measured currents in the frame of the command.
+    /// Measured currents in the frame of the command; computed ones on a board that measures none.
     pub current: Dq,
     /// Voltages given, same frame.
     pub voltage: Dq,

@@ -6,14 +6,21 @@
 //!
 //! Compare values act on average a whole period after the sample they are made of: the voltage is turned by a period of the
 //! rotor's motion ([`ACTS_AFTER_PERIODS`]).
+//!
+//! On a board that measures no current the two controllers are left out, and the voltage is `R` times what was asked for: the file
+//! `voltage.rs`, which says what is lost by it.
 
 mod interface;
 mod offsets;
+#[cfg(feature = "voltage")]
+mod voltage;
 
 pub use interface::{
     BridgeCommand, CurrentCommand, CurrentMode, CurrentOutput, CurrentReport, CurrentSample, Trip,
 };
 pub use offsets::Offsets;
+#[cfg(feature = "voltage")]
+pub use voltage::VoltageStage;
 
 use crate::angle::Angle;
 use crate::modulation::Modulator;
@@ -45,6 +52,9 @@ pub struct CurrentConfig {
     pub periods_per_tick: u16,
     /// PWM periods from a control tick until the encoder is read once more; 0: it is not.
     pub read_at: u16,
+    /// What makes a voltage of the current asked for, where none is measured.
+    #[cfg(feature = "voltage")]
+    pub voltage: Option<VoltageStage>,
 }
 
 /// From a sample to the middle of the time in which the compare values made of it act, PWM periods.
@@ -206,6 +216,10 @@ impl CurrentLoop {
     fn drive(&mut self, sample: &CurrentSample) -> BridgeCommand {
         let config = self.config;
         let command = &sample.command;
+        #[cfg(feature = "voltage")]
+        if let Some(stage) = &config.voltage {
+            return self.drive_by_voltage(stage, sample);
+        }
         let Some(offsets) = self.report.offsets else {
             return BridgeCommand::Off;
         };
@@ -233,6 +247,38 @@ impl CurrentLoop {
         if largest > config.trip || vector.square() > trip * trip {
             self.trip(FaultCode::OverCurrent, milli(largest));
         }
+        if self.must_be_off(sample) {
+            return BridgeCommand::Off;
+        }
+
+        let moved = |periods: u32| moved(command, periods);
+        let current = Rotation::of(command.angle.plus(moved(self.age))).park(vector);
+        let error = |wanted: Amps, is: Amps| {
+            let limit = config.limit;
+            wanted
+                .min(limit)
+                .max(limit.saturating_neg())
+                .saturating_sub(is)
+        };
+        let longest = self.longest();
+        let (v_d, short_d) =
+            self.d
+                .tick(&config.gains, error(command.current.d, current.d), longest);
+        let (v_q, short_q) = self.q.tick(
+            &config.gains,
+            error(command.current.q, current.q),
+            other_side(longest, v_d),
+        );
+        if short_d || short_q {
+            self.report.saturated = self.report.saturated.wrapping_add(1);
+        }
+        self.report.current = current;
+        self.give(command, Dq { d: v_d, q: v_q })
+    }
+
+    /// Whether the command or the processor is too late, or something tripped: then nothing is driven.
+    #[inline(always)]
+    fn must_be_off(&mut self, sample: &CurrentSample) -> bool {
         if sample.late {
             self.late = self.late.saturating_add(1);
             if self.late >= LATE_IN_A_ROW {
@@ -249,42 +295,36 @@ impl CurrentLoop {
             self.q.reset();
             self.report.current = Dq::ZERO;
             self.report.voltage = Dq::ZERO;
-            return BridgeCommand::Off;
         }
-
-        let moved = |periods: u32| {
-            // 2^-32 turns to 2^-16.
-            Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
-        };
-        let current = Rotation::of(command.angle.plus(moved(self.age))).park(vector);
-        let error = |wanted: Amps, is: Amps| {
-            let limit = config.limit;
-            wanted
-                .min(limit)
-                .max(limit.saturating_neg())
-                .saturating_sub(is)
-        };
-        let longest =
-            Volts::from_bits(product(self.report.bus.to_bits(), config.voltage_share, 16))
-                .max(Volts::ZERO);
-        let (v_d, short_d) =
-            self.d
-                .tick(&config.gains, error(command.current.d, current.d), longest);
-        let (v_q, short_q) = self.q.tick(
-            &config.gains,
-            error(command.current.q, current.q),
-            other_side(longest, v_d),
-        );
-        if short_d || short_q {
-            self.report.saturated = self.report.saturated.wrapping_add(1);
-        }
-        let voltage = Dq { d: v_d, q: v_q };
-        self.report.current = current;
-        self.report.voltage = voltage;
-        let acts = moved(self.age.saturating_add(ACTS_AFTER_PERIODS));
-        let vector = Rotation::of(command.angle.plus(acts)).back(voltage);
-        BridgeCommand::On(config.modulator.duties(vector, self.report.bus))
+        self.tripped
     }
+
+    /// The longest vector of voltages at this bus.
+    #[inline(always)]
+    fn longest(&self) -> Volts {
+        Volts::from_bits(product(
+            self.report.bus.to_bits(),
+            self.config.voltage_share,
+            16,
+        ))
+        .max(Volts::ZERO)
+    }
+
+    /// The compare values of a voltage in the frame of the command, turned to where the rotor is when they act.
+    #[inline(always)]
+    fn give(&mut self, command: &CurrentCommand, voltage: Dq) -> BridgeCommand {
+        self.report.voltage = voltage;
+        let acts = moved(command, self.age.saturating_add(ACTS_AFTER_PERIODS));
+        let vector = Rotation::of(command.angle.plus(acts)).back(voltage);
+        BridgeCommand::On(self.config.modulator.duties(vector, self.report.bus))
+    }
+}
+
+/// How far the rotor turns in so many PWM periods.
+#[inline(always)]
+fn moved(command: &CurrentCommand, periods: u32) -> Angle {
+    // 2^-32 turns to 2^-16.
+    Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
 }
 
 /// `√(length² - side²)`: what the circle of voltages leaves the q axis, rounded down to 1/1,024 V; lengths up to 63 V count.

@@ -19,6 +19,7 @@ use touchstone_control::Si;
 pub const B_G431B_ESC1: Hardware = Hardware {
     // An amplifier of 13 MHz at a gain of 16.
     sampling_counts: sampling_counts(800, 1_000),
+    senses_current: true,
     // 3.3 V / 4,096 / (0.003 Ω · 64/7)
     amps_per_code: Si::lit("-0.029373"),
     // 3.3 V / 4,096 · 10.39

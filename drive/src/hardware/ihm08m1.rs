@@ -21,6 +21,7 @@ pub const IHM08M1: Hardware = Hardware {
     pwm_hz: 20_000,
     core_hz: 170_000_000,
     timer_top: 4_250,
+    senses_current: true,
     // An amplifier of 20 MHz at a gain of 5.7.
     sampling_counts: sampling_counts(500, 700),
     // 3.3 V / 4,096 / (0.01 Ω · 5.182)

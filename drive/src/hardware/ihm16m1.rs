@@ -22,6 +22,7 @@ use touchstone_control::Si;
 pub const IHM16M1: Hardware = Hardware {
     // The driver's own dead time; an amplifier of 20 MHz at a gain of 2.
     sampling_counts: sampling_counts(550, 700),
+    senses_current: true,
     // 3.3 V / 4,096 / (0.33 Ω · 1.5278)
     amps_per_code: Si::lit("-0.00159801"),
     // 3.3 V / 4,096 · 16

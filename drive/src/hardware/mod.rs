@@ -3,10 +3,12 @@
 mod b_g431b_esc1;
 mod ihm08m1;
 mod ihm16m1;
+mod simplefoc_mini;
 
 pub use b_g431b_esc1::B_G431B_ESC1;
 pub use ihm08m1::IHM08M1;
 pub use ihm16m1::IHM16M1;
+pub use simplefoc_mini::SIMPLEFOC_MINI;
 
 use crate::modulation::Modulator;
 use crate::thermistor::Thermistor;
@@ -24,6 +26,9 @@ pub struct Hardware {
     pub timer_top: u16,
     /// Timer counts that the low side must be on for so that its shunt can be sampled: settling, dead time, conversion.
     pub sampling_counts: u16,
+    /// Whether the currents of the motor are measured. Where they are not, the motor is given a voltage ([`crate::current`]), and the five
+    /// constants that follow from the sensors mean nothing.
+    pub senses_current: bool,
     /// A of current into the motor per code of the converter. Negative with shunts below the lower transistors and amplifiers that do
     /// not invert: that current comes from ground, and pulls the shunt's upper end below it.
     pub amps_per_code: Si,
@@ -43,7 +48,7 @@ pub struct Hardware {
     pub bus_max_v: Si,
     /// Highest temperature of the power stage, degrees Celsius.
     pub temperature_max_c: Si,
-    /// The temperature sensor.
+    /// The temperature sensor; [`Thermistor::NONE`] where there is none.
     pub thermistor: Thermistor,
 }
 
@@ -66,6 +71,13 @@ impl Hardware {
             // The low side is on around the timer's top, for the counts above the compare value, up and down again.
             longest: self.timer_top.saturating_sub(self.sampling_counts / 2),
         }
+    }
+
+    /// Whether the motor is given a voltage for want of current sensors. Decided by the compiler in a program for other boards.
+    #[inline(always)]
+    #[must_use]
+    pub const fn gives_voltage(&self) -> bool {
+        cfg!(feature = "voltage") && !self.senses_current
     }
 
     /// A per code with 28 fractional bits.

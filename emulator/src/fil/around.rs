@@ -8,8 +8,8 @@ use touchstone_drive::change::ChangeConfig;
 use touchstone_drive::wire::hardware;
 use touchstone_protocol::settings::environment::{DetentsBeside, TravelEnds, WallBeside};
 use touchstone_protocol::{
-    Board, CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal, Reply,
-    Request, Surround, Telemetry,
+    Board, CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal,
+    Reply, Request, Surround, Telemetry,
 };
 use touchstone_world::plant::MEDIUM;
 
@@ -198,10 +198,14 @@ fn compared(
     let beside = |record: &&Telemetry| Limits::from_wire(record.limits).has(Limit::Beside);
     let told = armed.iter().find(beside).map(|record| record.tick);
     if told != changes.first().copied() {
-        return Err(format!("`Beside` from tick {told:?}, changes at {changes:?}"));
+        return Err(format!(
+            "`Beside` from tick {told:?}, changes at {changes:?}"
+        ));
     }
     if next.is_some() || pushed.iter().any(|ticks| *ticks < 300) {
-        return Err(format!("changes {changes:?}; pushed one way and the other {pushed:?}"));
+        return Err(format!(
+            "changes {changes:?}; pushed one way and the other {pushed:?}"
+        ));
     }
     Ok(format!(
         "{} ticks equal to the bit, {} and {} of them pushing one way and the other, at most {most:.3} N·m; changed at ticks {changes:?}",
@@ -283,10 +287,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
 fn refused(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
-    for request in [
-        Request::Environment,
-        Request::SetEnvironment(all(setup)),
-    ] {
+    for request in [Request::Environment, Request::SetEnvironment(all(setup))] {
         match bench.ask(request)? {
             Err(Refusal::NotUnderstood) => {}
             other => return Err(format!("{other:?} of a board without room for it")),

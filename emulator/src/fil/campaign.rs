@@ -304,7 +304,8 @@ impl Campaign {
         if (records as u64) < ticks / 2 {
             return Err(format!("{records} records in {ticks} ticks"));
         }
-        if let Fault::Temperature(_) = injection.fault {
+        let is_felt = self.bench.machine.chip().board.has_thermistor();
+        if let (Fault::Temperature(_), true) = (injection.fault, is_felt) {
             let records = &self.bench.link.telemetry[from + 20..];
             let limited = records.iter().filter(|record| record.limits != 0).count();
             if limited == 0 {

@@ -176,6 +176,7 @@ fn the_same_twice(program: &Program, setup: &Setup, tally: &mut Tally) {
     let once = || -> Result<_, String> {
         let mut bench = Bench::new(program, setup)?;
         bench.boot()?;
+        bench.configure(|_| ())?;
         bench.arm()?;
         bench.run(100 * MS)?;
         let chip = bench.machine.chip();

@@ -118,7 +118,10 @@ impl Fault {
                 chip.update_break(now);
             }
             Self::Bus(volts, _) => chip.world.bridge.bus_v = volts,
-            Self::Temperature(celsius) => chip.world.temperature_c = celsius,
+            Self::Temperature(celsius) => {
+                chip.world.temperature_c = celsius;
+                chip.update_break(now);
+            }
             Self::Thermistor(volts) => {
                 chip.board.wiring.forced[1] = Some((Source::Temperature, volts));
             }

@@ -58,7 +58,11 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
         .iter()
         .filter(|record| record.phase == Phase::Armed)
         .collect();
-    let compared = compare(&settings, board_named(bench.machine.chip().board.name)?, &armed)?;
+    let compared = compare(
+        &settings,
+        board_named(bench.machine.chip().board.name)?,
+        &armed,
+    )?;
     // The hand has pressed for 0.6 s and held for 0.8 s, a quarter of a second after the arming.
     let hold = armed.get(1_500..1_600).unwrap_or_default();
     let mean = |of: fn(&Telemetry) -> f64| {

@@ -73,7 +73,9 @@ fn compared(program: &Program, setup: &Setup) -> Result<String, String> {
         };
         let changed = (chip.peek(*address) ^ at_reset.peek(*address)) & !covered;
         if changed != 0 {
-            wrong.push(format!("{name}: changed in {changed:#x}, which no table has"));
+            wrong.push(format!(
+                "{name}: changed in {changed:#x}, which no table has"
+            ));
         }
     }
     let pins = pins(chip, at_reset, &vendor, setup.board.name, &mut wrong)?;
@@ -125,7 +127,11 @@ fn pins(
         if let Some(wanted) = ["none", "up", "down"].iter().position(|name| *name == pull) {
             expect("pull", at.field(chip, 0x0c), wanted as u32);
         }
-        expect("open drain", chip.peek(at.base() + 0x04) >> at.number & 1, 0);
+        expect(
+            "open drain",
+            chip.peek(at.base() + 0x04) >> at.number & 1,
+            0,
+        );
     }
     for port in 0..7 {
         for pin in (0..16).map(|number| Pin { port, number }) {
@@ -207,8 +213,13 @@ impl Vendor {
     }
 
     fn name(&self, address: u32) -> String {
-        let found = self.0.iter().find(|((_, part), at)| part.is_empty() && **at == address);
-        found.map_or(format!("{address:#010x}"), |((name, _), _)| (*name).to_owned())
+        let found = self
+            .0
+            .iter()
+            .find(|((_, part), at)| part.is_empty() && **at == address);
+        found.map_or(format!("{address:#010x}"), |((name, _), _)| {
+            (*name).to_owned()
+        })
     }
 }
 

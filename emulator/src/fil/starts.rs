@@ -43,7 +43,10 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
         let name = format!("kept alignment, a magnet that slipped by {degrees} electrical degrees");
         tally.check(&name, slipped(&mut bench, degrees));
     }
-    tally.check("kept alignment, other pole pairs", other_pole_pairs(&mut bench));
+    tally.check(
+        "kept alignment, other pole pairs",
+        other_pole_pairs(&mut bench),
+    );
     tally.ran(&bench);
 }
 
@@ -64,7 +67,10 @@ pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
         Ok(bench) => bench,
         Err(error) => return tally.check("start by itself", Err(error)),
     };
-    tally.check("start by itself, a press, and a cable pulled", starts(&mut bench));
+    tally.check(
+        "start by itself, a press, and a cable pulled",
+        starts(&mut bench),
+    );
     tally.check("start by itself, stop button", stops(&mut bench));
     for (name, case) in KEPT_FROM {
         let name = format!("no start by itself: {name}");
@@ -214,13 +220,17 @@ fn is_used(bench: &mut Bench) -> Result<String, String> {
         return Err(format!("the shaft moved by {degrees:.1} degrees"));
     }
     arms(bench)?;
-    Ok(format!("ready after {ms} ms, the shaft moved by {degrees:.1} degrees at most"))
+    Ok(format!(
+        "ready after {ms} ms, the shaft moved by {degrees:.1} degrees at most"
+    ))
 }
 
 fn arms(bench: &mut Bench) -> Result<(), String> {
     bench.demand(Request::Command(DeviceCommand::Arm))?;
     bench.wait_for(Phase::Armed, 100 * MS)?;
-    bench.demand(Request::Command(DeviceCommand::Stop)).map(|_| ())
+    bench
+        .demand(Request::Command(DeviceCommand::Stop))
+        .map(|_| ())
 }
 
 /// The reason of a check that failed.
@@ -314,7 +324,9 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     // Past what was told before the power went.
     bench.run(100 * MS)?;
     let from = bench.link.telemetry.len();
-    bench.run_until("the outputs on", WOULD_BE_ON - 200 * MS, |bench| bench.is_on())?;
+    bench.run_until("the outputs on", WOULD_BE_ON - 200 * MS, |bench| {
+        bench.is_on()
+    })?;
     armed_by_itself(bench)?;
     let ms = (bench.now() - begun) / MS;
     bench.run(250 * MS)?;

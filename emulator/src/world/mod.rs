@@ -6,6 +6,7 @@
 use std::fmt;
 
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
+use touchstone_world::plant::train::Harmonic;
 use touchstone_world::plant::{
     BareCoulomb, Coulomb, Device, Hand, HeldCoulomb, Kinematics as _, Port, State, Stepper,
 };
@@ -84,6 +85,14 @@ impl Parts {
             motor: KIT_MOTOR,
             knob: KIT_KNOB,
         }
+    }
+
+    /// The same motor without shunts, on the DRV8313: 0.24 ohm of a transistor in each phase.
+    #[must_use]
+    pub fn gimbal_on_mini() -> Self {
+        let mut parts = Self::gimbal_kit();
+        parts.motor.resistance_ohm = 5.29 + 0.24;
+        parts
     }
 
     /// The usual ones, each by a factor: resistance, inductance, flux, inertia, damping, friction.
@@ -174,6 +183,8 @@ pub struct World {
     pub temperature_c: f64,
     /// Current at which the bridge's own comparators pull the break, A.
     pub break_a: f64,
+    /// The motor's cogging.
+    pub cogging: Vec<Harmonic>,
 }
 
 impl fmt::Debug for World {
@@ -205,7 +216,6 @@ impl World {
             motor: parts.motor,
             windings: Windings::new(parts.motor, seconds(STEP)),
             bridge: Bridge {
-                // 0.5 us at both ends of 50 us.
                 dead_share: 0.01,
                 ..Bridge::ideal(24.0, TOP)
             },
@@ -216,6 +226,7 @@ impl World {
             books: None,
             temperature_c: 25.0,
             break_a: 20.0,
+            cogging: Vec::new(),
         }
     }
 
@@ -337,7 +348,8 @@ impl World {
 
     fn move_knob(&mut self) {
         self.torque_n_m = std::mem::take(&mut self.impulse) / seconds(STEP);
-        let (now, torque) = (self.now, self.torque_n_m);
+        let (cogging, from) = (self.cogging_n_m(), self.angle_and_speed().0);
+        let (now, torque) = (self.now, self.torque_n_m + cogging);
         let keeps = self.books.is_some();
         let port = match &mut self.grip {
             Grip::Free(plant, state) => step(plant, state, torque, 0.0, keeps),
@@ -360,11 +372,18 @@ impl World {
             *books = ShaftBooks {
                 angle_rad,
                 rad_per_s,
-                impulse_n_m_s: books.impulse_n_m_s + torque * seconds(STEP),
-                motor_j: books.motor_j + port.work_j,
+                impulse_n_m_s: books.impulse_n_m_s + self.torque_n_m * seconds(STEP),
+                motor_j: books.motor_j + port.work_j - cogging * (angle_rad - from),
                 loss_j: books.loss_j + port.loss.device_j,
             };
         }
+    }
+
+    /// Torque of the cogging at the last mechanical step, N·m.
+    #[must_use]
+    pub fn cogging_n_m(&self) -> f64 {
+        let (angle, _) = self.angle_and_speed();
+        self.cogging.iter().map(|it| it.torque(angle)).sum()
     }
 
     /// Angle of the shaft, rad.

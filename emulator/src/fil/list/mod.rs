@@ -9,6 +9,7 @@ mod others;
 mod power;
 mod processor;
 mod second;
+mod simplefoc_mini;
 
 use touchstone_protocol::FaultCode as Code;
 
@@ -23,6 +24,7 @@ pub use others::{WITH_MT6701, WITH_TRACKS};
 pub use power::POWER;
 pub use processor::PROCESSOR;
 pub use second::SECOND;
+pub use simplefoc_mini::ON_SIMPLEFOC_MINI;
 
 /// In which state it happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

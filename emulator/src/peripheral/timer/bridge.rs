@@ -103,11 +103,20 @@ impl BridgeTimer {
             // OC1REF to OC3REF are high while the counter is below the compare value.
             let leg = |reference| match self.stage_off {
                 true => Leg::Open,
-                false => self.gates.leg(self.levels(phase, reference)),
+                false => self.gates.leg(self.wired(phase, reference)),
             };
             let (first, second) = (leg(true), leg(false));
             GateDriver::share(first, second, compare.min(1.0))
         })
+    }
+
+    /// Levels of a phase's two inputs at the driver.
+    fn wired(&self, phase: usize, reference: bool) -> Option<(bool, bool)> {
+        let (first, second) = self.levels(phase, reference)?;
+        match self.gates {
+            GateDriver::Drv8313 => self.levels(0, reference).map(|(_, enable)| (first, enable)),
+            _ => Some((first, second)),
+        }
     }
 
     /// Levels of a phase's two outputs while its reference is high or low (reference manual RM0440, table 265); `None` where the

@@ -23,6 +23,9 @@ pub enum GateDriver {
     /// An input and an enable a phase: while the enable is high, the input chooses between the two; both transistors are off while it is
     /// low, and all six while the line EN\FAULT is.
     Stspin830,
+    /// An input a channel and one enable for all three, which is wired to the first of the timer's complementary outputs. What the driver
+    /// itself finds switches all three off until it is gone; a current that was too large, until the supply was off.
+    Drv8313,
 }
 
 impl GateDriver {
@@ -35,7 +38,7 @@ impl GateDriver {
         let lower = match self {
             Self::L6387 => second,
             Self::L6398 => !second,
-            Self::Stspin830 => {
+            Self::Stspin830 | Self::Drv8313 => {
                 return match (second, upper) {
                     (false, _) => Leg::Open,
                     (true, true) => Leg::Upper,

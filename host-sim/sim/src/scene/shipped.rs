@@ -27,6 +27,10 @@ pub(crate) const SHIPPED: &[(&str, &str)] = &[
         "gimbal-knob",
         include_str!("../../../../scenes/gimbal-knob.toml"),
     ),
+    (
+        "voltage-knob",
+        include_str!("../../../../scenes/voltage-knob.toml"),
+    ),
     ("identify", include_str!("../../../../scenes/identify.toml")),
 ];
 

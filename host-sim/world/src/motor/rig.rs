@@ -2,6 +2,7 @@
 
 use super::bridge::{Bridge, Drive};
 use super::windings::{MotorParameters, Windings};
+use crate::plant::train::Harmonic;
 use crate::plant::{Device, Kinematics, Stepper};
 
 /// What can be measured after a period.
@@ -22,6 +23,8 @@ pub struct Reading {
 pub struct Rig<S: Stepper> {
     /// The bridge; the bus voltage may be changed between two periods.
     pub bridge: Bridge,
+    /// The motor's cogging.
+    pub cogging: Vec<Harmonic>,
     windings: Windings,
     plant: S,
     state: S::State,
@@ -34,6 +37,7 @@ impl<S: Stepper> Rig<S> {
     pub fn new(motor: MotorParameters, bridge: Bridge, plant: S, angle_rad: f64) -> Self {
         Self {
             bridge,
+            cogging: Vec::new(),
             windings: Windings::new(motor, plant.interval_s()),
             plant,
             state: S::State::at_rest(angle_rad),
@@ -64,14 +68,23 @@ impl<S: Stepper> Rig<S> {
                 let voltages = self.bridge.voltages(duties, self.windings.currents_a());
                 // The period's mean speed, looked up ahead with the torque of the period before.
                 let mut ahead = self.state;
-                self.plant.step(&mut ahead, self.torque_n_m, rest_rad);
+                let turning = self.with_cogging(self.torque_n_m, angle);
+                self.plant.step(&mut ahead, turning, rest_rad);
                 let speed = (ahead.position() - angle) / self.plant.interval_s();
                 self.windings.step(voltages, angle, speed)
             }
         };
         self.torque_n_m = torque_n_m;
-        self.plant.step(&mut self.state, torque_n_m, rest_rad);
+        let turning = self.with_cogging(torque_n_m, angle);
+        self.plant.step(&mut self.state, turning, rest_rad);
         self.now()
+    }
+
+    /// A torque with that of the cogging at an angle, N·m.
+    fn with_cogging(&self, torque_n_m: f64, angle_rad: f64) -> f64 {
+        self.cogging
+            .iter()
+            .fold(torque_n_m, |sum, it| sum + it.torque(angle_rad))
     }
 
     /// Currents `(i_d, i_q)` in the rotor's true frame, A.

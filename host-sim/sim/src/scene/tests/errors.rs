@@ -330,7 +330,7 @@ fn scenes_that_do_not_exist() {
     assert_eq!(
         message("no/such.toml"),
         "no/such.toml: no such scene or file; give the path of a scene's file, or a shipped scene: \
-         thesis-knob, press-hold, press-wiggle-release, tap, free-release, low-stiffness, gimbal-knob or identify"
+         thesis-knob, press-hold, press-wiggle-release, tap, free-release, low-stiffness, gimbal-knob, voltage-knob or identify"
     );
 }
 

@@ -15,8 +15,10 @@ pub struct Harmonic {
 }
 
 impl Harmonic {
+    /// Its torque at an angle, N·m along the positive direction.
     #[inline(always)]
-    fn torque(&self, angle: f64) -> f64 {
+    #[must_use]
+    pub fn torque(&self, angle: f64) -> f64 {
         -self.amplitude * libm::sin(self.per_rev * angle + self.phase)
     }
 

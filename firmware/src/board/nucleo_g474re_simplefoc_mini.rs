@@ -1,0 +1,158 @@
+//! NUCLEO-G474RE with a SimpleFOC Mini v1.1 (DRV8313) on loose wires: pins and peripherals. **It measures no current.**
+//!
+//! | pins | from |
+//! |---|---|
+//! | the Mini's IN1, IN2, IN3, EN, nFT, 3V3 and both GND | its schematic v1.1 in its makers' repository |
+//! | IN1 to PA8, IN2 to PA9, IN3 to PA10, EN to PB13, nFT to PB12 | ours: TIM1's outputs, the first complementary one and the break, where the X-NUCLEO-IHM16M1 has them too |
+//! | the supply by 100 kΩ over 10 kΩ to PA0 | ours: the Mini does not measure it, two resistors belong to the wiring |
+//! | nSP and nRT stay open | 10 kΩ on the Mini pull them up: neither asleep nor in reset |
+//! | functions of the pins | as on the X-NUCLEO-IHM16M1 |
+//!
+//! PB14 and PB15 carry the same level as EN and are not wired. Nothing was measured on a board.
+
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use embassy_stm32::adc::{Adc, AdcChannel};
+use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::gpio::vals::Idr;
+use embassy_stm32::pac::{GPIOB, GPIOC, TIM2};
+use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
+use embassy_stm32::timer::simple_pwm::PwmPin;
+use embassy_stm32::usart::{self, BufferedUart};
+use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
+use touchstone_drive::{EncoderReading, Hardware, hardware};
+
+use crate::pwm::{BreakInput, Bridge, Complement};
+use crate::sense::Readings;
+use crate::storage::Storage;
+use crate::{encoder, magnetic, pwm, sense, serial};
+
+/// As the desktop knows it.
+pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474reSimplefocMini;
+
+/// The power stage.
+pub const HARDWARE: Hardware = hardware::SIMPLEFOC_MINI;
+
+bind_interrupts!(struct Irqs {
+    LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
+});
+
+/// The DRV8313 has an input a channel and one enable for all, and keeps its own dead time. Its line nFAULT is the break.
+const BRIDGE: Bridge = Bridge {
+    dead_time_ns: 0,
+    complement: Complement::Enable,
+    break_input: BreakInput::Pin,
+};
+
+/// TIM1_BKIN's number among the functions of PB12.
+const BREAK_FUNCTION: u8 = 6;
+
+/// The line nFAULT: port B's pin.
+const FAULT_LINE: usize = 12;
+
+/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
+const STOP_BUTTON: usize = 13;
+
+/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
+    interrupt::TIM5.set_priority(Priority::P6);
+    interrupt::LPUART1.set_priority(Priority::P6);
+    // Open drain, pulled up on the Mini as well.
+    let mut fault_line = Flex::new(p.PB12);
+    fault_line.set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
+    pwm::start(p.TIM1, BRIDGE);
+    pwm::keep(
+        (
+            PwmPin::new(p.PA8, OutputType::PushPull),
+            PwmPin::new(p.PA9, OutputType::PushPull),
+            PwmPin::new(p.PA10, OutputType::PushPull),
+        ),
+        (
+            ComplementaryPwmPin::new(p.PB13, OutputType::PushPull),
+            ComplementaryPwmPin::new(p.PB14, OutputType::PushPull),
+            ComplementaryPwmPin::new(p.PB15, OutputType::PushPull),
+        ),
+    );
+    let mut stop_button = Flex::new(p.PC13);
+    stop_button.set_as_input(Pull::Down);
+    // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
+    let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
+    tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
+    tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
+    encoder::count_edges!(TIM2);
+    // Encoder over SPI. The line from the encoder is pulled up: one that is not there reads as all ones, which no parity bears.
+    let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
+    lines
+        .0
+        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
+    lines.1.set_as_af_unchecked(6, AfType::input(Pull::Up));
+    lines
+        .2
+        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
+    let select = Output::new(p.PD2, Level::High, Speed::High);
+    magnetic::start(p.SPI3);
+    // The pins stay as they are until the next reset.
+    core::mem::forget((fault_line, stop_button, tracks, lines, select));
+    // No current: the supply alone.
+    sense::start_first(
+        Adc::new(p.ADC1, Default::default()),
+        [(p.PA0.degrade_adc(), sense::SLOW)],
+    );
+    let serial = BufferedUart::new(
+        p.LPUART1,
+        p.PA3,
+        p.PA2,
+        serial::SEND.take(),
+        serial::RECEIVE.take(),
+        Irqs,
+        serial::config(),
+    );
+    (defmt::unwrap!(serial), Storage::new(p.FLASH))
+}
+
+/// A finished conversion. There is neither a current nor a temperature to read.
+#[inline(always)]
+pub fn readings() -> Readings {
+    let [bus] = sense::take_first();
+    Readings {
+        phase_a: 0,
+        phase_b: 0,
+        bus,
+        temperature: 0,
+    }
+}
+
+/// The edge counter: TIM2 has 32 bits.
+#[inline(always)]
+pub fn encoder_count() -> EncoderReading {
+    EncoderReading::Counter32(TIM2.cnt().read())
+}
+
+pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
+
+/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
+#[inline(always)]
+pub fn is_stop_pressed() -> bool {
+    GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
+}
+
+/// The line was low when it was looked at.
+static COMPLAINED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the driver has pulled its line since it was last forgotten: by a current, a temperature or a supply of which nothing else here
+/// knows. No pulse is missed: the break keeps it.
+#[inline(always)]
+pub fn driver_complains() -> bool {
+    if GPIOB.idr().read().idr(FAULT_LINE) == Idr::LOW || pwm::is_input_broken() {
+        COMPLAINED.store(true, Relaxed);
+    }
+    COMPLAINED.load(Relaxed)
+}
+
+/// As if it had not complained; a line that is still low does so again.
+#[inline(always)]
+pub fn forget_driver() {
+    COMPLAINED.store(false, Relaxed);
+}
