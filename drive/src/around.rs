@@ -10,6 +10,7 @@
 //! under a hand makes an environment of it, until the next arming.
 
 use crate::change::ChangeConfig;
+use crate::cogging::Played;
 use crate::hardware::Hardware;
 use crate::scenery::{Here, Scenery, law_tick};
 use touchstone_control::environment::{Counted, Environment, WallSettings};
@@ -89,6 +90,9 @@ pub struct Around {
     ticked: bool,
     count: i64,
     shown: Force<Fixed32>,
+    /// The map of the cogging, and whether it waits for a calibration.
+    map: Option<Played>,
+    map_waits: bool,
 }
 
 impl Around {
@@ -104,7 +108,15 @@ impl Around {
             ticked: false,
             count: 0,
             shown: Force(fixed::types::I8F24::ZERO),
+            map: None,
+            map_waits: false,
         }
+    }
+
+    /// Takes the map of the cogging; `settings_wait` as in [`Around::prepare`], and nothing is played until then.
+    pub(crate) fn play(&mut self, map: Option<&Played>, settings_wait: bool) {
+        self.map = map.cloned();
+        self.map_waits = settings_wait;
     }
 
     /// Takes an environment; from when on it counts. `settings_wait` if settings wait for a calibration, with which it was computed.
@@ -277,7 +289,13 @@ impl Scenery for Around {
         self.runs
     }
 
+    #[inline(always)]
+    fn played(&self) -> Option<&Played> {
+        self.map.as_ref().filter(|_| !self.map_waits)
+    }
+
     fn calibrated(&mut self, law: &mut Law) {
+        self.map_waits = false;
         if self.waits == Waits::ForTheCalibration {
             self.end(law);
             self.turn();

@@ -56,11 +56,13 @@ pub enum Reason {
     KeptNotFollowed = 8,
     /// The shaft did not come to rest, so that a kept alignment could be checked.
     KeptTurning = 9,
+    /// The board measures no current, and was not told the motor's resistance, inductance or torque constant.
+    MotorUntold = 10,
 }
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::OffsetsLate,
         Self::PolePairs,
         Self::NotBack,
@@ -70,6 +72,7 @@ impl Reason {
         Self::KeptWrong,
         Self::KeptNotFollowed,
         Self::KeptTurning,
+        Self::MotorUntold,
     ];
 
     /// The reason behind a fault's value.
@@ -126,6 +129,12 @@ pub struct CalibrationConfig {
     offset_code: u16,
     offset_tolerance: u16,
     offset_spread: u16,
+    /// The currents are measured.
+    #[cfg(feature = "voltage")]
+    senses: bool,
+    /// They are not, and the motor that makes a voltage of them was not told.
+    #[cfg(feature = "voltage")]
+    is_untold: bool,
 }
 
 impl CalibrationConfig {
@@ -161,6 +170,10 @@ impl CalibrationConfig {
             offset_code: hardware.offset_code,
             offset_tolerance: hardware.offset_tolerance,
             offset_spread: hardware.offset_spread,
+            #[cfg(feature = "voltage")]
+            senses: !hardware.gives_voltage(),
+            #[cfg(feature = "voltage")]
+            is_untold: hardware.gives_voltage() && settings.untold_motor().is_some(),
         }
     }
 }
@@ -229,6 +242,10 @@ impl Calibration {
         if let Some(reason) = self.watch(count) {
             return failed(reason);
         }
+        #[cfg(feature = "voltage")]
+        if self.config.is_untold {
+            return failed(Reason::MotorUntold);
+        }
         let done = match self.stage {
             Stage::Offsets => return self.offsets(tick, report),
             Stage::Raise => self.raise(),
@@ -285,6 +302,12 @@ impl Calibration {
             && let Some(offsets) = report.offsets
             && self.may_begin()
         {
+            // Without sensors there is nothing that could be off; the bridge was off all the same, and a check has waited for rest.
+            #[cfg(feature = "voltage")]
+            if !config.senses {
+                self.enter(Stage::Raise);
+                return self.drive(tick);
+            }
             let off = |sixteenths: u16| (sixteenths >> 4).abs_diff(config.offset_code);
             let (a, b) = (off(offsets.a), off(offsets.b));
             if a.max(b) > config.offset_tolerance {

@@ -18,6 +18,8 @@ use crate::settings::periods_per_tick;
 use crate::units::quotient;
 use touchstone_control::settings::Settings;
 use touchstone_control::{ChangeOfForce, Choice as _, Fixed32, Position, Si};
+#[cfg(feature = "voltage")]
+use touchstone_protocol::settings::MotorSettings;
 use touchstone_protocol::settings::{DriveKind, Reason, SettingsError};
 use touchstone_protocol::{Decimal, DeviceSettings};
 
@@ -44,6 +46,9 @@ struct Answer {
     missing: i64,
     /// Quarters of periods since the tick's sample.
     quarter: u32,
+    /// A voltage in place of a current: the share of what is missing that the winding takes in a quarter.
+    #[cfg(feature = "voltage")]
+    winding: Option<i64>,
 }
 
 impl Answer {
@@ -57,12 +62,39 @@ impl Answer {
             last: 0,
             missing: ONE,
             quarter: 0,
+            #[cfg(feature = "voltage")]
+            winding: hardware.gives_voltage().then(|| {
+                Self::winding(&settings.motor, settings.untold_motor().is_some(), quarters)
+            }),
         }
+    }
+
+    /// `s/(1 + s)` with `s = R/4L T`: a backward step, after which no less is missing than of the exponential. Of a motor that was not told
+    /// nothing is: it is never driven.
+    #[cfg(feature = "voltage")]
+    fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {
+        if is_untold {
+            return ONE;
+        }
+        let way = quotient(
+            quotient(motor.resistance_ohm, motor.inductance_h),
+            quarters_per_s,
+        );
+        quotient(way, Si::ONE.saturating_add(way)).to_bits() >> (Si::FRAC_NBITS - BITS)
     }
 
     /// `H` at the end of the next quarter.
     #[inline(never)]
     fn next(&mut self) -> i64 {
+        // The voltage is there from its bottom on, one and a half periods after the tick's sample, and stays.
+        #[cfg(feature = "voltage")]
+        if let Some(share) = self.winding {
+            if self.quarter >= 6 {
+                self.missing -= times(self.missing, share);
+            }
+            self.quarter += 1;
+            return self.missing;
+        }
         let acts = if self.quarter & 3 < 2 {
             self.before
         } else {

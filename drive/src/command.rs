@@ -47,9 +47,26 @@ pub struct Rotor {
     pub against: bool,
     /// Share of the current limit that the temperature leaves, in 1/65,536; at most 65,536.
     pub derating: u32,
+    /// What the map of the cogging adds to a current along `+x`.
+    #[cfg(feature = "large")]
+    pub map: Amps,
 }
 
 impl Rotor {
+    /// What the map of the cogging adds, where there is one, within the current that is left.
+    #[inline(always)]
+    #[cfg(feature = "large")]
+    fn added(&self, left: Amps) -> Amps {
+        self.map.min(left).max(left.saturating_neg())
+    }
+
+    /// Nothing.
+    #[inline(always)]
+    #[cfg(not(feature = "large"))]
+    const fn added(&self, _left: Amps) -> Amps {
+        Amps::ZERO
+    }
+
     /// The command for a current that pushes along `+x`.
     #[inline(always)]
     pub(crate) const fn along(&self, current: Amps) -> CurrentCommand {
@@ -122,10 +139,21 @@ impl Drive for ThreePhase {
         // At most the limit, as the derating is at most 1.
         let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         let left = Amps::from_bits(clamp_i32(left));
-        let given = along.min(left).max(left.saturating_neg());
-        let command = rotor.along(given);
+        let added = rotor.added(left);
+        // With nothing added, within what is left; else the limit is on one side nearer and on the other further, and always around zero.
+        let (least, most) = (
+            left.saturating_neg().saturating_sub(added),
+            left.saturating_sub(added),
+        );
+        let given = along.min(most).max(least);
+        let command = rotor.along(given.saturating_add(added));
         let limited = given != along;
-        let most = product(left.to_bits(), self.nm_per_amp.to_bits(), 16);
+        let most = if given < Amps::ZERO {
+            least.saturating_neg()
+        } else {
+            most
+        };
+        let most = product(most.to_bits(), self.nm_per_amp.to_bits(), 16);
         Driven {
             command: DriveCommand::Current(command),
             limits: Limits::NONE
@@ -223,6 +251,8 @@ mod tests {
         advance: -5,
         against: false,
         derating: 1 << 16,
+        #[cfg(feature = "large")]
+        map: Amps::ZERO,
     };
 
     fn current(nm: f64, rotor: Rotor) -> (f64, Limits) {
@@ -297,6 +327,43 @@ mod tests {
             .0,
             0.0
         );
+    }
+
+    #[cfg(feature = "large")]
+    #[test]
+    fn a_map_adds_its_current_and_takes_no_force_for_its_own() {
+        let drive = ThreePhase::new(&DeviceSettings::default().motor).unwrap();
+        let asked = |nm: f64, map: f64, derating: u32| {
+            let rotor = Rotor {
+                map: Amps::from_num(map),
+                derating,
+                ..ROTOR
+            };
+            let driven = drive.command(torque(nm), &rotor);
+            let DriveCommand::Current(command) = driven.command else {
+                panic!("{driven:?}")
+            };
+            let is_limited = driven.limits.has(Limit::Current);
+            let q: f64 = command.current.q.to_num();
+            (q, driven.torque.0.to_num::<f64>(), is_limited)
+        };
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+        // Of 2 A the map has its part; the force that is told is that of the rest, and never another way or more than was asked.
+        for (nm, map, derating, q, told, limited) in [
+            (0.1, 0.05, 1 << 16, 0.45, 0.1, false),
+            (0.5, 0.1, 1 << 16, 2.0, 0.475, true),
+            (-0.5, 0.1, 1 << 16, -1.9, -0.5, false),
+            (-0.6, 0.1, 1 << 16, -2.0, -0.525, true),
+            (0.1, 0.5, 1 << 13, 0.25, 0.0, true),
+            (-0.1, 0.5, 1 << 13, -0.15, -0.1, false),
+            (0.1, 0.5, 0, 0.0, 0.0, true),
+        ] {
+            let found = asked(nm, map, derating);
+            assert!(
+                near(found.0, q) && near(found.1, told) && found.2 == limited,
+                "{nm} {map} {derating}: {found:?}"
+            );
+        }
     }
 
     #[test]

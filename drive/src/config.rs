@@ -5,6 +5,8 @@ use crate::calibration::CalibrationConfig;
 use crate::change::{ChangeConfig, law_settings};
 use crate::command::AnyDrive;
 use crate::current::CurrentConfig;
+#[cfg(feature = "voltage")]
+use crate::current::VoltageStage;
 use crate::hardware::Hardware;
 use crate::measurement::MeasurementConfig;
 use crate::pi::PiGains;
@@ -24,6 +26,8 @@ pub struct Config {
     pub(crate) supervisor: SupervisorConfig,
     pub(crate) calibration: CalibrationConfig,
     pub(crate) measurement: MeasurementConfig,
+    #[cfg(feature = "large")]
+    pub(crate) sweep: crate::sweep::SweepConfig,
     pub(crate) drive: AnyDrive,
     /// The law at its beginning.
     pub(crate) law: Controller<Fixed32>,
@@ -61,6 +65,8 @@ impl Config {
             supervisor: SupervisorConfig::new(settings, hardware),
             calibration: CalibrationConfig::new(settings, hardware),
             measurement: MeasurementConfig::new(settings, hardware),
+            #[cfg(feature = "large")]
+            sweep: crate::sweep::SweepConfig::new(settings),
             drive: AnyDrive::new(settings)?,
             law: Controller::new(&law).map_err(|error| refused(&error))?,
             force_limit: Fixed32::saturating_signal(settings.law.force_limit_n_m),
@@ -87,6 +93,7 @@ impl CurrentConfig {
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let motor = &settings.motor;
         let gains = match settings.drive.kind {
+            DriveKind::ThreePhase if hardware.gives_voltage() => PiGains::NONE,
             DriveKind::ThreePhase => PiGains::new(
                 motor.resistance_ohm,
                 motor.inductance_h,
@@ -105,6 +112,8 @@ impl CurrentConfig {
             trip: narrow(settings.limits.trip_current_a),
             periods_per_tick: periods_per_tick(settings, hardware),
             read_at: 0,
+            #[cfg(feature = "voltage")]
+            voltage: VoltageStage::new(motor, hardware)?,
         })
     }
 }

@@ -46,6 +46,8 @@ pub struct Device {
     alignment: Alignment,
     #[cfg(feature = "large")]
     kept: kept::Kept,
+    #[cfg(feature = "large")]
+    swept: swept::Swept,
     law: Controller<Fixed32>,
     /// Count of the unwrapped encoder that is the device's zero.
     zero: i64,
@@ -78,6 +80,8 @@ impl Device {
             alignment: Alignment::default(),
             #[cfg(feature = "large")]
             kept: kept::Kept::default(),
+            #[cfg(feature = "large")]
+            swept: swept::Swept::default(),
             law: config.law,
             zero: 0,
             fade: 0,
@@ -173,6 +177,10 @@ impl Device {
     /// What a measurement of the motor is about.
     #[must_use]
     pub fn measuring(&self) -> Option<MeasuringPart> {
+        #[cfg(feature = "large")]
+        if let Some(sweep) = &self.swept.running {
+            return sweep.part();
+        }
         self.measurement.as_ref().map(Measurement::part)
     }
 
@@ -236,7 +244,7 @@ impl Device {
         let found = self.reported.take().or(verdict.fault).or(refused);
         let progress = match (found, before, verdict.count) {
             (None, State::Calibrating, Some(count)) => {
-                Some(self.calibrate(tick, count, &input.current))
+                Some(self.calibrate(tick, count, &input.current, scenery))
             }
             _ => None,
         };
@@ -280,7 +288,15 @@ impl Device {
     }
 
     /// One tick of the calibration; without a motor to be aligned there is nothing to find out.
-    fn calibrate(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
+    fn calibrate(
+        &mut self,
+        tick: u32,
+        count: i64,
+        report: &CurrentReport,
+        scenery: &impl Scenery,
+    ) -> Progress {
+        #[cfg(not(feature = "large"))]
+        let _ = scenery;
         #[cfg(feature = "large")]
         self.begin_with_kept();
         let config = self.configs.now();
@@ -289,6 +305,10 @@ impl Device {
         }
         if self.measurement.is_some() {
             return self.measure(tick, count);
+        }
+        #[cfg(feature = "large")]
+        if self.swept.running.is_some() {
+            return self.swept(tick, count, self.map_here(scenery));
         }
         // Built by its first tick and not by the one that takes its settings, which has enough to do.
         let progress = self
@@ -300,6 +320,11 @@ impl Device {
                 self.alignment = alignment;
                 self.measurement = Some(Measurement::new(config.measurement, count));
                 self.measure(tick, count)
+            }
+            #[cfg(feature = "large")]
+            Progress::Done(alignment) if self.begins_sweep() => {
+                self.alignment = alignment;
+                self.swept(tick, count, self.map_here(scenery))
             }
             progress => progress,
         }
@@ -343,6 +368,8 @@ impl Device {
             },
             against,
             derating,
+            #[cfg(feature = "large")]
+            map: crate::Amps::ZERO,
         }
     }
 
@@ -371,6 +398,8 @@ impl Device {
         }
         self.calibration = None;
         self.measurement = None;
+        #[cfg(feature = "large")]
+        self.leave_sweep(before);
         if after != State::Calibrating {
             return false;
         }
@@ -440,6 +469,8 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
 mod display;
 #[cfg(feature = "large")]
 mod kept;
+#[cfg(feature = "large")]
+mod swept;
 #[cfg(test)]
 mod tests;
 

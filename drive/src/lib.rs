@@ -30,6 +30,8 @@ pub mod around;
 pub mod autostart;
 pub mod calibration;
 pub mod change;
+#[cfg(feature = "large")]
+pub mod cogging;
 pub mod command;
 pub mod config;
 pub mod current;
@@ -49,6 +51,8 @@ pub mod ring;
 mod scenery;
 pub mod settings;
 pub mod supervisor;
+#[cfg(feature = "large")]
+pub mod sweep;
 pub mod thermistor;
 pub mod timing;
 pub mod transform;

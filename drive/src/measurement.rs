@@ -150,7 +150,7 @@ impl Measurement {
             MeasuringPart::High => self.turn(rotor.tick, self.config.current, MeasuringPart::Brake),
             MeasuringPart::Brake => self.brake(speed, rotor),
             MeasuringPart::Push => self.push(speed, rotor),
-            MeasuringPart::Coast => self.coast(rotor.tick),
+            _ => self.coast(rotor.tick),
         }
     }
 

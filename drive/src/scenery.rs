@@ -41,6 +41,9 @@ pub(crate) trait Scenery {
     fn runs(&self) -> bool;
     /// A calibration changed over to other settings.
     fn calibrated(&mut self, law: &mut Law);
+    /// The map of the cogging, where one is played.
+    #[cfg(feature = "large")]
+    fn played(&self) -> Option<&crate::cogging::Played>;
 }
 
 /// The wall of the settings, and nothing else.
@@ -85,6 +88,12 @@ impl Scenery for WallAlone {
 
     #[inline(always)]
     fn calibrated(&mut self, _law: &mut Law) {}
+
+    #[cfg(feature = "large")]
+    #[inline(always)]
+    fn played(&self) -> Option<&crate::cogging::Played> {
+        None
+    }
 }
 
 /// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).

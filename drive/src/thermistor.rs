@@ -27,6 +27,11 @@ pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
 };
 
 impl Thermistor {
+    /// A board without a sensor: no code is a temperature.
+    pub const NONE: Self = Self {
+        points: [(u16::MAX, 0); 9],
+    };
+
     /// The temperature for a code, linear between the points.
     ///
     /// `None` beyond the ends of the table: the sensor is broken, shorted, or hotter than anything allowed.

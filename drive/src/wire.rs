@@ -1,6 +1,6 @@
 //! Between the wire and the drive: the check of what people write, and the records that they read.
 
-use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1};
+use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 use crate::settings::validate;
 use crate::units::milli;
 use crate::{CompactRecord, CurrentReport, Record, ResetReason};
@@ -17,6 +17,7 @@ pub const fn hardware(board: Board) -> &'static Hardware {
         Board::NucleoG474re => &IHM08M1,
         Board::BG431bEsc1 => &B_G431B_ESC1,
         Board::NucleoG474reIhm16m1 => &IHM16M1,
+        Board::NucleoG474reSimplefocMini => &SIMPLEFOC_MINI,
     }
 }
 

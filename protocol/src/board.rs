@@ -10,14 +10,17 @@ pub enum Board {
     BG431bEsc1,
     /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
     NucleoG474reIhm16m1,
+    /// NUCLEO-G474RE with a SimpleFOC Mini, which measures no current.
+    NucleoG474reSimplefocMini,
 }
 
 impl Board {
     /// All of them.
-    pub const ALL: [Self; 3] = [
+    pub const ALL: [Self; 4] = [
         Self::NucleoG474re,
         Self::BG431bEsc1,
         Self::NucleoG474reIhm16m1,
+        Self::NucleoG474reSimplefocMini,
     ];
 
     /// Its name on the command line and in file names.
@@ -27,6 +30,7 @@ impl Board {
             Self::NucleoG474re => "nucleo-g474re",
             Self::BG431bEsc1 => "b-g431b-esc1",
             Self::NucleoG474reIhm16m1 => "nucleo-g474re-ihm16m1",
+            Self::NucleoG474reSimplefocMini => "nucleo-g474re-simplefoc-mini",
         }
     }
 
@@ -34,8 +38,10 @@ impl Board {
     #[must_use]
     pub const fn chip(self) -> &'static str {
         match self {
-            Self::NucleoG474re | Self::NucleoG474reIhm16m1 => "STM32G474RETx",
             Self::BG431bEsc1 => "STM32G431CBUx",
+            Self::NucleoG474re | Self::NucleoG474reIhm16m1 | Self::NucleoG474reSimplefocMini => {
+                "STM32G474RETx"
+            }
         }
     }
 
@@ -49,6 +55,13 @@ impl Board {
     #[must_use]
     pub const fn is_large(self) -> bool {
         !matches!(self, Self::BG431bEsc1)
+    }
+
+    /// Whether it measures its motor's currents. One that does not gives its motor a voltage, which is a torque only by what it is told of
+    /// the motor; and it can measure no motor.
+    #[must_use]
+    pub const fn senses_current(self) -> bool {
+        !matches!(self, Self::NucleoG474reSimplefocMini)
     }
 
     /// Whether an analogue output for an external amplifier is.

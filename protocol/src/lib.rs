@@ -39,6 +39,8 @@ pub use settings::{Decimal, DeviceSettings};
 pub use unwrap::{Unwrap16, Unwrap32};
 
 #[cfg(feature = "large")]
+pub use settings::cogging::{CoggingHarmonic, CoggingMap, CoggingReport, KeptCogging, Sweep};
+#[cfg(feature = "large")]
 pub use settings::environment::{CountsFrom, Surround};
 #[cfg(feature = "large")]
 pub use settings::kept::{KeptAlignment, KeptStart, SelfStart, StartReport, Unkept};

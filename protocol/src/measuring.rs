@@ -17,6 +17,12 @@ pub enum MeasuringPart {
     Push,
     /// The bridge is off, the shaft runs on.
     Coast,
+    /// The shaft is turned slowly along the count. The record's position is that from the encoder's own zero.
+    #[cfg(feature = "large")]
+    Forward,
+    /// The same, back.
+    #[cfg(feature = "large")]
+    Backward,
 }
 
 /// One control tick of it.

@@ -51,6 +51,9 @@ pub enum Reply {
     /// To `Start`.
     #[cfg(feature = "large")]
     Start(crate::settings::kept::StartReport),
+    /// To `Cogging`.
+    #[cfg(feature = "large")]
+    Cogging(crate::settings::cogging::CoggingReport),
 }
 
 /// Why not.

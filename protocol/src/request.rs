@@ -4,7 +4,7 @@ use crate::settings::DeviceSettings;
 use serde::{Deserialize, Serialize};
 
 /// Version of everything that goes over the wire: raised with each change that an older desktop or device would misread.
-pub const PROTOCOL_VERSION: u16 = 6;
+pub const PROTOCOL_VERSION: u16 = 7;
 
 /// A request, and the number by which its answer is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,6 +79,18 @@ pub enum Request<'a> {
     /// Whether the board checks the kept alignment and arms by itself when power comes on. `Save` writes it.
     #[cfg(feature = "large")]
     Autostart(bool),
+    /// The map of the cogging that is kept.
+    #[cfg(feature = "large")]
+    Cogging,
+    /// Keeps this map, measured with what the settings say, and plays it. In `Ready` only; `Save` writes it.
+    #[cfg(feature = "large")]
+    KeepCogging(crate::settings::cogging::CoggingMap),
+    /// Keeps none any more. Not while anything is driven; `Save` writes it.
+    #[cfg(feature = "large")]
+    ForgetCogging,
+    /// What the next calibration goes on with; that one alone.
+    #[cfg(feature = "large")]
+    Sweep(crate::settings::cogging::Sweep),
 }
 
 /// What a person tells the device to do.

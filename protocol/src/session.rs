@@ -6,9 +6,11 @@ use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
 use crate::request::{DeviceCommand, Request, ToDevice};
 #[cfg(feature = "large")]
+use crate::settings::cogging::{CoggingMap, CoggingReport, KeptCogging, Sweep};
+#[cfg(feature = "large")]
 use crate::settings::environment::{CountsFrom, Surround};
 #[cfg(feature = "large")]
-use crate::settings::kept::{self, KeptAlignment, KeptStart, SelfStart, StartReport, Unkept};
+use crate::settings::kept::{KeptAlignment, KeptStart, SelfStart, StartReport};
 use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
@@ -66,6 +68,12 @@ pub trait Backend {
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
     }
+    /// Takes the map of the cogging that is played from now on; `None`: none is.
+    #[cfg(feature = "large")]
+    fn use_cogging(&mut self, _settings: &DeviceSettings, _map: Option<&CoggingMap>) {}
+    /// What the next calibration goes on with.
+    #[cfg(feature = "large")]
+    fn sweep(&mut self, _sweep: Sweep) {}
 }
 
 /// The flash could not be written.
@@ -80,6 +88,8 @@ pub struct Session {
     environment: Surround,
     #[cfg(feature = "large")]
     kept: KeptStart,
+    #[cfg(feature = "large")]
+    cogging: Option<KeptCogging>,
     unsaved: bool,
     /// A command of which nobody knows yet what became, and the request's number.
     waiting: Option<(u8, DeviceCommand)>,
@@ -98,6 +108,9 @@ pub enum Answered {
     Unreadable,
 }
 
+#[cfg(feature = "large")]
+mod keeping;
+
 impl Session {
     /// With the settings that the device started with; `saved` if they are those in flash.
     #[must_use]
@@ -108,6 +121,8 @@ impl Session {
             environment: Surround::default(),
             #[cfg(feature = "large")]
             kept: KeptStart::default(),
+            #[cfg(feature = "large")]
+            cogging: None,
             unsaved: !saved,
             waiting: None,
         }
@@ -127,6 +142,28 @@ impl Session {
     pub const fn with_kept(mut self, kept: KeptStart) -> Self {
         self.kept = kept;
         self
+    }
+
+    /// With the map of the cogging, as the device started with it.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub fn with_cogging(mut self, cogging: Option<KeptCogging>) -> Self {
+        self.cogging = cogging;
+        self
+    }
+
+    /// The map of the cogging that is kept, whether or not it may be played.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub const fn kept_cogging(&self) -> Option<&KeptCogging> {
+        self.cogging.as_ref()
+    }
+
+    /// The map of the cogging that may be played with the settings in use.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub fn cogging(&self, board: crate::Board) -> Option<&CoggingMap> {
+        self.cogging.as_ref()?.usable(&self.settings, board).ok()
     }
 
     /// What is kept for the start.
@@ -224,6 +261,10 @@ impl Session {
             Request::KeepAlignment | Request::ForgetAlignment | Request::Autostart(_) => {
                 self.keep(request, device).map(|()| Reply::Done)
             }
+            #[cfg(feature = "large")]
+            Request::KeepCogging(_) | Request::ForgetCogging | Request::Sweep(_) => {
+                self.keep_cogging(request, device).map(|()| Reply::Done)
+            }
             _ => self.tell(request, decode_errors, device),
         }
     }
@@ -274,7 +315,15 @@ impl Session {
                 }))
             }
             #[cfg(feature = "large")]
-            Request::SetEnvironment(_)
+            Request::Cogging => Ok(Reply::Cogging(CoggingReport {
+                kept: self.cogging.clone(),
+                against: device.alignment().map(|(_, against)| against),
+            })),
+            #[cfg(feature = "large")]
+            Request::KeepCogging(_)
+            | Request::ForgetCogging
+            | Request::Sweep(_)
+            | Request::SetEnvironment(_)
             | Request::KeepAlignment
             | Request::ForgetAlignment
             | Request::Autostart(_) => Err(Refusal::NotUnderstood),
@@ -337,77 +386,11 @@ impl Session {
         }
         device.use_settings(&self.settings);
         #[cfg(feature = "large")]
-        self.give_kept(device);
-        Ok(())
-    }
-
-    /// The kept alignment for the next calibration, where it was measured with what the settings say.
-    #[cfg(feature = "large")]
-    fn give_kept(&self, device: &mut impl Backend) {
-        let usable = self.kept.usable(&self.settings, device.identity().board);
-        device.use_kept(usable.ok());
-    }
-
-    /// What is kept for the start.
-    #[cfg(feature = "large")]
-    #[inline(never)]
-    fn keep(&mut self, request: &Request<'_>, device: &mut impl Backend) -> Result<(), Refusal> {
-        let board = device.identity().board;
-        let kept = match request {
-            Request::KeepAlignment => {
-                let phase = device.phase();
-                if phase != Phase::Ready {
-                    return Err(Refusal::NotNow(phase));
-                }
-                kept::may_keep(&self.settings).map_err(Refusal::Unkept)?;
-                let (offset, against) = device
-                    .alignment()
-                    .ok_or(Refusal::Unkept(Unkept::SettingsWait))?;
-                let alignment = KeptAlignment::new(offset, against, &self.settings, board);
-                KeptStart {
-                    alignment: Some(alignment),
-                    ..self.kept
-                }
-            }
-            Request::Autostart(autostart) => {
-                if *autostart {
-                    let usable = self.kept.usable(&self.settings, board);
-                    usable.map_err(Refusal::Unkept)?;
-                }
-                KeptStart {
-                    autostart: *autostart,
-                    ..self.kept
-                }
-            }
-            _ => KeptStart {
-                alignment: None,
-                ..self.kept
-            },
-        };
-        self.unsaved |= self.kept != kept;
-        self.kept = kept;
-        self.give_kept(device);
-        Ok(())
-    }
-
-    /// Takes what there is to touch, in every state but the calibration: the field that turns the shaft is none of it.
-    #[cfg(feature = "large")]
-    #[inline(never)]
-    fn surround(
-        &mut self,
-        environment: &Surround,
-        device: &mut impl Backend,
-    ) -> Result<CountsFrom, Refusal> {
-        if let phase @ Phase::Calibrating = device.phase() {
-            return Err(Refusal::NotNow(phase));
+        {
+            self.give_kept(device);
+            device.use_cogging(&self.settings, self.cogging(device.identity().board));
         }
-        let from = device
-            .use_environment(&self.settings, environment)
-            .ok_or(Refusal::NotUnderstood)?
-            .map_err(|error| Refusal::Invalid(error.into()))?;
-        self.unsaved |= self.environment != *environment;
-        self.environment = *environment;
-        Ok(from)
+        Ok(())
     }
 
     /// Writes the settings. Not in `Ready`: the erase of a page stalls the processor for longer than a command to arm takes.
@@ -423,7 +406,13 @@ impl Session {
         #[cfg(not(feature = "large"))]
         let image = stored::encode(&self.settings, &mut buffer);
         #[cfg(feature = "large")]
-        let image = stored::encode_with(&self.settings, &self.environment, &self.kept, &mut buffer);
+        let image = stored::encode_with(
+            &self.settings,
+            &self.environment,
+            &self.kept,
+            self.cogging.as_ref(),
+            &mut buffer,
+        );
         let image = image.map_err(|_| Refusal::Flash)?;
         device.save(image).map_err(|FlashError| Refusal::Flash)?;
         self.unsaved = false;

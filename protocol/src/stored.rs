@@ -4,16 +4,19 @@
 //! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
 //! layout version u16 | postcard of DeviceSettings | postcard of Surround | CRC-32 of all before
 //! layout version u16 | postcard of DeviceSettings | postcard of Surround | postcard of KeptStart | CRC-32 of all before
+//! layout version u16 | the same | postcard of the map of the cogging, if one is kept | CRC-32 of all before
 //! ```
 //!
-//! The last form is that of boards with room for an environment; they read the others as well, with the wall alone and with nothing kept
-//! for the start.
+//! The last form is that of boards with room for an environment; they read the others as well, with the wall alone, with nothing kept
+//! for the start, and with no map.
 //!
 //! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
 //! the device then uses the defaults and latches `SettingsInvalid`. There is no guessing at half of an image. An image of
 //! another layout is left alone until its place is needed, so that a step back to the firmware before finds its settings.
 
 use crate::frame::{PAYLOAD_MAX, crc_of};
+#[cfg(feature = "large")]
+use crate::settings::cogging::KeptCogging;
 #[cfg(feature = "large")]
 use crate::settings::environment::Surround;
 #[cfg(feature = "large")]
@@ -22,7 +25,7 @@ use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
 pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
-    6
+    7
 } else {
     WALL_ALONE
 };
@@ -33,12 +36,16 @@ const WALL_ALONE: u16 = 4;
 /// The layout with an environment and nothing kept for the start.
 const NOTHING_KEPT: u16 = 5;
 
+/// The layout without a map of the cogging.
+const NO_MAP: u16 = 6;
+
 /// No image is longer, bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
 
 #[cfg(feature = "large")]
-const SURROUND_MAX: usize =
-    crate::settings::environment::ENVIRONMENT_MAX + crate::settings::kept::KEPT_MAX;
+const SURROUND_MAX: usize = crate::settings::environment::ENVIRONMENT_MAX
+    + crate::settings::kept::KEPT_MAX
+    + crate::settings::cogging::COGGING_MAX;
 #[cfg(not(feature = "large"))]
 const SURROUND_MAX: usize = 0;
 
@@ -70,6 +77,9 @@ pub struct Start {
     /// What is kept for the start.
     #[cfg(feature = "large")]
     pub kept: KeptStart,
+    /// The map of the cogging, if one is kept.
+    #[cfg(feature = "large")]
+    pub cogging: Option<KeptCogging>,
     /// Why they are the defaults although something was stored: the device latches `SettingsInvalid`.
     pub refused: Option<Refused>,
 }
@@ -89,11 +99,12 @@ pub fn encode<'b>(
         settings,
         &Surround::default(),
         &KeptStart::default(),
+        None,
         buffer,
     )
 }
 
-/// The image of settings, of what there is to touch, and of what is kept for the start.
+/// The image of settings, of what there is to touch, of what is kept for the start, and of the map of the cogging.
 ///
 /// # Errors
 /// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
@@ -102,9 +113,10 @@ pub fn encode_with<'b>(
     settings: &DeviceSettings,
     environment: &Surround,
     kept: &KeptStart,
+    cogging: Option<&KeptCogging>,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], postcard::Error> {
-    sealed(&(settings, environment, kept), buffer)
+    sealed(&(settings, environment, kept, cogging), buffer)
 }
 
 fn sealed<'b>(
@@ -138,7 +150,7 @@ pub fn layout_version(image: &[u8]) -> Option<u16> {
 pub(crate) const fn is_readable(version: u16) -> bool {
     version == LAYOUT_VERSION
         || version == WALL_ALONE
-        || (cfg!(feature = "large") && version == NOTHING_KEPT)
+        || (cfg!(feature = "large") && matches!(version, NOTHING_KEPT | NO_MAP))
 }
 
 /// The content of an image, and its layout.
@@ -153,28 +165,33 @@ fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
         .ok_or(Refused::Damaged)
 }
 
-/// The settings of an image, what there is to touch and what is kept for the start, validated by `check` and with each other.
+/// The settings of an image, what there is to touch, what is kept for the start and the map of the cogging, validated by `check` and with
+/// each other.
 ///
 /// # Errors
 /// Whatever is not whole, of a layout that is known, and valid.
 #[cfg(feature = "large")]
-pub fn decode_with(
-    image: &[u8],
-    check: Check<'_>,
-) -> Result<(DeviceSettings, Surround, KeptStart), Refused> {
+pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
+    use crate::frame::message;
     let (version, content) = content(image)?;
-    let nothing = KeptStart::default();
-    let read = match version {
-        WALL_ALONE => crate::frame::message(content).map(|it| (it, Surround::default(), nothing)),
-        NOTHING_KEPT => crate::frame::message(content).map(|(it, around)| (it, around, nothing)),
-        _ => crate::frame::message(content),
+    let (none, wall) = (KeptStart::default(), Surround::default());
+    type Read = (DeviceSettings, Surround, KeptStart, Option<KeptCogging>);
+    let read: Option<Read> = match version {
+        WALL_ALONE => message(content).map(|it| (it, wall, none, None)),
+        NOTHING_KEPT => message(content).map(|(it, around)| (it, around, none, None)),
+        NO_MAP => message(content).map(|(it, around, kept)| (it, around, kept, None)),
+        _ => message(content),
     };
-    let (settings, environment, kept): (DeviceSettings, Surround, KeptStart) =
-        read.ok_or(Refused::Damaged)?;
+    let (settings, environment, kept, cogging) = read.ok_or(Refused::Damaged)?;
     check(&settings)
         .and_then(|()| environment.check(&settings))
         .map_err(Refused::Invalid)?;
-    Ok((settings, environment, kept))
+    Ok(Start {
+        environment,
+        kept,
+        cogging,
+        ..Start::defaults(settings, None)
+    })
 }
 
 /// The settings of an image, validated by `check`.
@@ -183,7 +200,7 @@ pub fn decode_with(
 /// Whatever is not whole, of this layout, and valid.
 #[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
-    decode_with(image, check).map(|(settings, ..)| settings)
+    decode_with(image, check).map(|start| start.settings)
 }
 
 /// The settings of an image, validated by `check`.
@@ -213,11 +230,7 @@ pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -
         #[cfg(not(feature = "large"))]
         Some(Ok(settings)) => Start::defaults(settings, None),
         #[cfg(feature = "large")]
-        Some(Ok((settings, environment, kept))) => Start {
-            environment,
-            kept,
-            ..Start::defaults(settings, None)
-        },
+        Some(Ok(start)) => start,
     }
 }
 
@@ -230,6 +243,8 @@ impl Start {
             environment: Surround::default(),
             #[cfg(feature = "large")]
             kept: KeptStart::default(),
+            #[cfg(feature = "large")]
+            cogging: None,
             refused,
         }
     }

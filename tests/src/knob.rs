@@ -10,7 +10,7 @@ use touchstone_drive::encoder::Frames;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{
     ControlInput, ControlOutput, CurrentCommand, CurrentLoop, CurrentReport, CurrentSample, Device,
-    DeviceSettings, EncoderKind, EncoderReading, Record, TickTiming, wire,
+    DeviceSettings, EncoderKind, EncoderReading, Hardware, Record, TickTiming, wire,
 };
 use touchstone_protocol::{Command, FaultCode, Outputs, State, Telemetry};
 use touchstone_world::motor::{self, Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt};
@@ -66,6 +66,7 @@ pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The last control tick's output.
     pub output: Option<ControlOutput>,
     settings: DeviceSettings,
+    hardware: &'static Hardware,
     shunts: [Shunt; 2],
     mailbox: CurrentCommand,
     report: CurrentReport,
@@ -117,11 +118,28 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         angle_rad: f64,
         tamper: T,
     ) -> Self {
-        let hardware = &IHM08M1;
+        Self::on(&IHM08M1, settings, motor, plant, angle_rad, tamper)
+    }
+
+    /// The same on another board.
+    ///
+    /// # Panics
+    /// For settings that are refused.
+    #[must_use]
+    pub fn on(
+        hardware: &'static Hardware,
+        settings: &DeviceSettings,
+        motor: MotorParameters,
+        plant: S,
+        angle_rad: f64,
+        tamper: T,
+    ) -> Self {
         let device = Device::new(settings, hardware).expect("settings");
+        let record = device.record();
         Self {
             current: CurrentLoop::new(device.current_config()),
             device,
+            hardware,
             around: Around::new(),
             rig: Rig::new(
                 motor,
@@ -132,7 +150,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
             tamper,
             rest_rad: angle_rad,
             acting: Drive::Off,
-            record: empty_record(settings),
+            record,
             output: None,
             settings: settings.clone(),
             // The shield's parts, not the constants of `drive`; between two codes, and not where the schematic says.
@@ -172,7 +190,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         let next = self.record.tick + 1;
         self.rig.bridge.bus_v = self.tamper.bus_v(next);
         let now = self.rig.now();
-        let volts: f64 = IHM08M1.volts_per_code.to_num();
+        let volts: f64 = self.hardware.volts_per_code.to_num();
         let mut sample = CurrentSample {
             phase_a: self.shunts[0].code(now.currents_a[0]),
             phase_b: self.shunts[1].code(now.currents_a[1]),
@@ -190,7 +208,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         // Sampled at the counter's top; compare values are taken over at the bottom, half a period later. Off is off at once.
         self.acting = match (out.bridge, self.preloaded) {
             (touchstone_drive::BridgeCommand::Off, _) => Drive::Off,
-            (_, Drive::Off) => Drive::On(IHM08M1.modulator().zero()),
+            (_, Drive::Off) => Drive::On(self.hardware.modulator().zero()),
             (_, before) => before,
         };
         self.preloaded = off_or(out.bridge);
@@ -287,9 +305,4 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
     pub fn fault(&self) -> Option<FaultCode> {
         self.device.fault().map(|context| context.code)
     }
-}
-
-/// What a device says before its first tick.
-fn empty_record(settings: &DeviceSettings) -> Record {
-    Device::new(settings, &IHM08M1).expect("settings").record()
 }

@@ -2,7 +2,7 @@
 //! calibrating and armed, no way from a fault to armed but through stop and calibration.
 
 use touchstone_drive::encoder::{Asked, Frames};
-use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1};
+use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 use touchstone_drive::settings::DriveKind;
 use touchstone_drive::{
     BridgeCommand, ControlInput, CurrentCommand, CurrentLoop, CurrentMode, CurrentReport,
@@ -246,11 +246,12 @@ fn wild_commands_into_the_loop() {
         (Board::NucleoG474re, IHM08M1),
         (Board::BG431bEsc1, B_G431B_ESC1),
         (Board::NucleoG474reIhm16m1, IHM16M1),
+        (Board::NucleoG474reSimplefocMini, SIMPLEFOC_MINI),
     ];
     for (board, hardware) in boards {
         let mut settings = DeviceSettings::defaults(board);
         // All boards bear it.
-        settings.limits.bus_max_v = Si::lit("25");
+        settings.limits.bus_max_v = Si::lit("24");
         let device = Device::new(&settings, &hardware).unwrap();
         let mut current = CurrentLoop::new(device.current_config());
         let mut command = CurrentCommand::OFF;

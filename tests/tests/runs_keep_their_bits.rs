@@ -119,5 +119,6 @@ const KNOWN: &[(&str, u64)] = &[
     ("free-release", 0x562f_5265_9a23_41d6),
     ("low-stiffness", 0x8947_fbdf_6c30_f360),
     ("gimbal-knob", 0xa7d9_bece_74c9_24d6),
+    ("voltage-knob", 0xdaa7_6e40_6843_833a),
     ("identify", 0x3a0b_e09c_1748_4722),
 ];

@@ -38,7 +38,8 @@ fn every_shipped_scene_is_judged_here() {
             "press-hold",
             "press-wiggle-release",
             "tap",
-            "thesis-knob"
+            "thesis-knob",
+            "voltage-knob"
         ]
     );
 }
@@ -65,12 +66,17 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
     }
 }
 
-/// The tuned law on the small motor, for every grip: the press of 30 mN·m comes to rest at the wall's stiffness, no deeper than the
+/// The tuned law on the small motor, by its current and by its voltage, for every grip: the press of 30 mN·m comes to rest at the wall's stiffness, no deeper than the
 /// scorecard allows, and the guard is not needed.
 #[test]
 fn the_small_knob_shows_its_wall_to_every_grip() {
-    for grip in ["light", "medium", "firm"] {
-        let scene = scene::Scene::load("gimbal-knob").unwrap();
+    let knobs = ["gimbal-knob", "voltage-knob"];
+    let grips = ["light", "medium", "firm"];
+    for (knob, grip) in knobs
+        .into_iter()
+        .flat_map(|knob| grips.map(|grip| (knob, grip)))
+    {
+        let scene = scene::Scene::load(knob).unwrap();
         let scene = scene
             .with_overrides(&[&format!("operator.grip={grip}")])
             .unwrap();

@@ -3,8 +3,12 @@
 use touchstone_control::Si;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::SettingsError;
+use touchstone_protocol::settings::kept::MeasuredWith;
 use touchstone_protocol::stored::{self, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
-use touchstone_protocol::{Board, DeviceSettings, KeptAlignment, KeptStart, Surround, flash};
+use touchstone_protocol::{
+    Board, CoggingHarmonic, CoggingMap, DeviceSettings, KeptAlignment, KeptCogging, KeptStart,
+    Surround, flash,
+};
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
@@ -38,10 +42,32 @@ fn kept(number: u16) -> KeptStart {
     }
 }
 
+/// The map of the cogging, of every second one.
+fn cogging(number: u16) -> Option<KeptCogging> {
+    let part = |order| CoggingHarmonic {
+        order,
+        cos: number.cast_signed(),
+        sin: -1,
+    };
+    number.is_multiple_of(2).then(|| KeptCogging {
+        with: MeasuredWith::new(&settings(number), BOARD),
+        map: CoggingMap {
+            harmonics: (1..=12).map(part).collect(),
+        },
+    })
+}
+
 fn save(flash: &mut Flash, number: u16) -> bool {
     let mut buffer = [0; IMAGE_MAX];
     let around = Surround::default();
-    let image = stored::encode_with(&settings(number), &around, &kept(number), &mut buffer);
+    let (start, map) = (kept(number), cogging(number));
+    let image = stored::encode_with(
+        &settings(number),
+        &around,
+        &start,
+        map.as_ref(),
+        &mut buffer,
+    );
     let image = image.expect("room");
     let pages = flash.range();
     flash::save(flash, pages, image).is_ok()
@@ -63,6 +89,7 @@ fn number_in(flash: &mut Flash) -> u16 {
     let number = start.settings.wall.k_desired_n_m_per_rad.to_num();
     assert_eq!(start.settings, settings(number));
     assert_eq!(start.kept, kept(number));
+    assert_eq!(start.cogging, cogging(number));
     number
 }
 
@@ -153,6 +180,7 @@ fn the_layouts_before_are_read_with_nothing_kept() {
         ..Surround::default()
     };
     let (of_4, of_5) = (settings(4), (settings(5), around));
+    let of_6 = (settings(6), around, kept(6));
     for (layout, content, settings, around) in [
         (
             4_u16,
@@ -161,6 +189,7 @@ fn the_layouts_before_are_read_with_nothing_kept() {
             Surround::default(),
         ),
         (5, postcard(&of_5, &mut buffer), of_5.0.clone(), around),
+        (6, postcard(&of_6, &mut buffer), of_6.0.clone(), around),
     ] {
         let image = sealed(&[&layout.to_le_bytes()[..], &content].concat());
         let mut flash = Flash::erased(PAGES);
@@ -170,7 +199,13 @@ fn the_layouts_before_are_read_with_nothing_kept() {
         assert_eq!(start.refused, None, "layout {layout}");
         assert_eq!(start.settings, settings);
         assert_eq!(start.environment, around);
-        assert_eq!(start.kept, KeptStart::default());
+        let is_kept = layout == 6;
+        let expected = if is_kept {
+            of_6.2
+        } else {
+            KeptStart::default()
+        };
+        assert_eq!((start.kept, start.cogging), (expected, None));
     }
 }
 

@@ -46,7 +46,12 @@ impl Device {
         self.fade = self.fade.saturating_add(self.configs.now().fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
 
-        let rotor = self.rotor(tick, count.unwrap_or_default(), derating);
+        #[cfg_attr(not(feature = "large"), allow(unused_mut))]
+        let mut rotor = self.rotor(tick, count.unwrap_or_default(), derating);
+        #[cfg(feature = "large")]
+        {
+            rotor.map = shared(self.map_here(scenery), fading.then_some(self.fade));
+        }
         let driven = self.configs.now().drive.command(torque, &rotor);
         if fading || driven.torque != torque {
             let torque = driven.torque.0.to_bits().saturating_neg();
@@ -83,6 +88,16 @@ impl Device {
                 .with(Limit::Beside, scenery.runs()),
         )
     }
+}
+
+/// A share of what the map adds, as in [`torque_of`].
+#[cfg(feature = "large")]
+#[inline(always)]
+fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
+    share.map_or(map, |share| {
+        let wide = i64::from(map.to_bits()) * i64::from(share >> 1);
+        crate::Amps::from_bits(clamp_i32(wide >> 31))
+    })
 }
 
 /// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most

@@ -51,7 +51,8 @@ impl Device {
     #[cold]
     #[inline(never)]
     pub(super) fn begin_with_kept(&mut self) {
-        if self.calibration.is_some() || self.measurement.is_some() {
+        let is_further = self.measurement.is_some() || self.swept.running.is_some();
+        if self.calibration.is_some() || is_further {
             return;
         }
         let config = self.configs.now();

@@ -16,6 +16,8 @@ pub struct PowerConfig {
     bus_min: Volts,
     bus_max: Volts,
     thermistor: Thermistor,
+    #[cfg(feature = "voltage")]
+    is_without_sensor: bool,
     fault_from: Celsius,
     /// Share of the current lost per degree, in 1/65,536.
     share_per_degree: i32,
@@ -33,6 +35,8 @@ impl PowerConfig {
             bus_min: narrow(limits.bus_min_v),
             bus_max: narrow(limits.bus_max_v),
             thermistor: hardware.thermistor,
+            #[cfg(feature = "voltage")]
+            is_without_sensor: hardware.thermistor == Thermistor::NONE,
             fault_from: narrow(limits.fault_from_celsius),
             share_per_degree: narrow(quotient(Si::ONE, span)).to_bits(),
         }
@@ -68,12 +72,21 @@ impl Power {
             let below = i64::from(config.fault_from.saturating_sub(celsius).to_bits());
             clamp_i32((below * i64::from(config.share_per_degree)) >> 16).clamp(0, 1 << 16)
         });
+        #[cfg(feature = "voltage")]
+        let left = if config.is_without_sensor {
+            1 << 16
+        } else {
+            left
+        };
         let fault = if report.bus > config.bus_max {
             Some((FaultCode::OverVoltage, milli(report.bus)))
         } else if report.bus < config.bus_min {
             Some((FaultCode::UnderVoltage, milli(report.bus)))
         } else {
             match temperature {
+                // Nothing to read: the driver looks after itself.
+                #[cfg(feature = "voltage")]
+                None if config.is_without_sensor => None,
                 Some(celsius) if celsius < config.fault_from => None,
                 Some(celsius) => Some((FaultCode::OverTemperature, milli(celsius) / 100)),
                 None => Some((FaultCode::OverTemperature, i32::MAX)),

@@ -203,9 +203,18 @@ impl Shaft {
     #[cfg(feature = "large")]
     #[must_use]
     pub fn own_zero(&self, config: &ShaftConfig) -> Option<i64> {
-        let unwrapped = self.unwrapped?;
-        (config.kind != EncoderKind::Incremental)
-            .then(|| unwrapped.from_own_zero().saturating_sub(unwrapped.count()))
+        let count = self.unwrapped?.count();
+        self.from_own_zero(config)
+            .map(|place| place.saturating_sub(count))
+    }
+
+    /// How far the last good reading is from an absolute encoder's own zero; else as [`Shaft::own_zero`].
+    #[cfg(feature = "large")]
+    #[inline]
+    #[must_use]
+    pub fn from_own_zero(&self, config: &ShaftConfig) -> Option<i64> {
+        let unwrapped = self.unwrapped.as_ref()?;
+        (config.kind != EncoderKind::Incremental).then(|| unwrapped.from_own_zero())
     }
 
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {

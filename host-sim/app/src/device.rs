@@ -1,5 +1,6 @@
 //! `touchstone device`: a board's commands, state, fault, and the second before the fault; haptic devices in [`super::haptic`].
 
+pub mod cogging;
 pub mod start;
 
 use super::haptic;
@@ -68,6 +69,11 @@ enum BoardAction {
         #[command(subcommand)]
         action: Option<start::AlignmentAction>,
     },
+    /// Shows whether a map of the motor's cogging is kept and played; measures, tries or forgets it. For encoders that know where they are.
+    Cogging {
+        #[command(subcommand)]
+        action: Option<cogging::CoggingAction>,
+    },
     /// Shows whether the board starts by itself when power comes on, with no desktop; switches that on or off, and saves it.
     Autostart {
         #[arg(value_enum)]
@@ -111,6 +117,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
             }
         }
         BoardAction::Alignment { action } => return start::alignment(&mut client, *action),
+        BoardAction::Cogging { action } => return cogging::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => command(DeviceCommand::Arm)?,
         BoardAction::Disarm => command(DeviceCommand::Disarm)?,

@@ -40,6 +40,9 @@ pub enum BoardName {
     /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
     #[value(name = "nucleo-g474re-ihm16m1")]
     NucleoG474reIhm16m1,
+    /// NUCLEO-G474RE with a SimpleFOC Mini.
+    #[value(name = "nucleo-g474re-simplefoc-mini")]
+    NucleoG474reSimplefocMini,
 }
 
 impl BoardName {
@@ -49,6 +52,7 @@ impl BoardName {
             Self::NucleoG474re => Board::NucleoG474re,
             Self::BG431bEsc1 => Board::BG431bEsc1,
             Self::NucleoG474reIhm16m1 => Board::NucleoG474reIhm16m1,
+            Self::NucleoG474reSimplefocMini => Board::NucleoG474reSimplefocMini,
         }
     }
 

@@ -20,6 +20,8 @@ macro_rules! set {
     };
 }
 
+pub(super) use set;
+
 /// Motor, supply and law of the kit.
 pub(super) fn fit(settings: &mut DeviceSettings) {
     set! { settings:

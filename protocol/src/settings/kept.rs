@@ -27,6 +27,13 @@ pub struct KeptAlignment {
     pub offset: u16,
     /// The electrical angle falls when the count rises.
     pub against: bool,
+    /// What it was measured with.
+    pub with: MeasuredWith,
+}
+
+/// What something that goes by the encoder's own zero was measured with: with anything else it means nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeasuredWith {
     /// The board: another shield may have its phases in another order.
     pub board: Board,
     /// The encoder.
@@ -40,7 +47,7 @@ pub struct KeptAlignment {
     pub pole_pairs: u8,
 }
 
-/// Why an alignment cannot be kept, or a kept one cannot be used.
+/// Why something that goes by the encoder's own zero cannot be kept, or what is kept cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unkept {
     /// The encoder is an incremental one.
@@ -65,18 +72,16 @@ impl Unkept {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Incremental => {
-                "an incremental encoder counts from wherever it was switched on: its alignment cannot be kept"
+                "an incremental encoder counts from wherever it was switched on: nothing that goes by its place can be kept"
             }
             Self::NothingToAlign => "an analogue drive has no alignment",
             Self::SettingsWait => "settings were changed since the calibration",
             Self::None => "no alignment is kept",
-            Self::OtherBoard => "the kept alignment was measured on another board",
+            Self::OtherBoard => "it was measured on another board",
             Self::OtherEncoder => {
-                "the kept alignment was measured with another encoder, or the same one counted otherwise"
+                "it was measured with another encoder, or the same one counted otherwise"
             }
-            Self::OtherPolePairs => {
-                "the kept alignment was measured with another number of pole pairs"
-            }
+            Self::OtherPolePairs => "it was measured with another number of pole pairs",
         }
     }
 }
@@ -156,7 +161,7 @@ pub struct StartReport {
     pub self_start: SelfStart,
 }
 
-/// Whether an alignment can be kept with these settings at all.
+/// Whether what goes by the encoder's own zero can be kept with these settings at all.
 ///
 /// # Errors
 /// Why not.
@@ -168,6 +173,38 @@ pub const fn may_keep(settings: &DeviceSettings) -> Result<(), Unkept> {
     }
 }
 
+impl MeasuredWith {
+    /// What these settings say.
+    #[must_use]
+    pub const fn new(settings: &DeviceSettings, board: Board) -> Self {
+        Self {
+            board,
+            encoder: settings.encoder.kind,
+            reversed: settings.encoder.reversed,
+            counts_per_rev: settings.encoder.counts_per_rev,
+            pole_pairs: settings.motor.pole_pairs,
+        }
+    }
+
+    /// Whether this is what the settings say.
+    ///
+    /// # Errors
+    /// What of it is not.
+    pub fn fits(&self, settings: &DeviceSettings, board: Board) -> Result<(), Unkept> {
+        may_keep(settings)?;
+        let now = Self::new(settings, board);
+        if *self == now {
+            Ok(())
+        } else if self.board != now.board {
+            Err(Unkept::OtherBoard)
+        } else if self.pole_pairs != now.pole_pairs {
+            Err(Unkept::OtherPolePairs)
+        } else {
+            Err(Unkept::OtherEncoder)
+        }
+    }
+}
+
 impl KeptAlignment {
     /// With what these settings say that it was measured with.
     #[must_use]
@@ -175,11 +212,7 @@ impl KeptAlignment {
         Self {
             offset,
             against,
-            board,
-            encoder: settings.encoder.kind,
-            reversed: settings.encoder.reversed,
-            counts_per_rev: settings.encoder.counts_per_rev,
-            pole_pairs: settings.motor.pole_pairs,
+            with: MeasuredWith::new(settings, board),
         }
     }
 }
@@ -192,16 +225,8 @@ impl KeptStart {
     pub fn usable(&self, settings: &DeviceSettings, board: Board) -> Result<KeptAlignment, Unkept> {
         may_keep(settings)?;
         let kept = self.alignment.ok_or(Unkept::None)?;
-        let now = KeptAlignment::new(kept.offset, kept.against, settings, board);
-        if kept == now {
-            Ok(kept)
-        } else if kept.board != now.board {
-            Err(Unkept::OtherBoard)
-        } else if kept.pole_pairs != now.pole_pairs {
-            Err(Unkept::OtherPolePairs)
-        } else {
-            Err(Unkept::OtherEncoder)
-        }
+        kept.with.fits(settings, board)?;
+        Ok(kept)
     }
 }
 

@@ -9,6 +9,8 @@
 
 #[cfg(feature = "wire")]
 mod access;
+#[cfg(feature = "large")]
+pub mod cogging;
 pub(crate) mod decimal;
 #[cfg(feature = "large")]
 pub mod environment;
@@ -19,6 +21,7 @@ pub mod kept;
 #[cfg(feature = "wire")]
 mod leaf;
 mod table;
+mod untold_motor;
 mod validate;
 
 use crate::Board;
@@ -138,7 +141,7 @@ impl LawSettings {
 
 impl DeviceSettings {
     /// The thesis' wall on a gimbal-type motor, at 24 V: valid on the board, but no motor's data sheet. With the X-NUCLEO-IHM16M1 a
-    /// small wall on the motor of its kit, at 12 V.
+    /// small wall on the motor of its kit, at 12 V. With the SimpleFOC Mini no motor at all: it has to be told.
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();
@@ -153,6 +156,7 @@ impl DeviceSettings {
                 settings.limits.bus_max_v = const { law::Si::lit("26") };
             }
             Board::NucleoG474reIhm16m1 => gimbal_kit::fit(&mut settings),
+            Board::NucleoG474reSimplefocMini => untold_motor::fit(&mut settings),
         }
         settings
     }

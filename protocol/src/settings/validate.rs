@@ -59,6 +59,8 @@ pub enum Reason {
     NotOnThisBoard,
     /// The position is not measured when the force changes; the value is the number of the word.
     NotMeasured,
+    /// The board does not measure its currents, and can measure no motor.
+    NoCurrentSensors,
 }
 
 #[cfg(feature = "wire")]
@@ -102,6 +104,12 @@ impl SettingsError {
             }
             Reason::NotOnThisBoard => {
                 write!(f, "{path}: this board has no connector for it")
+            }
+            Reason::NoCurrentSensors => {
+                write!(
+                    f,
+                    "{path}: this board does not measure its currents, and can measure no motor"
+                )
             }
             Reason::NotMeasured => {
                 write!(
@@ -156,6 +164,15 @@ impl DeviceSettings {
 
     /// Not every board has an encoder's bus and an analogue output on its connectors.
     fn check_board(&self, board: Board) -> Result<(), SettingsError> {
+        // The smallest board's flash has no room for a question that is none there.
+        #[cfg(feature = "large")]
+        if self.calibration.measures && !board.senses_current() {
+            return Err(SettingsError {
+                path: "calibration.measures",
+                value: Decimal::from_num(1),
+                reason: Reason::NoCurrentSensors,
+            });
+        }
         let (encoder, drive) = (self.encoder.kind, self.drive.kind);
         let (path, number) = if encoder != EncoderKind::Incremental && !board.has_bus() {
             ("encoder.kind", encoder.number())

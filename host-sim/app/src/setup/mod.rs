@@ -4,10 +4,10 @@
 mod kept;
 mod knob_scene;
 mod sheet;
-mod spin;
+pub(crate) mod spin;
 
 use super::config::toml_file;
-use super::device::{calibrated, start, status_of};
+use super::device::{calibrated, cogging, start, status_of};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
@@ -60,6 +60,10 @@ pub struct Options {
     /// Keeps the alignment of an encoder that knows where it is, so that the next start checks it with a small motion and looks for nothing.
     #[arg(long)]
     keep_alignment: bool,
+    /// Measures the motor's cogging as well, and keeps a map that takes it away: THE SHAFT TURNS SLOWLY for a minute more. For an
+    /// encoder that knows where it is.
+    #[arg(long)]
+    cogging: bool,
 }
 
 /// Runs it. What a board does in the middle of it, its cable or its supply, costs the step that it falls into.
@@ -95,6 +99,9 @@ fn stepped(options: &Options) -> Result<()> {
     let mut client = connect(options)?;
     let who = described(client.identity());
     tell!("    {who}");
+    if !client.identity().board.senses_current() {
+        return Err(cannot_measure(&client));
+    }
     begin(&mut client, &mut kept, &options.out)?;
 
     tell!("2/6 settings   what the knob is said to be");
@@ -154,12 +161,24 @@ fn stepped(options: &Options) -> Result<()> {
         tell!("    keeps its alignment, and checks it: the shaft moves a little");
         start::keep(&mut client)?;
     }
-    let page = sheet::write(&motor, &text, &all, &who, &options.out.join("report"))?;
+    let cogging = match options.cogging {
+        true => Some(uncogged(&mut client, &all, &stop)?),
+        false => None,
+    };
+    let page = sheet::write(
+        &motor,
+        cogging.as_ref(),
+        &text,
+        &all,
+        &who,
+        &options.out.join("report"),
+    )?;
     out::result(
         || {
             serde_json::json!({
                 "device": kept.device(),
                 "measured": kept::as_json(&motor),
+                "cogging": cogging.as_ref().map(cogging::Tried::json),
                 "scene": scene_file.display().to_string(),
                 "settings": law_file.display().to_string(),
                 "page": page.display().to_string(),
@@ -183,6 +202,23 @@ fn stepped(options: &Options) -> Result<()> {
             Ok(())
         },
     )
+}
+
+/// The cogging is measured and its map kept, and the board is ready again.
+fn uncogged(
+    client: &mut Client,
+    all: &DeviceSettings,
+    stop: &AtomicBool,
+) -> Result<cogging::Tried> {
+    tell!("    cogging: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice");
+    client.tell(&Request::Command(DeviceCommand::Stop))?;
+    let tried = cogging::measure(client, all, stop)?;
+    for line in tried.lines() {
+        tell!("    {line}");
+    }
+    client.tell(&Request::Command(DeviceCommand::Calibrate))?;
+    calibrated(client)?;
+    Ok(tried)
 }
 
 /// The settings that the board had at first: whatever comes, `touchstone config import` brings them back.
@@ -246,6 +282,15 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     Ok(())
 }
 
+/// A board without current sensors has nothing to measure a motor with: what follows here would be a knob that nobody knows.
+fn cannot_measure(client: &Client) -> Error {
+    Error::device(
+        client.place(),
+        "this board does not measure its currents, so that it cannot measure a motor",
+        "tell it the motor's resistance, inductance and torque constant: docs/voltage-mode.md, \"By hand\"",
+    )
+}
+
 /// Those of before, with what a person says of the knob.
 fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceSettings> {
     let board = client.identity().board;
@@ -262,17 +307,22 @@ fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceS
     }
     settings.calibration.measures = false;
     refuse_invalid(&settings, client)?;
-    if options.keep_alignment {
-        may_keep(client, &settings).map_err(|why| Error::Option {
-            option: "--keep-alignment".into(),
-            problem: why.words().into(),
-            fix: "leave it out".into(),
-        })?;
+    for (is_asked, option) in [
+        (options.keep_alignment, "--keep-alignment"),
+        (options.cogging, "--cogging"),
+    ] {
+        if let (true, Err(why)) = (is_asked, may_keep(client, &settings)) {
+            return Err(Error::Option {
+                option: option.into(),
+                problem: why.words().into(),
+                fix: "leave it out".into(),
+            });
+        }
     }
     Ok(settings)
 }
 
-/// Whether this board keeps an alignment with these settings.
+/// Whether this board keeps an alignment and a map with these settings.
 fn may_keep(client: &Client, settings: &DeviceSettings) -> std::result::Result<(), Unkept> {
     match client.identity().board.is_large() {
         true => kept_start::may_keep(settings),

@@ -1,5 +1,6 @@
 //! What was measured of a knob, for people: as lines, and as a page with the settings that came of it.
 
+use super::super::device::cogging::Tried;
 use super::super::report_options::program;
 use super::kept::{VALUES, as_json, values};
 use std::path::{Path, PathBuf};
@@ -42,6 +43,7 @@ pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
 /// The page, in a folder of its own; its place.
 pub fn write(
     motor: &MeasuredMotor,
+    cogging: Option<&Tried>,
     scene: &str,
     settings: &DeviceSettings,
     who: &str,
@@ -52,6 +54,32 @@ pub fn write(
         header: ["what", "value", "uncertainty"].map(str::to_owned).to_vec(),
         rows: rows(motor).map(Vec::from).collect(),
     };
+    let felt = cogging.map(|tried| Block::Table {
+        caption: "The shaft turns slowly, both ways, without the map of the cogging and with it."
+            .into(),
+        header: ["what", "value"].map(str::to_owned).to_vec(),
+        rows: [
+            (
+                "cogging, effective value",
+                format!("{:.3e} N·m", tried.found.rms_n_m),
+            ),
+            (
+                "cogging, largest",
+                format!("{:.3e} N·m", tried.found.peak_n_m),
+            ),
+            (
+                "differs between turns",
+                format!("{:.0} %", 100.0 * tried.found.unrepeated),
+            ),
+            (
+                "ripple without the map",
+                format!("{:.2e} rad", tried.ripple_rad[0]),
+            ),
+            ("ripple with it", format!("{:.2e} rad", tried.ripple_rad[1])),
+        ]
+        .map(|(what, value)| vec![what.to_owned(), value])
+        .to_vec(),
+    });
     let all = Block::Table {
         caption: "All settings that the board keeps.".into(),
         header: ["setting", "value"].map(str::to_owned).to_vec(),
@@ -79,7 +107,11 @@ pub fn write(
         command: &command,
         program: program(),
         sections: &[
-            section("The motor and its knob", vec![measured], false),
+            section(
+                "The motor and its knob",
+                std::iter::once(measured).chain(felt).collect(),
+                false,
+            ),
             section("Settings", vec![all], true),
         ],
         results: ("measured", &result),

@@ -29,18 +29,16 @@ pub fn measure(
     settings: &DeviceSettings,
     stop: &AtomicBool,
 ) -> Result<MeasuredMotor> {
-    let mut asked = settings.clone();
+    let mut asked = watched(settings);
     asked.calibration.measures = true;
-    if asked.limits.host_silence_s == Si::ZERO {
-        asked.limits.host_silence_s = HOST_SILENCE_S;
-    }
     client.tell(&Request::SetAll(asked))?;
     client.tell(&Request::Telemetry { decimation: 1 })?;
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     // A fault whose cause is still there comes back before anything turns.
     calibrate.map_err(|refused| fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
-    let heard = listen(client, settings, stop);
+    let limit = calibration_limit(settings) + MEASUREMENT_LONGEST;
+    let heard = listen(client, limit, stop, told);
     // Whatever came of it: off, and as it was.
     let stopped = client
         .tell(&Request::Command(DeviceCommand::Stop))
@@ -71,14 +69,23 @@ pub fn measure(
     })
 }
 
+/// The same settings for a shaft that turns by itself: a device that hears nothing switches off.
+pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
+    let mut asked = settings.clone();
+    if asked.limits.host_silence_s == Si::ZERO {
+        asked.limits.host_silence_s = HOST_SILENCE_S;
+    }
+    asked
+}
+
 /// What is told of the motor until the device is ready; nothing when a person has had enough.
-fn listen(
+pub fn listen<T>(
     client: &mut Client,
-    settings: &DeviceSettings,
+    limit: Duration,
     stop: &AtomicBool,
-) -> Result<Option<Vec<MotorTick>>> {
+    mut told: impl FnMut(&Telemetry) -> Option<T>,
+) -> Result<Option<Vec<T>>> {
     let begun = Instant::now();
-    let limit = calibration_limit(settings) + MEASUREMENT_LONGEST;
     let (mut heard, mut spoken) = (begun, begun);
     let (mut ticks, mut begins) = (Vec::new(), false);
     let failed = |client: &Client, problem: String, fix: &str| {
@@ -127,7 +134,7 @@ fn listen(
 }
 
 /// The fault that ended it, with what to do.
-fn fault(client: &mut Client) -> Result<Error> {
+pub fn fault(client: &mut Client) -> Result<Error> {
     let fault = match client.ask(&Request::Fault)? {
         Reply::Fault(fault) => fault,
         other => return Err(client.odd(&other)),

@@ -63,8 +63,8 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
 
     device.run(&["config", "save"]).done();
     let image = device.world().1.saved.clone().expect("saved");
-    let (_, kept, _) = stored::decode_with(&image, &|_| Ok(())).expect("readable");
-    assert_eq!(kept, expected);
+    let start = stored::decode_with(&image, &|_| Ok(())).expect("readable");
+    assert_eq!(start.environment, expected);
 
     ask(&["--wall-alone"]).done();
     assert_eq!(ask(&[]).done(), alone.replace("0.5 N·m/s", "0.25 N·m/s"));

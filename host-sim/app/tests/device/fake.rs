@@ -38,6 +38,8 @@ pub struct Trouble {
     pub calibration_fails: bool,
     /// It is the board without room for more than one wall.
     pub small: bool,
+    /// It is the board that measures no current.
+    pub no_current: bool,
 }
 
 /// Ticks between two looks at the socket, and how long one takes.
@@ -112,6 +114,8 @@ impl Fake {
     fn switched_on(trouble: Trouble) -> Arc<Mutex<(Session, World)>> {
         let board = if trouble.small {
             Board::BG431bEsc1
+        } else if trouble.no_current {
+            Board::NucleoG474reSimplefocMini
         } else {
             Board::NucleoG474re
         };

@@ -1,6 +1,7 @@
 //! The program against a device that is not there: a TCP socket or a pseudo terminal behind which the device's own code of the protocol answers.
 
 mod board_page;
+mod cogging;
 mod compare;
 mod config;
 mod doctor;

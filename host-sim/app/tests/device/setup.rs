@@ -1,5 +1,6 @@
 //! `touchstone setup`: from a board whose motor is another than its settings say to a tuned one; interrupted, it goes on or says why not.
 
+use super::fake::{Fake, Trouble};
 use super::spun::{Pulled, Spun};
 use super::{folder, run};
 use std::path::{Path, PathBuf};
@@ -214,4 +215,23 @@ fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
     let said = setup(&device, &out, &law);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.err.contains("was in fault 03 under-voltage"));
+}
+
+#[test]
+fn a_board_without_current_sensors_is_not_set_up() {
+    let device = Fake::with(Trouble {
+        no_current: true,
+        ..Trouble::default()
+    });
+    let out = folder("setup-no-current");
+    device
+        .run(&["setup", "--out", &out.display().to_string()])
+        .failed(
+            1,
+            &["does not measure its currents", "docs/voltage-mode.md"],
+        );
+    assert!(!out.join("before.toml").exists());
+    // Nor is it asked to by a setting.
+    let failed = device.run(&["config", "set", "calibration.measures", "true"]);
+    failed.failed(2, &["can measure no motor"]);
 }

@@ -2,14 +2,15 @@
 
 use super::fake::{Served, listen};
 use std::sync::{Arc, Mutex, MutexGuard};
+use touchstone_drive::cogging::Played;
 use touchstone_drive::wire::{checked, hardware};
 use touchstone_protocol::frame::{self, FRAME_MAX};
 use touchstone_protocol::session::{Backend, FlashError, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
-    Board, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice, Identity,
-    KeptAlignment, KeptStart, MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk,
-    SelfStart, stored,
+    Board, CoggingMap, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice,
+    Identity, KeptAlignment, MeasuringPart, PROTOCOL_VERSION, Phase, ResetReason, RingChunk,
+    SelfStart, Sweep, stored,
 };
 use touchstone_tests::knob::{Knob, PERIOD_S, Tamper};
 use touchstone_world::motor::MotorParameters;
@@ -52,9 +53,8 @@ pub struct Spinning {
     pulled: bool,
     /// The motor's supply goes with the first tick of this part.
     pub supply_goes_in: Option<MeasuringPart>,
-    /// The settings that count, and those in the flash.
-    used: DeviceSettings,
-    kept: Option<(DeviceSettings, KeptStart)>,
+    /// What is in the flash.
+    kept: Option<stored::Start>,
     settings: u32,
     calibrations: u32,
     number: u8,
@@ -79,7 +79,6 @@ impl Spun {
             pulled_in: None,
             pulled: false,
             supply_goes_in: None,
-            used: settings.clone(),
             kept: None,
             settings: 0,
             calibrations: 0,
@@ -98,16 +97,19 @@ impl Spun {
     /// Its supply is back, and the cable in: it starts with what is in the flash.
     pub fn power_up(&self) {
         let (session, world) = &mut *self.world();
-        let saved = world.kept.clone();
-        let (settings, kept) =
-            saved.unwrap_or_else(|| (DeviceSettings::defaults(BOARD), KeptStart::default()));
+        let image = world.kept.clone();
+        let start = image
+            .unwrap_or_else(|| stored::start(None, DeviceSettings::defaults(BOARD), &|_| Ok(())));
+        let (settings, kept) = (start.settings, start.kept);
         let angle = world.knob.rig.now().angle_rad;
         world.knob = started(&settings, self.motor, &self.device, angle);
         let usable = kept.usable(&settings, BOARD);
         world.knob.device.keep(usable.ok().map(Into::into));
-        world.used = settings.clone();
         (world.pulled, world.pulled_in) = (false, None);
-        *session = Session::new(settings, true).with_kept(kept);
+        *session = Session::new(settings, true)
+            .with_kept(kept)
+            .with_cogging(start.cogging);
+        world.show_map(session);
     }
 
     /// The program, spoken to this device.
@@ -144,6 +146,11 @@ impl Spinning {
     /// New settings and calibrations so far.
     pub fn counted(&self) -> (u32, u32) {
         (self.settings, self.calibrations)
+    }
+
+    /// The map of the cogging that the session has.
+    pub fn show_map(&mut self, session: &Session) {
+        self.use_cogging(session.settings(), session.cogging(BOARD));
     }
 
     /// Whether the cable goes now.
@@ -230,12 +237,11 @@ impl Backend for Spinning {
         }
         let configured = self.knob.device.configure(settings, hardware(BOARD));
         configured.unwrap();
-        self.used = settings.clone();
     }
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError> {
         if !self.goes(Pulled::BeforeSaved) {
-            let (_, _, kept) = stored::decode_with(image, &|_| Ok(())).unwrap();
-            (self.saved, self.kept) = (true, Some((self.used.clone(), kept)));
+            let start = stored::decode_with(image, &|_| Ok(())).unwrap();
+            (self.saved, self.kept) = (true, Some(start));
             self.goes(Pulled::AfterSaved);
         }
         Ok(())
@@ -260,6 +266,14 @@ impl Backend for Spinning {
     }
     fn use_kept(&mut self, kept: Option<KeptAlignment>) {
         self.knob.device.keep(kept.map(Into::into));
+    }
+    fn use_cogging(&mut self, settings: &DeviceSettings, map: Option<&CoggingMap>) {
+        let played = map.map(|map| Played::new(map, settings, hardware(BOARD)));
+        let knob = &mut self.knob;
+        knob.device.play(&mut knob.around, played.as_ref());
+    }
+    fn sweep(&mut self, sweep: Sweep) {
+        self.knob.device.sweep(sweep);
     }
     fn alignment(&self) -> Option<(u16, bool)> {
         let found = self.knob.device.found()?;

@@ -59,9 +59,7 @@ fn an_alignment_is_kept_checked_used_and_forgotten() {
         .done();
     let said = device.run(&["device", "status"]).done();
     assert!(
-        said.contains(
-            "NOT USED: the kept alignment was measured with another number of pole pairs"
-        ),
+        said.contains("NOT USED: it was measured with another number of pole pairs"),
         "{said}"
     );
     device.run(&["device", "autostart", "on"]).failed(

@@ -3,6 +3,7 @@
 //! - [`swing`] pushes the free device, lets it coast to rest, at several speeds and both ways, and fits inertia, viscous damping
 //!   and dry friction at once;
 //! - [`motor`] does so with a real knob, of whose motor nothing is known yet: resistance, inductance and flux come first;
+//! - [`cogging`] makes a map of what a slow and even turn of a real knob takes;
 //! - [`axis`] fits mass, damping and friction of an axis of a haptic device that was moved about;
 //! - [`bisection`] is Algorithm 2.1 of the thesis: the damping that FBA may count on, with a finger at the device. Dry friction
 //!   counts there as damping, by an amount that depends on how hard the finger presses; so the presses are repeated, and the
@@ -10,6 +11,7 @@
 
 pub mod axis;
 pub mod bisection;
+pub mod cogging;
 pub mod lever;
 pub mod motor;
 pub mod swing;

@@ -1,0 +1,88 @@
+//! A calibration that looks for cogging, and the map that is played.
+
+use super::Device;
+use crate::Amps;
+use crate::around::Around;
+use crate::calibration::{Progress, failed};
+use crate::cogging::Played;
+use crate::measurement::Measuring;
+use crate::scenery::Scenery;
+use crate::sweep::Running;
+use touchstone_protocol::{State, Sweep};
+
+/// What is asked of the next calibration, and how far this one is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Swept {
+    wanted: Sweep,
+    pub(super) running: Option<Running>,
+}
+
+impl Device {
+    /// What the next calibration goes on with.
+    pub const fn sweep(&mut self, sweep: Sweep) {
+        self.swept.wanted = sweep;
+    }
+
+    /// Takes the map of the cogging that is played; `None`: none is. Made ready with the settings that [`Device::prepare`] got last: where
+    /// these wait for a calibration, nothing is played until then.
+    pub fn play(&self, around: &mut Around, map: Option<&Played>) {
+        around.play(map, self.configs.has_next());
+    }
+
+    /// What the map adds where the shaft is now.
+    #[inline(always)]
+    pub(super) fn map_here(&self, scenery: &impl Scenery) -> Amps {
+        let Some(played) = scenery.played() else {
+            return Amps::ZERO;
+        };
+        let config = self.configs.now().supervisor.shaft();
+        let shaft = self.supervisor.shaft();
+        let place = shaft.from_own_zero(config);
+        place.map_or(Amps::ZERO, |place| {
+            played.current(place, shaft.speed(config))
+        })
+    }
+
+    /// The alignment is found, and a sweep was asked for.
+    pub(super) fn begins_sweep(&self) -> bool {
+        self.swept.wanted != Sweep::None && self.swept.running.is_none()
+    }
+
+    /// One tick of a sweep, the first one with the alignment that was found. While it runs, the position that is told is that from the
+    /// encoder's own zero.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn swept(&mut self, tick: u32, count: i64, map: Amps) -> Progress {
+        let config = self.configs.now();
+        let shaft = self.supervisor.shaft();
+        let speed = shaft.speed(config.supervisor.shaft());
+        let own_zero = shaft.own_zero(config.supervisor.shaft());
+        let sweep = config.sweep;
+        let rotor = self.rotor(tick, count, 1 << 16);
+        // Once: the encoder's own reading begins anew with each turn.
+        if let (None, Some(own_zero)) = (&self.swept.running, own_zero) {
+            self.zero = own_zero.saturating_neg();
+        }
+        let map = match self.swept.wanted {
+            Sweep::Compensated => map,
+            Sweep::None | Sweep::Bare => Amps::ZERO,
+        };
+        let running = self
+            .swept
+            .running
+            .get_or_insert_with(|| Running::new(sweep, count));
+        match running.tick(count, speed, &rotor, map) {
+            Measuring::Running(command) => Progress::Running(command),
+            Measuring::Done => Progress::Done(self.alignment),
+            Measuring::Failed(reason) => failed(reason),
+        }
+    }
+
+    /// A state was left or entered: what was asked for was for one calibration.
+    pub(super) fn leave_sweep(&mut self, before: State) {
+        self.swept.running = None;
+        if before == State::Calibrating {
+            self.swept.wanted = Sweep::None;
+        }
+    }
+}

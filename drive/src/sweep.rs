@@ -1,0 +1,192 @@
+//! What a calibration that looks for cogging does with the motor: it turns the shaft slowly and evenly, one way and back, and tells what
+//! current that takes at which place. What is made of it is in `touchstone_lab::identify::cogging`.
+//!
+//! ```text
+//! Forward: a quarter of a turn to get going, two turns -> Backward: the same -> stand -> done
+//! ```
+//!
+//! A position loop follows a place that moves at a quarter of a turn a second. It need not be stiff: where it gives, the counts show it, and
+//! the desktop adds what the inertia took. Friction is with the motion and cogging is not, so the mean of both ways is the cogging alone; two
+//! turns of each say how well it repeats.
+
+use crate::Amps;
+use crate::calibration::Reason;
+use crate::command::Rotor;
+use crate::measurement::Measuring;
+use crate::units::{clamp_i32, narrow, product, quotient};
+use fixed::types::I16F16;
+use touchstone_control::Si;
+use touchstone_protocol::{DeviceSettings, MeasuringPart};
+
+/// Turns of each way that are looked at.
+pub const TURNS: i64 = 2;
+/// Quarters of a turn in a second.
+pub const QUARTERS_PER_S: i64 = 1;
+/// A shaft that is a 16th of a turn behind is held.
+const HELD: i64 = 16;
+
+/// `2π`.
+const TWO_PI: Si = Si::lit("6.283185307");
+/// The loop's frequency `ω`, rad/s: 20 Hz.
+const OMEGA: Si = Si::lit("125.66");
+/// Its damping, of critical.
+const DAMPING: Si = Si::lit("0.7");
+/// What the integral adds in a second, of the proportional part.
+const INTEGRAL_PER_S: Si = Si::lit("25");
+
+/// Coefficients of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SweepConfig {
+    counts_per_rev: i64,
+    /// Speed, 2^-16 counts a tick, and by how much it changes in one.
+    speed: i64,
+    speed_step: i64,
+    /// The same speed's rad/s, per 2^-16 counts a tick, with 32 fractional bits.
+    rad_per_s: i64,
+    /// A per count, with 32 fractional bits.
+    stiffness: i64,
+    /// Of that, what a tick adds to the integral, with 32 fractional bits more.
+    integral: i64,
+    /// A·s/rad.
+    damping: I16F16,
+    limit: Amps,
+    /// Ticks that the shaft is held at the end.
+    stand: u32,
+}
+
+impl SweepConfig {
+    /// From validated settings. The loop rests on `law.estimator.inertia_kg_m2`, within a factor of two.
+    #[must_use]
+    pub fn new(settings: &DeviceSettings) -> Self {
+        let rate = settings.timing.rate_hz.max(1);
+        let counts = i64::from(settings.encoder.counts_per_rev.max(1));
+        let per_second = (counts << 16) * QUARTERS_PER_S / 4;
+        let speed = (per_second / i64::from(rate)).max(1);
+        let constant = settings.motor.torque_constant_n_m_per_a;
+        let inertia = settings.law.estimator.inertia_kg_m2;
+        // J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
+        let once = quotient(inertia.saturating_mul(OMEGA), constant);
+        let twice = once.saturating_mul(OMEGA);
+        let counts_si = Si::saturating_from_num(counts);
+        let stiffness = quotient(twice.saturating_mul(TWO_PI), counts_si);
+        let rate_si = Si::saturating_from_num(rate);
+        let integral = quotient(INTEGRAL_PER_S, rate_si);
+        let rad = quotient(TWO_PI.saturating_mul(rate_si), counts_si);
+        Self {
+            counts_per_rev: counts,
+            speed,
+            speed_step: (speed * 4 / i64::from(rate)).max(1),
+            rad_per_s: rad.to_bits(),
+            stiffness: stiffness.to_bits(),
+            integral: integral.to_bits(),
+            damping: narrow(
+                once.saturating_mul(DAMPING)
+                    .saturating_mul(Si::const_from_int(2)),
+            ),
+            limit: narrow(settings.calibration.current_a),
+            stand: (rate / 2).max(1),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Forward,
+    Backward,
+    Stand,
+}
+
+/// A running sweep.
+#[derive(Debug, Clone, Copy)]
+pub struct Running {
+    config: SweepConfig,
+    way: Way,
+    /// Ticks that the shaft stands.
+    ticks: u32,
+    /// Where it is to be, 2^-16 counts, and how fast.
+    place: i64,
+    speed: i64,
+    /// Where this way ends, counts.
+    end: i64,
+    /// Current of the integral, 2^-48 A.
+    integral: i64,
+}
+
+impl Running {
+    /// Begins, with the shaft at a count.
+    #[must_use]
+    pub const fn new(config: SweepConfig, count: i64) -> Self {
+        Self {
+            config,
+            way: Way::Forward,
+            ticks: 0,
+            place: count << 16,
+            speed: 0,
+            end: count + way(config.counts_per_rev),
+            integral: 0,
+        }
+    }
+
+    /// What it is about; nothing while the shaft stands at the end.
+    #[must_use]
+    pub const fn part(&self) -> Option<MeasuringPart> {
+        match self.way {
+            Way::Forward => Some(MeasuringPart::Forward),
+            Way::Backward => Some(MeasuringPart::Backward),
+            Way::Stand => None,
+        }
+    }
+
+    /// One control tick with a good reading: the count, the shaft's speed, where the rotor is, and what a map adds.
+    ///
+    /// A tick without a good reading is left out: the outputs are off in it.
+    pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor, map: Amps) -> Measuring {
+        self.go(count);
+        let config = &self.config;
+        let behind = self.place.saturating_sub(count << 16);
+        if behind.saturating_abs() > (config.counts_per_rev << 16) / HELD {
+            return Measuring::Failed(Reason::Held);
+        }
+        if self.way == Way::Stand && self.ticks >= config.stand {
+            return Measuring::Done;
+        }
+        let spring = clamp_i32(behind.saturating_mul(config.stiffness) >> 32);
+        let most = i64::from(config.limit.to_bits()) << 32;
+        let more = i64::from(spring) * config.integral;
+        // Not `clamp`, which panics where its ends are the wrong way round.
+        self.integral = self.integral.saturating_add(more).min(most).max(-most);
+        let wanted = clamp_i32((self.speed * config.rad_per_s) >> 32);
+        let slower = wanted.saturating_sub(speed.to_bits());
+        let damper = product(slower, config.damping.to_bits(), 16);
+        let sum = i64::from(spring) + i64::from(damper) + (self.integral >> 32);
+        let along = Amps::from_bits(clamp_i32(sum));
+        let along = along.min(config.limit).max(config.limit.saturating_neg());
+        Measuring::Running(rotor.along(along.saturating_add(map)))
+    }
+
+    /// Where the shaft is to be in this tick.
+    fn go(&mut self, count: i64) {
+        let wanted = match self.way {
+            Way::Forward => self.config.speed,
+            Way::Backward => -self.config.speed,
+            Way::Stand => 0,
+        };
+        let step = self.config.speed_step;
+        self.speed += (wanted - self.speed).min(step).max(-step);
+        self.place = self.place.saturating_add(self.speed);
+        match self.way {
+            Way::Forward if count >= self.end => {
+                self.way = Way::Backward;
+                self.end -= way(self.config.counts_per_rev);
+            }
+            Way::Backward if count <= self.end => self.way = Way::Stand,
+            Way::Stand => self.ticks = self.ticks.saturating_add(1),
+            Way::Forward | Way::Backward => {}
+        }
+    }
+}
+
+/// Counts of a way: a quarter of a turn to get going, in which it also turns round, and the turns.
+const fn way(counts_per_rev: i64) -> i64 {
+    counts_per_rev * TURNS + counts_per_rev / 4
+}

@@ -1,0 +1,362 @@
+//! `touchstone device cogging`: the map of a motor's cogging, measured, tried, kept and forgotten.
+
+use super::{calibration_limit, status_of};
+use crate::interrupt::{self, INTERRUPTED};
+use crate::out::{self, note, say, tell};
+use crate::setup::spin;
+use clap::Subcommand;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+use touchstone_device::Client;
+use touchstone_drive::cogging::SHARE;
+use touchstone_drive::sweep::{QUARTERS_PER_S, TURNS};
+use touchstone_drive::wire::hardware;
+use touchstone_lab::identify::cogging::{KnownKnob, MeasuredCogging, NoMap, SweepTick, Swept};
+use touchstone_protocol::settings::kept as kept_start;
+use touchstone_protocol::{
+    CoggingMap, CoggingReport, DeviceCommand, DeviceSettings, MeasuringPart, Phase, Reply, Request,
+    Sweep, Telemetry, Unkept,
+};
+use touchstone_sim::error::{Error, Result};
+
+/// What is done with a map.
+#[derive(Debug, Clone, Copy, Subcommand)]
+pub enum CoggingAction {
+    /// Measures it, tries it, keeps and saves it: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
+    Measure,
+    /// Tries the kept one: HANDS OFF, THE SHAFT TURNS SLOWLY, without it and with it.
+    Check,
+    /// Forgets it, and saves that.
+    Forget,
+}
+
+/// A map takes away at least this part of the shaft's ripple, or it is none of this motor. A map that is half a period off doubles it.
+const LEFT_MOST: f64 = 0.7;
+/// What a sweep takes beside its calibration and its turns.
+const SWEEP_REST: Duration = Duration::from_secs(10);
+
+/// A map, and what it does.
+#[derive(Debug, Clone)]
+pub struct Tried {
+    /// The map, as it was measured.
+    pub found: MeasuredCogging,
+    /// The shaft's ripple in the slow turn without a map, and with it, rad.
+    pub ripple_rad: [f64; 2],
+}
+
+impl Tried {
+    /// What the map leaves of the ripple.
+    pub fn left(&self) -> f64 {
+        self.ripple_rad[1] / self.ripple_rad[0]
+    }
+
+    /// For programs.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "rms_n_m": self.found.rms_n_m,
+            "peak_n_m": self.found.peak_n_m,
+            "unrepeated_share": self.found.unrepeated,
+            "ripple_before_rad": self.ripple_rad[0],
+            "ripple_after_rad": self.ripple_rad[1],
+            "orders": self.found.map.harmonics.iter().map(|it| it.order).collect::<Vec<_>>(),
+        })
+    }
+
+    /// For people.
+    pub fn lines(&self) -> [String; 3] {
+        let found = &self.found;
+        let orders: Vec<String> = found
+            .map
+            .harmonics
+            .iter()
+            .map(|it| it.order.to_string())
+            .collect();
+        [
+            format!(
+                "cogging {:.3} mN·m rms, {:.3} at most; {} periods a turn",
+                1e3 * found.rms_n_m,
+                1e3 * found.peak_n_m,
+                orders.join(", ")
+            ),
+            format!(
+                "repeats  within {:.0} % from turn to turn",
+                100.0 * found.unrepeated
+            ),
+            format!(
+                "ripple   of a slow turn {:.2e} rad without the map, {:.2e} with it ({:.0} %)",
+                self.ripple_rad[0],
+                self.ripple_rad[1],
+                100.0 * self.left()
+            ),
+        ]
+    }
+}
+
+/// Shows, measures, tries or forgets.
+pub fn main(client: &mut Client, action: Option<CoggingAction>) -> Result<()> {
+    let settings = client.settings()?;
+    may_keep(client, &settings)?;
+    let Some(action) = action else {
+        return shown(client, &settings);
+    };
+    at_rest(client)?;
+    if let CoggingAction::Forget = action {
+        client.tell(&Request::ForgetCogging)?;
+        client.tell(&Request::Save)?;
+        return out::result(
+            || serde_json::json!({ "kept": false }),
+            || {
+                tell!("forgotten and saved");
+                Ok(())
+            },
+        );
+    }
+    let stop = interrupt::noted()?;
+    tell!("HANDS OFF: THE SHAFT TURNS SLOWLY, both ways and twice, for a minute");
+    let tried = match action {
+        CoggingAction::Check => check(client, &settings, &stop)?,
+        _ => measure(client, &settings, &stop)?,
+    };
+    out::result(
+        || tried.json(),
+        || {
+            for line in tried.lines() {
+                say!("{line}");
+            }
+            if let CoggingAction::Measure = action {
+                tell!("kept and saved; next: touchstone device calibrate");
+            }
+            Ok(())
+        },
+    )
+}
+
+/// Whether this board keeps a map with these settings.
+pub fn may_keep(client: &Client, settings: &DeviceSettings) -> Result<()> {
+    let board = client.identity().board;
+    let why = if !board.is_large() {
+        Some("it has no connector for an encoder that knows where it is")
+    } else if hardware(board).gives_voltage() {
+        Some("it measures no current")
+    } else {
+        kept_start::may_keep(settings).err().map(Unkept::words)
+    };
+    why.map_or(Ok(()), |why| {
+        Err(Error::device(
+            client.place(),
+            format!("this board keeps no map of the cogging: {why}"),
+            "use a magnetic encoder on a NUCLEO-G474RE with a shield that measures currents",
+        ))
+    })
+}
+
+fn report(client: &mut Client) -> Result<CoggingReport> {
+    match client.ask(&Request::Cogging)? {
+        Reply::Cogging(report) => Ok(report),
+        other => Err(client.odd(&other)),
+    }
+}
+
+fn shown(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
+    let board = client.identity().board;
+    let kept = report(client)?.kept;
+    let usable = kept.as_ref().map(|kept| kept.usable(settings, board));
+    let line = match &usable {
+        None => "no map is kept: touchstone device cogging measure".into(),
+        Some(Ok(map)) => format!(
+            "a map of {} harmonics is kept and played",
+            map.harmonics.len()
+        ),
+        Some(Err(why)) => format!("a map is kept and NOT PLAYED: {}", why.words()),
+    };
+    out::result(
+        || {
+            serde_json::json!({
+                "kept": kept.is_some(),
+                "played": matches!(usable, Some(Ok(_))),
+            })
+        },
+        || {
+            say!("{line}");
+            Ok(())
+        },
+    )
+}
+
+/// Nothing is driven, and it saves.
+fn at_rest(client: &mut Client) -> Result<()> {
+    match status_of(client)?.phase {
+        Phase::Armed => Err(Error::device(
+            client.place(),
+            "the wall is on",
+            "let go of the knob, then: touchstone device stop",
+        )),
+        Phase::Ready | Phase::Calibrating | Phase::Fault => {
+            client.tell(&Request::Command(DeviceCommand::Stop))
+        }
+        Phase::Boot | Phase::Stopped => Ok(()),
+    }
+}
+
+/// Measures a map, keeps it, tries it and saves it. What does not take the ripple away is not kept. The device is left stopped.
+pub fn measure(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> Result<Tried> {
+    guarded(client, settings, |client, asked| {
+        let (before, known) = swept(client, asked, stop, Sweep::Bare)?;
+        let found = before.map(&known).map_err(|why| no_map(client, &why))?;
+        client.tell(&Request::KeepCogging(found.map.clone()))?;
+        let after = tried(client, asked, stop, &found.map);
+        let ripple_rad = match after {
+            Ok(after) => [before.ripple_rad(&found.map), after],
+            Err(error) => return forgotten(client, error),
+        };
+        let tried = Tried { found, ripple_rad };
+        match judged(client, &tried) {
+            Ok(()) => Ok(tried),
+            Err(error) => forgotten(client, error),
+        }
+    })
+    .and_then(|tried| client.tell(&Request::Save).map(|()| tried))
+}
+
+/// Tries the map that is kept.
+fn check(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> Result<Tried> {
+    let board = client.identity().board;
+    let kept = report(client)?.kept.ok_or(Unkept::None);
+    let usable = kept.and_then(|kept| kept.usable(settings, board).cloned());
+    let map = usable.map_err(|why| {
+        let problem = match why {
+            Unkept::None => "no map is kept".into(),
+            why => format!("the kept map is not played: {}", why.words()),
+        };
+        Error::device(client.place(), problem, AGAIN)
+    })?;
+    guarded(client, settings, |client, asked| {
+        let (before, known) = swept(client, asked, stop, Sweep::Bare)?;
+        let found = before.map(&known).map_err(|why| no_map(client, &why))?;
+        client.tell(&Request::Command(DeviceCommand::Stop))?;
+        let after = tried(client, asked, stop, &map)?;
+        let ripple_rad = [before.ripple_rad(&map), after];
+        let tried = Tried { found, ripple_rad };
+        judged(client, &tried).map(|()| tried)
+    })
+}
+
+const AGAIN: &str = "measure it: touchstone device cogging measure";
+
+/// The shaft's ripple while the kept map is played, rad.
+fn tried(
+    client: &mut Client,
+    asked: &DeviceSettings,
+    stop: &AtomicBool,
+    map: &CoggingMap,
+) -> Result<f64> {
+    client.tell(&Request::Command(DeviceCommand::Stop))?;
+    let (after, _) = swept(client, asked, stop, Sweep::Compensated)?;
+    Ok(after.ripple_rad(map))
+}
+
+fn judged(client: &Client, tried: &Tried) -> Result<()> {
+    let left = tried.left();
+    // What is no number is refused, too.
+    if left < LEFT_MOST {
+        return Ok(());
+    }
+    Err(Error::device(
+        client.place(),
+        format!(
+            "with the map the shaft's ripple is {:.0} % of what it is without: it is not of this motor as it is now",
+            100.0 * left
+        ),
+        AGAIN,
+    ))
+}
+
+/// What did not pass is not kept.
+fn forgotten<T>(client: &mut Client, error: Error) -> Result<T> {
+    client.tell(&Request::Command(DeviceCommand::Stop))?;
+    client.tell(&Request::ForgetCogging)?;
+    Err(error)
+}
+
+fn no_map(client: &Client, why: &NoMap) -> Error {
+    let fix = match why {
+        NoMap::Nothing { .. } => {
+            "there is nothing to be done; or look with more care: less friction, a finer current sensor"
+        }
+        NoMap::TooLarge { .. } => "a larger motor.current_limit_a, if motor and board bear it",
+        NoMap::Incomplete { .. } | NoMap::DoesNotRepeat { .. } => {
+            "hands off, shaft free, nothing loose; then the same command again"
+        }
+    };
+    Error::device(client.place(), why.to_string(), fix)
+}
+
+/// With a device that switches off soon after its cable is gone; whatever comes of it, stopped, and with its settings.
+fn guarded<T>(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    work: impl FnOnce(&mut Client, &DeviceSettings) -> Result<T>,
+) -> Result<T> {
+    let asked = spin::watched(settings);
+    client.tell(&Request::SetAll(asked.clone()))?;
+    let done = work(client, &asked);
+    let decimation = settings.telemetry.decimation;
+    let back = client
+        .tell(&Request::Command(DeviceCommand::Stop))
+        .and_then(|()| client.tell(&Request::SetAll(settings.clone())))
+        .and_then(|()| client.tell(&Request::Telemetry { decimation }));
+    let done = done?;
+    back.map(|()| done)
+}
+
+/// One calibration with a sweep, from stopped to ready.
+fn swept(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    stop: &AtomicBool,
+    sweep: Sweep,
+) -> Result<(Swept, KnownKnob)> {
+    let rate = settings.timing.rate_hz;
+    let decimation = u16::try_from(rate / 1_000).unwrap_or(1).max(1);
+    client.tell(&Request::Telemetry { decimation })?;
+    client.tell(&Request::Sweep(sweep))?;
+    let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
+    calibrate.map_err(|refused| spin::fault(client).unwrap_or(refused))?;
+    client.forget_telemetry();
+    // Two ways, each with a quarter of a turn more.
+    let quarters = 2 * (4 * TURNS + 1) / QUARTERS_PER_S;
+    let turning = Duration::from_secs(quarters.unsigned_abs());
+    let limit = calibration_limit(settings) + turning + SWEEP_REST;
+    let Some(ticks) = spin::listen(client, limit, stop, told)? else {
+        client.tell(&Request::Command(DeviceCommand::Stop))?;
+        note!("interrupted: the motor is off, and nothing was saved");
+        std::process::exit(INTERRUPTED);
+    };
+    let against = report(client)?.against.ok_or_else(|| {
+        Error::device(
+            client.place(),
+            "the calibration is gone",
+            "the same command again",
+        )
+    })?;
+    let known = KnownKnob {
+        rate_hz: rate.into(),
+        counts_per_rev: settings.encoder.counts_per_rev.into(),
+        torque_constant_n_m_per_a: settings.motor.torque_constant_n_m_per_a.to_num(),
+        inertia_kg_m2: settings.law.estimator.inertia_kg_m2.to_num(),
+        against,
+        most_a: settings.motor.current_limit_a.to_num::<f64>() / f64::from(SHARE),
+    };
+    let swept = Swept::new(&ticks, &known).map_err(|why| no_map(client, &why))?;
+    Ok((swept, known))
+}
+
+fn told(record: &Telemetry) -> Option<SweepTick> {
+    let part = record.measuring?.part;
+    matches!(part, MeasuringPart::Forward | MeasuringPart::Backward).then(|| SweepTick {
+        tick: record.tick,
+        part,
+        count: record.count,
+        current_a: 1e-3 * f64::from(record.current_q_ma),
+    })
+}

@@ -1,0 +1,332 @@
+//! The cogging of a real knob, from the current that a slow and even turn takes at each place, and what is left of it when a map is played.
+//!
+//! What is looked at is what the device sends while it sweeps (`touchstone_drive::sweep`): two turns each way, with the position from the
+//! encoder's own zero. In a turn forward `J a = k_t i + T(x) - F`, in one back `J a = k_t i + T(x) + F`: the mean of both is without the
+//! friction `F`, and the current that holds the cogging is `-T/k_t = i - J a/k_t`. What the acceleration takes follows from the motion itself:
+//! a ripple `δ` of `n` periods a turn is `a = -(n ω)² δ`. Two such means, of other turns, say how well it repeats.
+
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+use touchstone_protocol::MeasuringPart;
+use touchstone_protocol::settings::cogging::{
+    CURRENT_BITS, CoggingHarmonic, CoggingMap, HARMONICS,
+};
+
+/// What a device says of one control tick of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SweepTick {
+    /// Its number.
+    pub tick: u32,
+    /// Which way.
+    pub part: MeasuringPart,
+    /// Position from the encoder's own zero, counts.
+    pub count: i32,
+    /// Current along the rotor's q axis, A.
+    pub current_a: f64,
+}
+
+/// What is known beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownKnob {
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Counts of a revolution.
+    pub counts_per_rev: f64,
+    /// N·m/A.
+    pub torque_constant_n_m_per_a: f64,
+    /// Of rotor and knob, kg·m².
+    pub inertia_kg_m2: f64,
+    /// The electrical angle falls when the count rises.
+    pub against: bool,
+    /// The largest current that a map may have, A.
+    pub most_a: f64,
+}
+
+/// A sweep, as harmonics over a turn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swept {
+    /// The current that holds the cogging, by orders from 1, A: `re cos(n θ) - im sin(n θ)`.
+    current_a: Vec<Complex<f64>>,
+    /// Half of what the two pairs of turns differ by.
+    apart_a: Vec<Complex<f64>>,
+    /// The shaft's ripple around an even motion, rad.
+    ripple_rad: Vec<Complex<f64>>,
+    /// Half of the mean difference of both ways: friction and damping, N·m.
+    pub drag_n_m: f64,
+}
+
+/// A map, and how good it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredCogging {
+    /// What the device may keep.
+    pub map: CoggingMap,
+    /// Effective value of its torque, N·m.
+    pub rms_n_m: f64,
+    /// Its largest, N·m.
+    pub peak_n_m: f64,
+    /// What does not repeat between turns, as an effective value, in parts of the map's.
+    pub unrepeated: f64,
+}
+
+/// Why there is nothing to be made of it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoMap {
+    /// The sweep is not whole.
+    #[error("the sweep is not whole: a turn is missing, or {lost} records in a row were lost")]
+    Incomplete {
+        /// The longest gap, ticks.
+        lost: u32,
+    },
+    /// No order stands out of what does not repeat.
+    #[error("no cogging stands out: less than {n_m:.1e} N·m of any order")]
+    Nothing {
+        /// What would have stood out.
+        n_m: f64,
+    },
+    /// The turns disagree.
+    #[error("the turns disagree by {percent:.0} % of what they have in common")]
+    DoesNotRepeat {
+        /// By how much.
+        percent: f64,
+    },
+    /// More than the device plays.
+    #[error(
+        "the cogging takes {ampere:.3} A, more than the {most:.3} A of a map (a quarter of motor.current_limit_a)"
+    )]
+    TooLarge {
+        /// What it takes.
+        ampere: f64,
+        /// What a map may have.
+        most: f64,
+    },
+}
+
+/// Orders that are looked at.
+const ORDERS: usize = 255;
+/// Turns of each way.
+const TURNS: usize = 2;
+/// Longest gap in what was told, ticks.
+const LOST_MOST: u32 = 50;
+/// An order stands out if it is so many times what the turns differ by in the middle of all orders. Noise alone would make one of twenty
+/// sweeps have one: `255 · 2^-(3.5²)`.
+const OUTSTANDING: f64 = 3.5;
+/// And so many times its own difference.
+const ITS_OWN: f64 = 2.0;
+/// Orders up to this are slow.
+const SLOW: usize = 12;
+/// Slow ones may differ so many times as much as the one in the middle, or by this part of the map.
+const SLOW_MOST: f64 = 5.0;
+const UNREPEATED_MOST: f64 = 0.2;
+
+impl Swept {
+    /// What a device told.
+    ///
+    /// # Errors
+    /// [`NoMap::Incomplete`].
+    pub fn new(ticks: &[SweepTick], known: &KnownKnob) -> Result<Self, NoMap> {
+        let way = |part| -> Vec<&SweepTick> { ticks.iter().filter(|it| it.part == part).collect() };
+        let (there, back) = (way(MeasuringPart::Forward), way(MeasuringPart::Backward));
+        let mut turns = Vec::new();
+        for back_by in 0..TURNS {
+            turns.push([
+                Turn::new(&there, back_by, known)?,
+                Turn::new(&back, back_by, known)?,
+            ]);
+        }
+        let mean = |of: &dyn Fn(&Turn) -> &[Complex<f64>], turn: usize| -> Vec<Complex<f64>> {
+            let [there, back] = &turns[turn];
+            let pairs = of(there).iter().zip(of(back));
+            pairs.map(|(a, b)| 0.5 * (a + b)).collect()
+        };
+        let both = |of: &dyn Fn(&Turn) -> &[Complex<f64>], sign: f64| -> Vec<Complex<f64>> {
+            let pairs = mean(of, 0).into_iter().zip(mean(of, 1));
+            pairs.map(|(a, b)| 0.5 * (a + sign * b)).collect()
+        };
+        let drag_a = turns.iter().map(|[there, back]| there.mean_a - back.mean_a);
+        Ok(Self {
+            current_a: both(&|turn| &turn.current_a, 1.0),
+            apart_a: both(&|turn| &turn.current_a, -1.0),
+            ripple_rad: both(&|turn| &turn.ripple_rad, 1.0),
+            drag_n_m: 0.5 * known.torque_constant_n_m_per_a * drag_a.sum::<f64>() / TURNS as f64,
+        })
+    }
+
+    /// The map of it.
+    ///
+    /// # Errors
+    /// [`NoMap`].
+    pub fn map(&self, known: &KnownKnob) -> Result<MeasuredCogging, NoMap> {
+        let constant = known.torque_constant_n_m_per_a;
+        let mut apart: Vec<f64> = self.apart_a.iter().map(|it| it.norm()).collect();
+        apart.sort_by(f64::total_cmp);
+        let noise = apart[apart.len() / 2];
+        let floor = OUTSTANDING * noise;
+        let mut found: Vec<(usize, Complex<f64>)> = (1..)
+            .zip(&self.current_a)
+            .zip(&self.apart_a)
+            .filter(|((_, it), apart)| it.norm() > floor.max(ITS_OWN * apart.norm()))
+            .map(|((order, it), _)| (order, *it))
+            .collect();
+        found.sort_by(|a, b| b.1.norm().total_cmp(&a.1.norm()));
+        found.truncate(HARMONICS);
+        let kept: Vec<Complex<f64>> = found.iter().map(|(_, it)| *it).collect();
+        let rms_a = rms(&kept);
+        if found.is_empty() {
+            return Err(NoMap::Nothing {
+                n_m: floor * constant,
+            });
+        }
+        // What noise does is alike at all orders; what a hand or a loose part does is slow, and is not the same in the next turn.
+        let slow = rms(&self.apart_a[..SLOW]) / (0.5 * SLOW as f64).sqrt();
+        let unrepeated = slow / rms_a;
+        if slow > SLOW_MOST * noise && unrepeated > UNREPEATED_MOST {
+            return Err(NoMap::DoesNotRepeat {
+                percent: 100.0 * unrepeated,
+            });
+        }
+        let of_kept = found
+            .iter()
+            .filter_map(|(order, _)| self.apart_a.get(order - 1));
+        let unrepeated = rms(&of_kept.copied().collect::<Vec<_>>()) / rms_a;
+        let at = |angle: f64| -> f64 {
+            let of =
+                |(order, it): &(usize, Complex<f64>)| (it * Complex::cis(*order as f64 * angle)).re;
+            found.iter().map(of).sum()
+        };
+        let places = 4_096;
+        let peak_a = (0..places)
+            .map(|place| at(TAU * f64::from(place) / f64::from(places)).abs())
+            .fold(0.0, f64::max);
+        if peak_a > known.most_a {
+            return Err(NoMap::TooLarge {
+                ampere: peak_a,
+                most: known.most_a,
+            });
+        }
+        // Within 4 A: the check above and the largest current limit leave less.
+        let bits = |ampere: f64| (ampere * f64::from(1 << CURRENT_BITS)).round() as i16;
+        let harmonics = found.iter().map(|(order, it)| CoggingHarmonic {
+            order: *order as u8,
+            cos: bits(it.re),
+            sin: bits(-it.im),
+        });
+        Ok(MeasuredCogging {
+            map: CoggingMap {
+                harmonics: harmonics.collect(),
+            },
+            rms_n_m: rms_a * constant,
+            peak_n_m: peak_a * constant,
+            unrepeated,
+        })
+    }
+
+    /// The shaft's ripple at the orders of a map, effective value, rad.
+    #[must_use]
+    pub fn ripple_rad(&self, map: &CoggingMap) -> f64 {
+        let of = |it: &CoggingHarmonic| self.ripple_rad.get(usize::from(it.order).checked_sub(1)?);
+        rms(&map
+            .harmonics
+            .iter()
+            .filter_map(of)
+            .copied()
+            .collect::<Vec<_>>())
+    }
+}
+
+/// Effective value of the sum of harmonics.
+fn rms(harmonics: &[Complex<f64>]) -> f64 {
+    let squares: f64 = harmonics.iter().map(|it| it.norm_sqr()).sum();
+    (0.5 * squares).sqrt()
+}
+
+/// One turn of one way.
+struct Turn {
+    current_a: Vec<Complex<f64>>,
+    ripple_rad: Vec<Complex<f64>>,
+    mean_a: f64,
+}
+
+impl Turn {
+    /// The last turn of a way, or the one before it.
+    fn new(way: &[&SweepTick], back_by: usize, known: &KnownKnob) -> Result<Self, NoMap> {
+        let incomplete = NoMap::Incomplete { lost: 0 };
+        let (Some(first), Some(last)) = (way.first(), way.last()) else {
+            return Err(incomplete);
+        };
+        let sign = f64::from((last.count - first.count).signum());
+        let turn = known.counts_per_rev;
+        // How far it is still to the end, counts.
+        let left = |it: &SweepTick| sign * f64::from(last.count - it.count);
+        let (from, to) = (turn * (back_by + 1) as f64, turn * back_by as f64);
+        let inside = |it: &&&SweepTick| left(it) < from && left(it) >= to;
+        let ticks: Vec<&SweepTick> = way.iter().filter(inside).copied().collect();
+        let is_whole = way.iter().any(|it| left(it) >= from);
+        let lost = ticks
+            .windows(2)
+            .map(|pair| pair[1].tick.wrapping_sub(pair[0].tick).saturating_sub(1))
+            .max();
+        match lost {
+            Some(lost) if lost > LOST_MOST => return Err(NoMap::Incomplete { lost }),
+            Some(_) if is_whole => {}
+            _ => return Err(incomplete),
+        }
+        Ok(Self::of(&ticks, known))
+    }
+
+    fn of(ticks: &[&SweepTick], known: &KnownKnob) -> Self {
+        let angle = |it: &SweepTick| TAU * f64::from(it.count) / known.counts_per_rev;
+        let current = |it: &SweepTick| match known.against {
+            true => -it.current_a,
+            false => it.current_a,
+        };
+        let time = |it: &SweepTick| f64::from(it.tick.wrapping_sub(ticks[0].tick)) / known.rate_hz;
+        // Time by place, as the motion is even but for its ripple: a straight line through all of it, and what is left of the place.
+        let count = ticks.len() as f64;
+        let sum =
+            |of: &dyn Fn(&SweepTick) -> f64| ticks.iter().map(|it| of(it)).sum::<f64>() / count;
+        let (t, x) = (sum(&time), sum(&angle));
+        let speed = sum(&|it| (time(it) - t) * (angle(it) - x)) / sum(&|it| (time(it) - t).powi(2));
+        let ripple = |it: &SweepTick| angle(it) - x - speed * (time(it) - t);
+        let direction = speed.signum();
+        // How much of the turn a record stands for: half of the way to its neighbours, around the turn.
+        let whole = TAU * direction;
+        let share = |index: usize| {
+            let at = |index: usize, turns: f64| angle(ticks[index]) + turns * whole;
+            let before = match index.checked_sub(1) {
+                Some(before) => at(before, 0.0),
+                None => at(ticks.len() - 1, -1.0),
+            };
+            let after = match index + 1 < ticks.len() {
+                true => at(index + 1, 0.0),
+                false => at(0, 1.0),
+            };
+            0.5 * direction * (after - before)
+        };
+        let shares: Vec<f64> = (0..ticks.len()).map(share).collect();
+        let weighed = |of: &dyn Fn(&SweepTick) -> f64, order: f64| -> Complex<f64> {
+            let parts = ticks.iter().zip(&shares);
+            parts
+                .map(|(it, share)| of(it) * share * Complex::cis(-order * angle(it)))
+                .sum::<Complex<f64>>()
+                / TAU
+        };
+        let mut all = Self {
+            current_a: Vec::with_capacity(ORDERS),
+            ripple_rad: Vec::with_capacity(ORDERS),
+            mean_a: weighed(&current, 0.0).re,
+        };
+        for order in 1..=ORDERS {
+            let order = order as f64;
+            let (current, ripple) = (
+                2.0 * weighed(&current, order),
+                2.0 * weighed(&ripple, order),
+            );
+            // `i - J a/k_t`, with `a = -(n ω)² δ`.
+            let of_inertia =
+                known.inertia_kg_m2 * (order * speed).powi(2) / known.torque_constant_n_m_per_a;
+            all.current_a.push(current + of_inertia * ripple);
+            all.ripple_rad.push(ripple);
+        }
+        all
+    }
+}

@@ -1,0 +1,114 @@
+//! What boards with room keep beside the settings: what there is to touch, the alignment and the start by itself, the map of the cogging.
+
+use super::{Backend, Session};
+use crate::reply::Refusal;
+use crate::request::Request;
+use crate::settings::cogging::KeptCogging;
+use crate::settings::environment::{CountsFrom, Surround};
+use crate::settings::kept::{self, KeptAlignment, KeptStart, MeasuredWith, Unkept};
+use crate::telemetry::Phase;
+
+impl Session {
+    /// The map of the cogging, and how it is measured; in the states in which no output depends on it.
+    #[inline(never)]
+    pub(super) fn keep_cogging(
+        &mut self,
+        request: &Request<'_>,
+        device: &mut impl Backend,
+    ) -> Result<(), Refusal> {
+        match (device.phase(), request) {
+            (phase @ (Phase::Calibrating | Phase::Armed), _) => return Err(Refusal::NotNow(phase)),
+            (_, Request::Sweep(sweep)) => {
+                kept::may_keep(&self.settings).map_err(Refusal::Unkept)?;
+                device.sweep(*sweep);
+                return Ok(());
+            }
+            (Phase::Ready, Request::KeepCogging(map)) => {
+                kept::may_keep(&self.settings).map_err(Refusal::Unkept)?;
+                if device.alignment().is_none() {
+                    return Err(Refusal::Unkept(Unkept::SettingsWait));
+                }
+                let board = device.identity().board;
+                self.cogging = Some(KeptCogging {
+                    with: MeasuredWith::new(&self.settings, board),
+                    map: map.clone(),
+                });
+            }
+            (phase, Request::KeepCogging(_)) => return Err(Refusal::NotNow(phase)),
+            _ => self.cogging = None,
+        }
+        self.unsaved = true;
+        device.use_cogging(&self.settings, self.cogging(device.identity().board));
+        Ok(())
+    }
+
+    /// The kept alignment for the next calibration, where it was measured with what the settings say.
+    pub(super) fn give_kept(&self, device: &mut impl Backend) {
+        let usable = self.kept.usable(&self.settings, device.identity().board);
+        device.use_kept(usable.ok());
+    }
+
+    /// What is kept for the start.
+    #[inline(never)]
+    pub(super) fn keep(
+        &mut self,
+        request: &Request<'_>,
+        device: &mut impl Backend,
+    ) -> Result<(), Refusal> {
+        let board = device.identity().board;
+        let kept = match request {
+            Request::KeepAlignment => {
+                let phase = device.phase();
+                if phase != Phase::Ready {
+                    return Err(Refusal::NotNow(phase));
+                }
+                kept::may_keep(&self.settings).map_err(Refusal::Unkept)?;
+                let (offset, against) = device
+                    .alignment()
+                    .ok_or(Refusal::Unkept(Unkept::SettingsWait))?;
+                let alignment = KeptAlignment::new(offset, against, &self.settings, board);
+                KeptStart {
+                    alignment: Some(alignment),
+                    ..self.kept
+                }
+            }
+            Request::Autostart(autostart) => {
+                if *autostart {
+                    let usable = self.kept.usable(&self.settings, board);
+                    usable.map_err(Refusal::Unkept)?;
+                }
+                KeptStart {
+                    autostart: *autostart,
+                    ..self.kept
+                }
+            }
+            _ => KeptStart {
+                alignment: None,
+                ..self.kept
+            },
+        };
+        self.unsaved |= self.kept != kept;
+        self.kept = kept;
+        self.give_kept(device);
+        Ok(())
+    }
+
+    /// Takes what there is to touch, in every state but the calibration: the field that turns the shaft is none of it.
+    #[inline(never)]
+    pub(super) fn surround(
+        &mut self,
+        environment: &Surround,
+        device: &mut impl Backend,
+    ) -> Result<CountsFrom, Refusal> {
+        if let phase @ Phase::Calibrating = device.phase() {
+            return Err(Refusal::NotNow(phase));
+        }
+        let from = device
+            .use_environment(&self.settings, environment)
+            .ok_or(Refusal::NotUnderstood)?
+            .map_err(|error| Refusal::Invalid(error.into()))?;
+        self.unsaved |= self.environment != *environment;
+        self.environment = *environment;
+        Ok(from)
+    }
+}

@@ -1,0 +1,63 @@
+//! What a device without current sensors starts with: the supply and the limits of the small gimbal knob, and no motor. Its torque is a
+//! voltage, by resistance and torque constant: what was never said must not be guessed. Both, and the inductance, are at the least end
+//! of their ranges, with which a calibration is refused, and which no motor for this board has. The wall's law is that of the scene
+//! `scenes/voltage-knob.toml` (tested), whose force limit has to be told as well, as it follows from the torque constant.
+
+use super::gimbal_kit::{self, set};
+use super::{DeviceSettings, fields};
+use touchstone_control::Si;
+
+/// The least end of a setting's range: not told.
+macro_rules! untold {
+    ($path:literal) => {
+        const { fields::range($path).0 }
+    };
+}
+
+impl DeviceSettings {
+    /// The first setting of the motor that was not told: without current sensors it can neither be measured nor compared with anything.
+    #[must_use]
+    pub fn untold_motor(&self) -> Option<&'static str> {
+        let motor = &self.motor;
+        [
+            (
+                "motor.resistance_ohm",
+                motor.resistance_ohm,
+                untold!("motor.resistance_ohm"),
+            ),
+            (
+                "motor.inductance_h",
+                motor.inductance_h,
+                untold!("motor.inductance_h"),
+            ),
+            (
+                "motor.torque_constant_n_m_per_a",
+                motor.torque_constant_n_m_per_a,
+                untold!("motor.torque_constant_n_m_per_a"),
+            ),
+        ]
+        .into_iter()
+        .find_map(|(path, value, least)| (value <= least).then_some(path))
+    }
+}
+
+/// Supply, limits and law; no motor.
+pub(super) fn fit(settings: &mut DeviceSettings) {
+    gimbal_kit::fit(settings);
+    settings.motor.resistance_ohm = untold!("motor.resistance_ohm");
+    settings.motor.inductance_h = untold!("motor.inductance_h");
+    settings.motor.torque_constant_n_m_per_a = untold!("motor.torque_constant_n_m_per_a");
+    set! { settings:
+        law.force_limit_n_m = "0.0007";
+        law.limit_of_force = "0.3322";
+        law.limit_of_penetration = "0.5238";
+        law.step_of_ideal = "0.1692";
+        law.estimator.bandwidth_hz = "83.88";
+        law.estimator.delay_s = "0.001323";
+        law.estimator.inertia_kg_m2 = "0.0000282";
+        law.filter.damping_n_m_s_per_rad = "0.009071";
+        law.filter.ground_damping_n_m_s_per_rad = "0.00125";
+        law.filter.mass_kg_m2 = "0.0000009235";
+        law.filter.stiffness_n_m_per_rad = "23.97";
+    }
+}
