@@ -357,3 +357,41 @@ fn accuracy_and_hard_cases_obey_their_documented_schemas() {
         assert_eq!(said, [true, false, false], "{name}");
     }
 }
+
+#[test]
+#[ignore = "needs Python's jsonschema: cargo xtask schema"]
+fn what_other_commands_write_obeys_its_documented_schema() {
+    let here = folder("schema-others");
+    let device = "device run plane --device simulated --fast --seconds 3 --out device-run";
+    let map = "sweep tap --x device.inertia_kg_m2=1e-4,2e-4 --y timing.rate_hz=1000,2000";
+    let map = format!("{map} --out sweep");
+    for (name, command, field) in [
+        ("sweep", map.as_str(), "measures"),
+        ("device-run", device, "run"),
+        (
+            "thesis-space",
+            "thesis --dof 3 --no-csv --out thesis-space",
+            "runs",
+        ),
+    ] {
+        done(&here, command);
+        check(&here, name, results(&here.join(name)), field);
+    }
+    let plan: Value = serde_json::from_slice(&run_in(&here, "plan tap --json").stdout).unwrap();
+    check(&here, "plan", plan, "effects");
+
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/delta-ball.toml");
+    let scene: toml::Table = std::fs::read_to_string(scene).unwrap().parse().unwrap();
+    let scene = serde_json::to_value(scene).unwrap();
+    check(&here, "space-scene", scene, "object");
+}
+
+/// Valid as it is; not with a field that nobody knows, and not without one of its own.
+fn check(here: &Path, name: &str, good: Value, field: &str) {
+    let mut more = good.clone();
+    more["more"] = 1.into();
+    let mut less = good.clone();
+    less.as_object_mut().unwrap().remove(field).unwrap();
+    let said = valid(here, name, &[good, more, less]);
+    assert_eq!(said, [true, false, false], "{name}");
+}
