@@ -139,7 +139,7 @@ property! {
     /// position is at most what the surprise was.
     equation "|x' - e| <= |e - x⁻|, invariant"
     over "weights as settings give them, motion in the invariant, commands, measured position"
-    by kissat fn p3_motion_stays32(s) {
+    by sampled fn p3_motion_stays32(s) {
         let law = such!(s, any(s), |law| ok(&law), "settings");
         let before = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by this");
         let commands = any_commands(s, law.limit);

@@ -259,7 +259,7 @@ macro_rules! space {
 }
 space!(
     /// 8 bits, all inputs.
-    w8, Fixed8, unit sampled, across kissat, longer sampled, within sampled, work cadical, leaving sampled, friction kissat
+    w8, Fixed8, unit sampled, across sampled, longer sampled, within sampled, work cadical, leaving sampled, friction sampled
 );
 space!(
     /// As shipped, on samples.
