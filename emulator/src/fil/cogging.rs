@@ -32,7 +32,7 @@ const SPEEDS: [f64; 4] = [SLOW, -SLOW, 5.0, 10.0];
 /// What the map may leave of the torque at each of them.
 const LEFT_MOST: [f64; 4] = [0.3, 0.3, 0.4, 0.6];
 /// What is not played leaves all of it, within this.
-const ALL: f64 = 0.03;
+const ALL: f64 = 0.01;
 /// What the sweep with the map may leave of the shaft's ripple: `touchstone device cogging` asks for 0.7.
 const RIPPLE_LEFT_MOST: f64 = 0.5;
 
