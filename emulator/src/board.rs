@@ -182,6 +182,13 @@ impl Board {
         self.pins.iter().any(|(.., at)| *at == Source::Temperature)
     }
 
+    /// Whether a phase's current goes to a pin.
+    #[must_use]
+    pub fn measures_current(&self) -> bool {
+        let mut sources = self.pins.iter().map(|(.., at)| at);
+        sources.any(|at| matches!(at, Source::Current(_)))
+    }
+
     /// Whether the motor is the small gimbal motor with its light knob.
     #[must_use]
     pub fn has_small_motor(&self) -> bool {

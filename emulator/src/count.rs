@@ -265,10 +265,11 @@ fn summary(worst: &Counted, over: &[&str], used: u32, size: u32) -> String {
     )
 }
 
-/// Whether a fault can come on a board: some need an encoder on the bus, and the break is a pin or comparators.
+/// Whether a fault can come on a board: some need an encoder on the bus, some a current sensor, and the break is a pin or comparators.
 fn can_have(board: &Board, fault: Fault) -> bool {
     match fault {
         Fault::Encoder(_) | Fault::BusHangs => !matches!(board.encoder, Encoder::Incremental(_)),
+        Fault::Sensor(..) => board.measures_current(),
         Fault::Break(_) => board.gates != GateDriver::L6387,
         Fault::Comparator(..) => board.gates == GateDriver::L6387,
         _ => true,

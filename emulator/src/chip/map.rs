@@ -24,9 +24,12 @@ pub(super) enum Block {
     Other,
 }
 
-/// RM0440, table 3: the part that the firmware uses. Last, the register of RCC and the bit in it that give the block its clock (7.4.13
-/// to 7.4.19); without one it is always clocked, or its clock is not looked at.
-pub(super) const MAP: &[(u32, u32, Block, Option<(u32, u32)>)] = &[
+/// The register of RCC and the bit in it that give a block its clock (7.4.13 to 7.4.19); without one it is always clocked, or its clock is not
+/// looked at.
+type Clock = Option<(u32, u32)>;
+
+/// RM0440, table 3: the part that the firmware uses.
+pub(super) const MAP: &[(u32, u32, Block, Clock)] = &[
     (0x4000_0000, 0x400, Block::Timer(0), Some((0x58, 0))),
     (0x4000_0400, 0x400, Block::Timer(1), Some((0x58, 1))),
     (0x4000_0800, 0x400, Block::Timer(2), Some((0x58, 2))),

@@ -3,6 +3,7 @@
 pub mod around;
 pub mod campaign;
 pub mod checks;
+pub mod cogging;
 pub mod fault;
 pub mod jobs;
 pub mod lasting;
@@ -10,6 +11,7 @@ pub mod list;
 pub mod press;
 pub mod registers;
 pub mod report;
+pub mod slow_turn;
 pub mod starts;
 pub mod storage;
 pub mod supply;

@@ -158,7 +158,8 @@ struct Pin {
 impl Pin {
     /// `PA8`.
     fn named(name: &str) -> Result<Self, String> {
-        let port = name.bytes().nth(1).map(|letter| u32::from(letter - b'A'));
+        let port = name.as_bytes().get(1);
+        let port = port.map(|letter| u32::from(letter - b'A'));
         let number = name.get(2..).and_then(|digits| digits.parse().ok());
         let pin = port.zip(number).map(|(port, number)| Self { port, number });
         pin.ok_or(format!("{name} is no pin"))

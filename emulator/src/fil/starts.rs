@@ -161,7 +161,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<Bench, String> {
 }
 
 /// The power goes, and comes on when the shaft is at rest.
-fn power_on(bench: &mut Bench) {
+pub fn power_on(bench: &mut Bench) {
     bench.release();
     let until = bench.now() + AT_REST;
     let mut before = f64::NAN;

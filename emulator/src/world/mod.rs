@@ -298,8 +298,16 @@ impl World {
 
     /// The encoder's magnet slips on the shaft, while no current flows: by this much of the motor's electrical angle, rad.
     pub fn slip(&mut self, electrical_rad: f64) {
-        self.motor.electrical_zero_rad += electrical_rad;
-        self.windings = Windings::new(self.motor, seconds(STEP));
+        self.mount(MotorParameters {
+            electrical_zero_rad: self.motor.electrical_zero_rad + electrical_rad,
+            ..self.motor
+        });
+    }
+
+    /// Another motor drives the shaft, while no current flows.
+    pub fn mount(&mut self, motor: MotorParameters) {
+        self.motor = motor;
+        self.windings = Windings::new(motor, seconds(STEP));
     }
 
     /// Something stronger than the motor turns the shaft at a speed; 0 holds it.

@@ -120,8 +120,8 @@ impl Default for CurrentSensor {
 pub struct CurrentLoop {
     /// Bandwidth, Hz, above 0; of windings at a voltage `R/(2π L)`. Default 600.
     pub bandwidth_hz: f64,
-    /// Damping by the motor's own voltage, N·m·s/rad, 0 or more: `k_t²/R` of windings at a voltage, 0 with a current loop.
-    /// Default 0.
+    /// Damping by the motor's own voltage, N·m·s/rad, 0 or more: of windings at a voltage `k_t²/R`, of three phases
+    /// with `k_t` for an amplitude of 1 A `k_t²/(3/2 R)`; 0 with a current loop. Default 0.
     pub back_emf_n_m_s_per_rad: f64,
 }
 

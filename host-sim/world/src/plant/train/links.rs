@@ -20,7 +20,7 @@ pub(super) const SHAFT: usize = 3;
 /// Current that follows its command with one pole: `tau' = 2 pi f (u - tau - D v)`.
 ///
 /// A current loop has its bandwidth `f` and no `D`. Windings at a voltage in place of a current have `f = R/(2 pi L)` and the
-/// damping of their own voltage, `D = k_t^2/R`.
+/// damping of their own voltage, `D = k_t^2/R` with brushes; with three phases, `k_t` for an amplitude of 1 A and `R` of a phase, `D = k_t^2/(1.5 R)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Current {
     /// `f`, Hz; above zero.

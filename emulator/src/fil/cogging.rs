@@ -1,0 +1,345 @@
+//! The map of a motor's cogging: measured over the wire as `touchstone device cogging measure` does, made by the desktop's own code, kept and
+//! played, and held against the world's cogging, of which the device knows nothing.
+
+#[path = "../../../host-sim/lab/src/identify/cogging.rs"]
+mod identify;
+
+use nalgebra::Complex;
+use touchstone_control::Si;
+use touchstone_drive::cogging::SHARE;
+use touchstone_protocol::settings::cogging::CURRENT_BITS;
+use touchstone_protocol::{
+    CoggingMap, CoggingReport, DeviceCommand, DeviceSettings, MeasuringPart, Phase, Reply, Request,
+    Sweep, Unkept,
+};
+use touchstone_world::motor::MotorParameters;
+use touchstone_world::plant::train::Harmonic;
+
+use self::identify::{KnownKnob, MeasuredCogging, SweepTick, Swept};
+use super::press::board_named;
+use super::slow_turn::{Felt, slow_turn};
+use super::starts::power_on;
+use super::tally::Tally;
+use crate::bench::{Bench, MS, Setup, number};
+use crate::cpu::elf::Program;
+
+/// A calibration at four electrical turns a second, and a sweep of two and a quarter turns each way at a quarter of a turn a second.
+const SWEPT: u64 = 40_000 * MS;
+/// Speed of the turn that is judged, rad/s.
+const SLOW: f64 = 2.0;
+/// Speeds of the turns with and without the map, rad/s.
+const SPEEDS: [f64; 4] = [SLOW, -SLOW, 5.0, 10.0];
+/// What the map may leave of the torque at each of them.
+const LEFT_MOST: [f64; 4] = [0.3, 0.3, 0.4, 0.6];
+/// What is not played leaves all of it, within this.
+const ALL: f64 = 0.01;
+/// What the sweep with the map may leave of the shaft's ripple: `touchstone device cogging` asks for 0.7.
+const RIPPLE_LEFT_MOST: f64 = 0.5;
+
+const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
+    Harmonic {
+        amplitude,
+        per_rev,
+        phase,
+    }
+}
+
+/// Of a motor with 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots and magnets add. 0.77 mN·m
+/// effective, of the 45 that the wall may push with.
+const COGGING: [Harmonic; 4] = [
+    part(1e-3, 84.0, 0.4),
+    part(2e-4, 168.0, 2.0),
+    part(3e-4, 12.0, -1.0),
+    part(2.5e-4, 14.0, 3.0),
+];
+
+/// How far a map may be off at an order of the cogging: in parts of the amplitude, and degrees.
+type Off = [(f64, f64); COGGING.len()];
+/// With the inertia that the settings have for the law's estimator, a third above the knob's: at 168 periods, 42 Hz in the sweep, it is nearly all of
+/// what is found.
+const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
+/// With the knob's own inertia.
+const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
+/// What a map may have at all orders at which there is no cogging, effective value, N·m.
+const STRANGE_MOST_N_M: f64 = 1e-4;
+
+/// Measured, played, kept, refused, on the reference board.
+pub fn cogging(program: &Program, setup: &Setup, tally: &mut Tally) {
+    if setup.board.name != "nucleo-g474re-ihm16m1" {
+        return;
+    }
+    let mut bench = match prepared(program, setup) {
+        Ok(bench) => bench,
+        Err(error) => return tally.check("cogging", Err(error)),
+    };
+    if let Err(error) = rows(&mut bench, setup, tally) {
+        tally.check("cogging", Err(error));
+    }
+    tally.ran(&bench);
+}
+
+/// What goes wrong on the way to a row ends all of them.
+fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), String> {
+    let motor = setup.parts.motor;
+    let bare = swept(bench, Sweep::Bare)?;
+    let (swept_bare, found) = bare.map()?;
+    let off = beside(&found, &motor, &OFF_MOST);
+    tally.check("cogging, the map beside the motor's", off);
+    let known = Told {
+        known: KnownKnob {
+            inertia_kg_m2: setup.parts.knob.inertia,
+            ..bare.known
+        },
+        ..bare
+    };
+    let off = beside(&known.map()?.1, &motor, &OFF_MOST_KNOWN);
+    tally.check("cogging, the same with the knob's own inertia", off);
+
+    let map = found.map;
+    let without = turns(bench)?;
+    bench.demand(Request::KeepCogging(map.clone()))?;
+    let with = turns(bench)?;
+    tally.check("cogging, what is felt with the map", felt(&without, &with));
+    bench.demand(Request::KeepCogging(half_a_period_off(&map)))?;
+    let wrong = slow_turn(bench, SLOW)?.left();
+    tally.check(
+        "cogging, what is felt with a map half a period off",
+        match wrong > 1.5 {
+            true => Ok(format!("{wrong:.2} of the cogging")),
+            false => Err(format!("only {wrong:.2} of the cogging")),
+        },
+    );
+
+    bench.demand(Request::KeepCogging(map.clone()))?;
+    bench.demand(Request::Command(DeviceCommand::Stop))?;
+    let (after, _) = swept(bench, Sweep::Compensated)?.swept()?;
+    let left = after.ripple_rad(&map) / swept_bare.ripple_rad(&map);
+    tally.check(
+        "cogging, the shaft's ripple in a sweep with the map",
+        match left < RIPPLE_LEFT_MOST {
+            true => Ok(format!("{left:.2} of what it is without")),
+            false => Err(format!("{left:.2} of what it is without")),
+        },
+    );
+    bench.demand(Request::Command(DeviceCommand::Stop))?;
+    bench.demand(Request::Save)?;
+
+    let reversed = refused(bench, Unkept::OtherEncoder, |settings| {
+        settings.encoder.reversed = true;
+    });
+    tally.check(
+        "cogging, not played with the encoder counted the other way",
+        reversed,
+    );
+    bench.machine.chip_mut().world.mount(MotorParameters {
+        pole_pairs: 11,
+        // The same torque constant.
+        flux_linkage_wb: motor.flux_linkage_wb * f64::from(motor.pole_pairs) / 11.0,
+        ..motor
+    });
+    let other = refused(bench, Unkept::OtherPolePairs, |settings| {
+        settings.encoder.reversed = false;
+        settings.motor.pole_pairs = 11;
+    });
+    tally.check("cogging, not played with another motor's pole pairs", other);
+    bench.machine.chip_mut().world.mount(motor);
+    tally.check(
+        "cogging, the map after the power was off",
+        kept(bench, &map),
+    );
+    Ok(())
+}
+
+/// A device with an encoder that knows where it is, whose motor cogs.
+fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
+    let mut bench = Bench::new(program, setup)?;
+    bench.machine.chip_mut().world.cogging = COGGING.to_vec();
+    bench.boot()?;
+    let kind = setup.board.encoder.kind();
+    bench.configure(|settings| {
+        settings.encoder.kind = kind;
+        settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
+        // Far away.
+        settings.wall.surface_rad = Si::lit("90");
+        // The calibration's current may be held for ever: this is not about it.
+        settings.motor.continuous_current_a = settings.calibration.current_a;
+    })?;
+    bench.demand(Request::Telemetry { decimation: 1 })?;
+    Ok(bench)
+}
+
+fn report(bench: &mut Bench) -> Result<CoggingReport, String> {
+    match bench.demand(Request::Cogging)? {
+        Reply::Cogging(report) => Ok(report),
+        other => Err(format!("not what is kept: {other:?}")),
+    }
+}
+
+/// What was told of a sweep, and what the desktop takes for known.
+struct Told {
+    ticks: Vec<SweepTick>,
+    known: KnownKnob,
+}
+
+impl Told {
+    fn swept(&self) -> Result<(Swept, &KnownKnob), String> {
+        let swept = Swept::new(&self.ticks, &self.known).map_err(|why| why.to_string())?;
+        Ok((swept, &self.known))
+    }
+
+    fn map(&self) -> Result<(Swept, MeasuredCogging), String> {
+        let (swept, known) = self.swept()?;
+        let found = swept.map(known).map_err(|why| why.to_string())?;
+        Ok((swept, found))
+    }
+}
+
+/// What `touchstone device cogging` asks for, from stopped to ready.
+fn swept(bench: &mut Bench, sweep: Sweep) -> Result<Told, String> {
+    let from = bench.link.telemetry.len();
+    bench.demand(Request::Sweep(sweep))?;
+    bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+    bench.wait_for(Phase::Ready, SWEPT)?;
+    let against = report(bench)?.against.ok_or("the calibration is gone")?;
+    let settings = bench.settings()?;
+    let known = KnownKnob {
+        rate_hz: settings.timing.rate_hz.into(),
+        counts_per_rev: settings.encoder.counts_per_rev.into(),
+        torque_constant_n_m_per_a: number(settings.motor.torque_constant_n_m_per_a),
+        inertia_kg_m2: number(settings.law.estimator.inertia_kg_m2),
+        against,
+        most_a: number(settings.motor.current_limit_a) / f64::from(SHARE),
+    };
+    let told = bench.link.telemetry[from..].iter().filter_map(|record| {
+        let part = record.measuring?.part;
+        let is_swept = matches!(part, MeasuringPart::Forward | MeasuringPart::Backward);
+        is_swept.then(|| SweepTick {
+            tick: record.tick,
+            part,
+            count: record.count,
+            current_a: 1e-3 * f64::from(record.current_q_ma),
+        })
+    });
+    let ticks = told.collect();
+    Ok(Told { ticks, known })
+}
+
+/// The current of a map at an order, A: `re cos(n θ) + im sin(n θ)`.
+fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
+    let ampere = f64::from(1 << CURRENT_BITS);
+    let parts = map.harmonics.iter();
+    parts
+        .filter(|it| f64::from(it.order) == order)
+        .map(|it| Complex::new(f64::from(it.cos), f64::from(it.sin)) / ampere)
+        .sum()
+}
+
+/// A map beside the current that holds the world's cogging: amplitudes and phases.
+fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Result<String, String> {
+    let constant = motor.torque_constant_nm_per_a();
+    let mut words = Vec::new();
+    let mut is_right = true;
+    for (it, (share_most, degrees_most)) in COGGING.iter().zip(most) {
+        // `A sin(n θ + φ)` holds `-A sin(n θ + φ)`.
+        let truth = Complex::new(it.phase.sin(), it.phase.cos()) * (it.amplitude / constant);
+        let ratio = at_order(&found.map, it.per_rev) / truth;
+        let (share, degrees) = (ratio.norm(), ratio.arg().to_degrees());
+        is_right &= (share - 1.0).abs() <= *share_most && degrees.abs() <= *degrees_most;
+        words.push(format!(
+            "{} periods: {share:.3} of the amplitude, {degrees:+.1}°",
+            it.per_rev
+        ));
+    }
+    let is_strange = |order: f64| COGGING.iter().all(|it| it.per_rev != order);
+    let orders = found.map.harmonics.iter().map(|it| f64::from(it.order));
+    let strange: f64 = orders
+        .filter(|order| is_strange(*order))
+        .map(|order| 0.5 * at_order(&found.map, order).norm_sqr())
+        .sum();
+    let strange = strange.sqrt() * constant;
+    is_right &= strange <= STRANGE_MOST_N_M;
+    words.push(format!("at other orders {:.3} mN·m", 1e3 * strange));
+    words.push(format!("turns differ by {:.1} %", 100.0 * found.unrepeated));
+    let words = words.join("; ");
+    if is_right { Ok(words) } else { Err(words) }
+}
+
+/// The map whose every part pushes where it should hold.
+fn half_a_period_off(map: &CoggingMap) -> CoggingMap {
+    let mut map = map.clone();
+    for part in &mut map.harmonics {
+        (part.cos, part.sin) = (-part.cos, -part.sin);
+    }
+    map
+}
+
+fn turns(bench: &mut Bench) -> Result<Vec<Felt>, String> {
+    let turns = SPEEDS.iter().map(|speed| slow_turn(bench, *speed));
+    turns.collect()
+}
+
+/// Without a map all of the cogging is felt, with it little.
+fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
+    let mut words = Vec::new();
+    let mut is_right = true;
+    for (((speed, most), without), with) in SPEEDS.iter().zip(LEFT_MOST).zip(without).zip(with) {
+        is_right &= (without.left() - 1.0).abs() < ALL && with.left() < most;
+        words.push(format!(
+            "{speed} rad/s {:.3} mN·m without it and {:.3} with it",
+            1e3 * without.ripple_n_m,
+            1e3 * with.ripple_n_m
+        ));
+    }
+    let words = words.join("; ");
+    if is_right { Ok(words) } else { Err(words) }
+}
+
+/// With these settings the device says that the map is none of theirs, and all of the cogging is felt.
+fn refused(
+    bench: &mut Bench,
+    because: Unkept,
+    change: impl FnOnce(&mut DeviceSettings),
+) -> Result<String, String> {
+    bench.demand(Request::Command(DeviceCommand::Stop))?;
+    bench.configure(change)?;
+    let (settings, board) = (
+        bench.settings()?,
+        board_named(bench.machine.chip().board.name)?,
+    );
+    let kept = report(bench)?.kept.ok_or("no map is kept")?;
+    match kept.usable(&settings, board) {
+        Err(why) if why == because => {}
+        other => return Err(format!("{other:?} instead of {because:?}")),
+    }
+    bench.calibrate()?;
+    let left = slow_turn(bench, SLOW)?.left();
+    match (left - 1.0).abs() < ALL {
+        true => Ok(format!("{left:.3} of the cogging is felt")),
+        false => Err(format!(
+            "{left:.3} of the cogging is felt: something is played"
+        )),
+    }
+}
+
+/// The power goes and comes: the saved map is there, fits, and is played.
+fn kept(bench: &mut Bench, map: &CoggingMap) -> Result<String, String> {
+    power_on(bench);
+    // Before it listens it has the map ready: twelve harmonics take 15 ms.
+    bench.run(100 * MS)?;
+    bench.boot()?;
+    let (settings, board) = (
+        bench.settings()?,
+        board_named(bench.machine.chip().board.name)?,
+    );
+    let kept = report(bench)?.kept.ok_or("no map is kept")?;
+    match kept.usable(&settings, board) {
+        Ok(kept) if kept == map => {}
+        other => return Err(format!("{other:?} instead of what was saved")),
+    }
+    bench.calibrate()?;
+    let left = slow_turn(bench, SLOW)?.left();
+    match left < LEFT_MOST[0] {
+        true => Ok(format!("as it was saved; {left:.2} of the cogging is felt")),
+        false => Err(format!("{left:.2} of the cogging is felt")),
+    }
+}
