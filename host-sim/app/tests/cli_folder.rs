@@ -383,7 +383,7 @@ fn what_other_commands_write_obeys_its_documented_schema() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/delta-ball.toml");
     let scene: toml::Table = std::fs::read_to_string(scene).unwrap().parse().unwrap();
     let scene = serde_json::to_value(scene).unwrap();
-    check(&here, "space-scene", scene, "object");
+    check(&here, "space-scene", scene, "dof");
 }
 
 /// Valid as it is; not with a field that nobody knows, and not without one of its own.
