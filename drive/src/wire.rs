@@ -16,7 +16,7 @@ pub const fn hardware(board: Board) -> &'static Hardware {
     match board {
         Board::NucleoG474re => &IHM08M1,
         Board::BG431bEsc1 => &B_G431B_ESC1,
-        Board::NucleoG474reIhm16m1 => &IHM16M1,
+        Board::NucleoG474reIhm16m1 | Board::NucleoG431rbIhm16m1 => &IHM16M1,
         Board::NucleoG474reSimplefocMini => &SIMPLEFOC_MINI,
     }
 }

@@ -13,7 +13,8 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 # Each with its chip: the first or the second header and list of pins.
-BOARDS = {"nucleo-g474re": 0, "nucleo-g474re-ihm16m1": 0, "nucleo-g474re-simplefoc-mini": 0, "b-g431b-esc1": 1}
+BOARDS = {"nucleo-g474re": 0, "nucleo-g474re-ihm16m1": 0, "nucleo-g474re-simplefoc-mini": 0, "nucleo-g431rb-ihm16m1": 1,
+          "b-g431b-esc1": 1}
 
 
 def rows(name):

@@ -278,6 +278,22 @@ impl Board {
         }
     }
 
+    /// NUCLEO-G431RB with X-NUCLEO-IHM16M1 and the motor of the kit, P-NUCLEO-IHM03: the other NUCLEO's shield, connectors and button
+    /// (UM2505 is of both boards), the smaller chip.
+    #[must_use]
+    pub fn nucleo_g431rb_ihm16m1(encoder: Encoder, link: FaultLink) -> Self {
+        let same_chip = Self::b_g431b_esc1();
+        Self {
+            name: "nucleo-g431rb-ihm16m1",
+            option_bytes: same_chip.option_bytes,
+            device_id: same_chip.device_id,
+            flash_bytes: same_chip.flash_bytes,
+            ram_bytes: same_chip.ram_bytes,
+            // The rest is the shield's, or the other NUCLEO's.
+            ..Self::nucleo_g474re_ihm16m1(encoder, link)
+        }
+    }
+
     /// NUCLEO-G474RE with a SimpleFOC Mini on wires and the small gimbal motor, at 12 V. From the Mini's schematic, and from the DRV8313's
     /// data sheet (SLVSBA5D), of which the tables of operating conditions and inputs were read and its protections were not.
     #[must_use]

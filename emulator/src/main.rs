@@ -15,7 +15,8 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
   fil [--BOARD ELF]... [--only TEXT]...
                               boot, calibrate, arm, press, and all fault injections, on the boards whose programs are named:
-                              nucleo-g474re, nucleo-g474re-ihm16m1, nucleo-g474re-simplefoc-mini, b-g431b-esc1; those with one of the TEXTs in
+                              nucleo-g474re, nucleo-g474re-ihm16m1, nucleo-g474re-simplefoc-mini, nucleo-g431rb-ihm16m1,
+                              b-g431b-esc1; those with one of the TEXTs in
                               `BOARD, ENCODER: INJECTION, STATE`
   boot ELF [BOARD]            boot, calibrate, arm, press; nucleo-g474re if no other is named
   cycles [--BOARD ELF]...     instructions and table cycles of law, control interrupt, current loop; the stack
@@ -156,6 +157,10 @@ fn board_of(name: &str) -> Option<Board> {
         }
         "nucleo-g474re-simplefoc-mini" => {
             Some(Board::nucleo_g474re_simplefoc_mini(Encoder::As5047p))
+        }
+        "nucleo-g431rb-ihm16m1" => {
+            let board = Board::nucleo_g431rb_ihm16m1(Encoder::As5047p, FaultLink::R37);
+            Some(board)
         }
         "b-g431b-esc1" => Some(Board::b_g431b_esc1()),
         _ => None,

@@ -11,6 +11,7 @@ use defmt_rtt as _;
     feature = "nucleo-g474re",
     feature = "nucleo-g474re-ihm16m1",
     feature = "nucleo-g474re-simplefoc-mini",
+    feature = "nucleo-g431rb-ihm16m1",
     feature = "b-g431b-esc1"
 )))]
 compile_error!("which board? --no-default-features --features <board>");
@@ -18,6 +19,9 @@ compile_error!("which board? --no-default-features --features <board>");
 // Two boards in one build would be two modules of one name.
 #[cfg(feature = "b-g431b-esc1")]
 #[path = "board/b_g431b_esc1.rs"]
+pub mod board;
+#[cfg(feature = "nucleo-g431rb-ihm16m1")]
+#[path = "board/nucleo_g431rb_ihm16m1.rs"]
 pub mod board;
 #[cfg(feature = "nucleo-g474re")]
 #[path = "board/nucleo_g474re.rs"]
@@ -34,13 +38,15 @@ pub mod analogue;
 pub mod autostart;
 pub mod clock;
 pub mod control;
+#[cfg(feature = "nucleo-g431rb-ihm16m1")]
+mod copy;
 pub mod crash;
 pub mod critical;
 pub mod cycles;
 pub mod encoder;
 pub mod exchange;
 pub mod interrupts;
-#[cfg(feature = "g474re")]
+#[cfg(not(feature = "b-g431b-esc1"))]
 pub mod magnetic;
 pub mod pwm;
 pub mod requests;

@@ -12,15 +12,18 @@ pub enum Board {
     NucleoG474reIhm16m1,
     /// NUCLEO-G474RE with a SimpleFOC Mini, which measures no current.
     NucleoG474reSimplefocMini,
+    /// NUCLEO-G431RB with an X-NUCLEO-IHM16M1: the kit P-NUCLEO-IHM03.
+    NucleoG431rbIhm16m1,
 }
 
 impl Board {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::NucleoG474re,
         Self::BG431bEsc1,
         Self::NucleoG474reIhm16m1,
         Self::NucleoG474reSimplefocMini,
+        Self::NucleoG431rbIhm16m1,
     ];
 
     /// Its name on the command line and in file names.
@@ -31,6 +34,7 @@ impl Board {
             Self::BG431bEsc1 => "b-g431b-esc1",
             Self::NucleoG474reIhm16m1 => "nucleo-g474re-ihm16m1",
             Self::NucleoG474reSimplefocMini => "nucleo-g474re-simplefoc-mini",
+            Self::NucleoG431rbIhm16m1 => "nucleo-g431rb-ihm16m1",
         }
     }
 
@@ -39,6 +43,7 @@ impl Board {
     pub const fn chip(self) -> &'static str {
         match self {
             Self::BG431bEsc1 => "STM32G431CBUx",
+            Self::NucleoG431rbIhm16m1 => "STM32G431RBTx",
             Self::NucleoG474re | Self::NucleoG474reIhm16m1 | Self::NucleoG474reSimplefocMini => {
                 "STM32G474RETx"
             }
@@ -51,10 +56,10 @@ impl Board {
         !matches!(self, Self::BG431bEsc1)
     }
 
-    /// Whether there is room for more than one wall: what a program for it needs more flash than the smallest board has.
+    /// Whether there is room for more than one wall: what a program for it needs more flash than the STM32G431 has.
     #[must_use]
     pub const fn is_large(self) -> bool {
-        !matches!(self, Self::BG431bEsc1)
+        !matches!(self, Self::BG431bEsc1 | Self::NucleoG431rbIhm16m1)
     }
 
     /// Whether it measures its motor's currents. One that does not gives its motor a voltage, which is a torque only by what it is told of

@@ -247,6 +247,7 @@ fn wild_commands_into_the_loop() {
         (Board::BG431bEsc1, B_G431B_ESC1),
         (Board::NucleoG474reIhm16m1, IHM16M1),
         (Board::NucleoG474reSimplefocMini, SIMPLEFOC_MINI),
+        (Board::NucleoG431rbIhm16m1, IHM16M1),
     ];
     for (board, hardware) in boards {
         let mut settings = DeviceSettings::defaults(board);

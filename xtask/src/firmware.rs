@@ -12,15 +12,16 @@ use crate::toolchain::{self, BOARD};
 use crate::{inspect, shell};
 
 /// The boards: each is the name of a binary and of a feature of `firmware/`.
-pub const BOARDS: [&str; 4] = [
+pub const BOARDS: [&str; 5] = [
     "nucleo-g474re",
     "nucleo-g474re-ihm16m1",
     "nucleo-g474re-simplefoc-mini",
+    "nucleo-g431rb-ihm16m1",
     "b-g431b-esc1",
 ];
 
 /// What `cargo xtask firmware` takes.
-const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|nucleo-g474re-simplefoc-mini|b-g431b-esc1]";
+const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|nucleo-g474re-simplefoc-mini|nucleo-g431rb-ihm16m1|b-g431b-esc1]";
 
 /// Where a board's program is, once built.
 pub fn program(board: &str) -> PathBuf {

@@ -1,4 +1,4 @@
-//! X-NUCLEO-IHM16M1, on the NUCLEO-G474RE.
+//! X-NUCLEO-IHM16M1, on the NUCLEO-G474RE or the NUCLEO-G431RB.
 //!
 //! | number | from |
 //! |---|---|
@@ -12,7 +12,7 @@
 //! | offset's tolerance and spread | as on X-NUCLEO-IHM08M1, in volts and with the same resistors' 1 % |
 //! | clock, PWM, timer | ours: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
 //!
-//! Pins: `firmware/src/board/nucleo_g474re_ihm16m1.rs`. Nothing was measured on a board.
+//! Pins: `firmware/src/board/nucleo_g474re_ihm16m1.rs`, `nucleo_g431rb_ihm16m1.rs`. Nothing was measured on a board.
 
 use super::{Hardware, IHM08M1, sampling_counts};
 use touchstone_control::Si;

@@ -3,8 +3,8 @@
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
 use super::list::{
-    ASKED_FOR, BESIDE, Injection, ON_ESC1, ON_IHM16M1, ON_SIMPLEFOC_MINI, POWER, PROCESSOR, SECOND,
-    WITH_AS5047P, WITH_LINK_R35, WITH_MT6701, WITH_TRACKS,
+    ASKED_FOR, BESIDE, Injection, ON_ESC1, ON_G431RB, ON_IHM16M1, ON_SIMPLEFOC_MINI, POWER,
+    PROCESSOR, SECOND, WITH_AS5047P, WITH_LINK_R35, WITH_MT6701, WITH_TRACKS,
 };
 use super::tally::Tally;
 use crate::bench::Setup;
@@ -19,10 +19,11 @@ const FAST_LSI: u64 = 34_000;
 const PIECE: usize = 12;
 
 /// The boards that there is a model of, by name.
-pub const BOARDS: [&str; 4] = [
+pub const BOARDS: [&str; 5] = [
     "nucleo-g474re",
     "nucleo-g474re-ihm16m1",
     "nucleo-g474re-simplefoc-mini",
+    "nucleo-g431rb-ihm16m1",
     "b-g431b-esc1",
 ];
 
@@ -103,6 +104,16 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
             Board::nucleo_g474re_simplefoc_mini(Encoder::As5047p),
             SLOW_LSI,
             &[ON_SIMPLEFOC_MINI],
+        ),
+        on(
+            Board::nucleo_g431rb_ihm16m1(Encoder::As5047p, FaultLink::R37),
+            SLOW_LSI,
+            &[ON_G431RB],
+        ),
+        on(
+            Board::nucleo_g431rb_ihm16m1(Encoder::Mt6701, FaultLink::R35),
+            FAST_LSI,
+            &[WITH_LINK_R35],
         ),
         on(Board::b_g431b_esc1(), SLOW_LSI, &[ON_ESC1]),
     ];

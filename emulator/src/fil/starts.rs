@@ -30,7 +30,7 @@ const SILENCE_S: &str = "0.5";
 
 /// What is kept is checked at the next start.
 pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
-    if matches!(setup.board.encoder, Encoder::Incremental(_)) {
+    if !setup.board.is_large() || matches!(setup.board.encoder, Encoder::Incremental(_)) {
         return tally.check("kept alignment", is_not_kept(program, setup));
     }
     let mut bench = match kept(program, setup) {

@@ -43,6 +43,9 @@ pub enum BoardName {
     /// NUCLEO-G474RE with a SimpleFOC Mini.
     #[value(name = "nucleo-g474re-simplefoc-mini")]
     NucleoG474reSimplefocMini,
+    /// NUCLEO-G431RB with an X-NUCLEO-IHM16M1.
+    #[value(name = "nucleo-g431rb-ihm16m1")]
+    NucleoG431rbIhm16m1,
 }
 
 impl BoardName {
@@ -53,6 +56,7 @@ impl BoardName {
             Self::BG431bEsc1 => Board::BG431bEsc1,
             Self::NucleoG474reIhm16m1 => Board::NucleoG474reIhm16m1,
             Self::NucleoG474reSimplefocMini => Board::NucleoG474reSimplefocMini,
+            Self::NucleoG431rbIhm16m1 => Board::NucleoG431rbIhm16m1,
         }
     }
 

@@ -155,7 +155,9 @@ impl DeviceSettings {
                 // The board is for six lithium cells.
                 settings.limits.bus_max_v = const { law::Si::lit("26") };
             }
-            Board::NucleoG474reIhm16m1 => gimbal_kit::fit(&mut settings),
+            Board::NucleoG474reIhm16m1 | Board::NucleoG431rbIhm16m1 => {
+                gimbal_kit::fit(&mut settings);
+            }
             Board::NucleoG474reSimplefocMini => untold_motor::fit(&mut settings),
         }
         settings

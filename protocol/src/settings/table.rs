@@ -94,7 +94,7 @@ macro_rules! device_settings {
                 /// Beyond these the outputs are switched off.
                 limits LimitSettings {
                     trip_current_a: number("0.05", "25") = "4", "A",
-                        "the phase current that switches off (at most 15 on nucleo-g474re, 2.5 on nucleo-g474re-ihm16m1)";
+                        "the phase current that switches off (at most 15 on nucleo-g474re, 2.5 with an X-NUCLEO-IHM16M1)";
                     bus_min_v: number("10", "48") = "18", "V",
                         "the bus voltage below which it switches off (at least 10, where the gate drivers work)";
                     bus_max_v: number("10", "48") = "30", "V",

@@ -16,10 +16,11 @@ struct Room {
 }
 
 /// Each board's.
-const ROOMS: [(&str, Room); 4] = [
+const ROOMS: [(&str, Room); 5] = [
     ("nucleo-g474re", room(240, 128)),
     ("nucleo-g474re-ihm16m1", room(240, 128)),
     ("nucleo-g474re-simplefoc-mini", room(240, 128)),
+    ("nucleo-g431rb-ihm16m1", room(112, 32)),
     ("b-g431b-esc1", room(112, 32)),
 ];
 

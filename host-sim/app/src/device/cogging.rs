@@ -134,7 +134,9 @@ pub fn main(client: &mut Client, action: Option<CoggingAction>) -> Result<()> {
 /// Whether this board keeps a map with these settings.
 pub fn may_keep(client: &Client, settings: &DeviceSettings) -> Result<()> {
     let board = client.identity().board;
-    let why = if !board.is_large() {
+    let why = if !board.is_large() && board.has_bus() {
+        Some("it has no room for one in its flash")
+    } else if !board.is_large() {
         Some("it has no connector for an encoder that knows where it is")
     } else if hardware(board).gives_voltage() {
         Some("it measures no current")

@@ -42,10 +42,12 @@ pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
 fn demanded(client: &mut Client) -> Result<StartReport> {
     let board = client.identity().board;
     report(client)?.ok_or_else(|| {
-        let problem = format!(
-            "{} has no connector for an encoder that knows where it is when power comes on: it keeps no alignment",
-            board.name()
-        );
+        let why = if board.has_bus() {
+            "has no room for that in its flash"
+        } else {
+            "has no connector for an encoder that knows where it is when power comes on"
+        };
+        let problem = format!("{} {why}: it keeps no alignment", board.name());
         let fix = "calibrate at each start: touchstone device calibrate; or use a NUCLEO-G474RE";
         Error::device(client.place(), problem, fix)
     })

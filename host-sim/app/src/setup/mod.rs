@@ -314,7 +314,7 @@ fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceS
         if let (true, Err(why)) = (is_asked, may_keep(client, &settings)) {
             return Err(Error::Option {
                 option: option.into(),
-                problem: why.words().into(),
+                problem: why.into(),
                 fix: "leave it out".into(),
             });
         }
@@ -322,11 +322,12 @@ fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceS
     Ok(settings)
 }
 
-/// Whether this board keeps an alignment and a map with these settings.
-fn may_keep(client: &Client, settings: &DeviceSettings) -> std::result::Result<(), Unkept> {
+/// Whether this board keeps an alignment and a map with these settings; else why not.
+fn may_keep(client: &Client, settings: &DeviceSettings) -> std::result::Result<(), &'static str> {
+    kept_start::may_keep(settings).map_err(Unkept::words)?;
     match client.identity().board.is_large() {
-        true => kept_start::may_keep(settings),
-        false => Err(Unkept::Incremental),
+        true => Ok(()),
+        false => Err("this board's flash has no room for what is kept of a motor"),
     }
 }
 

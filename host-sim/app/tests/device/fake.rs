@@ -38,6 +38,8 @@ pub struct Trouble {
     pub calibration_fails: bool,
     /// It is the board without room for more than one wall.
     pub small: bool,
+    /// The NUCLEO of the kit: magnetic encoders, and no room for more than one wall.
+    pub kit: bool,
     /// It is the board that measures no current.
     pub no_current: bool,
 }
@@ -114,6 +116,8 @@ impl Fake {
     fn switched_on(trouble: Trouble) -> Arc<Mutex<(Session, World)>> {
         let board = if trouble.small {
             Board::BG431bEsc1
+        } else if trouble.kit {
+            Board::NucleoG431rbIhm16m1
         } else if trouble.no_current {
             Board::NucleoG474reSimplefocMini
         } else {

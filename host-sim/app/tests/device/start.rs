@@ -175,6 +175,30 @@ fn what_has_no_zero_of_its_own_is_refused_with_the_reason() {
         .failed(2, &["--keep-alignment", "incremental", "leave it out"]);
 }
 
+/// Its encoder could, its program has no room.
+#[test]
+fn the_kits_board_says_that_it_has_no_room() {
+    let kit = Fake::with(Trouble {
+        kit: true,
+        ..Trouble::default()
+    });
+    for command in ["alignment", "autostart"] {
+        kit.run(&["device", command])
+            .failed(1, &["nucleo-g431rb-ihm16m1", "no room", "NUCLEO-G474RE"]);
+    }
+    kit.run(&["device", "cogging", "measure"])
+        .failed(1, &["no room", "NUCLEO-G474RE"]);
+    kit.run(&["config", "set", "encoder.kind", "mt6701"]).done();
+    let law = folder("start-kit").join("law.toml");
+    std::fs::write(&law, "[law.estimator]\ninertia_kg_m2 = 0.0001\n").unwrap();
+    let out = law.with_file_name("knob").display().to_string();
+    let law = law.display().to_string();
+    for option in ["--keep-alignment", "--cogging"] {
+        kit.run(&["setup", "--out", &out, "--law", &law, option])
+            .failed(2, &[option, "no room", "leave it out"]);
+    }
+}
+
 #[test]
 fn a_setup_keeps_it_where_it_is_asked_to() {
     let device = spun(15);
