@@ -207,10 +207,9 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         println!("{} with {encoder:?}", board.name);
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The cases' walls are too stiff for a small knob, and its program is the NUCLEO's but for pins. The smaller chip's is like no other:
-        // on it they are played, for what they cost.
+        // The cases' walls are too stiff for a small knob, and its program is the NUCLEO's.
         let (cases, faults) = match index {
-            0 if board.has_small_motor() && board.is_large() => (&CASES[..1], FAULTS),
+            0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
             _ => (&CASES[..1], &FAULTS[..1]),
         };

@@ -38,8 +38,6 @@ pub mod analogue;
 pub mod autostart;
 pub mod clock;
 pub mod control;
-#[cfg(feature = "nucleo-g431rb-ihm16m1")]
-mod copy;
 pub mod crash;
 pub mod critical;
 pub mod cycles;

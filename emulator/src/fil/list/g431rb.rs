@@ -191,9 +191,8 @@ pub const ON_G431RB: &[Injection] = &[
         Reset(TICK, &[Panic]),
     ),
     row(
-        // Not in a calibration: a reset there leaves the light rotor swinging, and the next calibration may slip by a pole (fault 10, 3).
         "undefined instruction, current loop",
-        Free,
+        Calibrating,
         36,
         Fault::Undefined(CURRENT_LOOP),
         Reset(TICK, &[Panic]),
