@@ -20,6 +20,7 @@ mod inspect;
 mod ladder;
 mod lint;
 mod live;
+mod memo;
 mod mutants;
 mod outcome;
 mod packages;
@@ -170,7 +171,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "prove",
-        about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests | --theorems | --systematic]`",
+        about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests] [--shard I/N]`, `--mutants --theorems`, `--mutants --systematic`",
         in_test: true,
         quick: Quick::LeftOut,
         run: prove::run,

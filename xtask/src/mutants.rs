@@ -3,13 +3,17 @@
 //!
 //! A mutant is caught when the harness that it names ran alone and an assertion in it failed. A change that does not compile,
 //! a time-out, a cover that is no longer reached: none of these is a catch.
+//!
+//! Each answer is written down at once and is not asked again of the same sources, so that a run can be broken off; `--shard I/N` asks
+//! a part of the list. A harness has the checker's limit of time and memory, a test of its own.
 
 use std::path::Path;
 use std::time::Instant;
 
 use crate::changes::{self, Entry};
+use crate::memo::Memo;
 use crate::outcome::Outcome;
-use crate::prove::checker;
+use crate::prove::{Shard, checker};
 use crate::shell;
 
 const LIST: &str = "proofs/mutants.toml";
@@ -18,9 +22,16 @@ const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 /// Of all mutants, in per cent.
 const CAUGHT: usize = 95;
 const LEAST: usize = 30;
+/// Processor time of a test, in seconds.
+const TEST_S: u32 = 300;
 
 /// Goes through the list; prints a line for each.
-fn each(folder: &Path, of: &str, ask: impl Fn(&Path, &str) -> Result<bool, String>) -> Outcome {
+fn each(
+    folder: &Path,
+    of: &str,
+    shard: Shard,
+    ask: impl Fn(&Path, &str) -> Result<bool, String>,
+) -> Outcome {
     let named = |mutant: &Entry| mutant.word(of).to_owned();
     let mut mutants = match changes::list(LIST) {
         Ok(mutants) => mutants,
@@ -37,16 +48,37 @@ fn each(folder: &Path, of: &str, ask: impl Fn(&Path, &str) -> Result<bool, Strin
         Ok(work) => work,
         Err(why) => return Outcome::Failed(why),
     };
-    let mut caught = 0;
+    let memo = Memo::open(folder.join("found.tsv"), &work, None);
+    let mut memo = match memo {
+        Ok(memo) => memo,
+        Err(why) => return Outcome::Failed(format!("{}: {why}", folder.display())),
+    };
+    let (mut caught, mut all) = (0, 0);
     for (number, mutant) in mutants.iter().enumerate() {
+        if !shard.has(number + 1) {
+            continue;
+        }
+        all += 1;
         let begun = Instant::now();
-        let answer = changes::with(&work, &mutant.changes, || ask(&work, &named(mutant)));
+        let key = memo.key(mutant);
+        let known = memo.get(key).map(|(word, _)| word == "caught");
+        let answer = match known {
+            Some(caught) => Ok(caught),
+            None => changes::with(&work, &mutant.changes, || ask(&work, &named(mutant))),
+        };
         let word = match &answer {
             Ok(true) => "caught".into(),
             Ok(false) => "MISSED".into(),
             Err(why) => format!("NO ANSWER: {why}"),
         };
         caught += usize::from(answer == Ok(true));
+        // What had no answer is asked again the next time.
+        if known.is_none()
+            && answer.is_ok()
+            && let Err(why) = memo.keep(key, &word, "")
+        {
+            return Outcome::Failed(format!("what was found cannot be kept: {why}"));
+        }
         println!(
             "{:>3} {:>5.0} s  {word}  {}  `{}` -> `{}`",
             number + 1,
@@ -56,8 +88,8 @@ fn each(folder: &Path, of: &str, ask: impl Fn(&Path, &str) -> Result<bool, Strin
             mutant.changes[0].replace
         );
     }
-    let text = format!("{caught} of {} mutants caught by a {of}", mutants.len());
-    if caught * 100 >= mutants.len() * CAUGHT {
+    let text = format!("{caught} of {all} mutants caught by a {of}");
+    if caught * 100 >= all * CAUGHT {
         Outcome::Ok(text)
     } else {
         Outcome::Failed(format!("{text}, at least {CAUGHT} % wanted"))
@@ -65,19 +97,19 @@ fn each(folder: &Path, of: &str, ask: impl Fn(&Path, &str) -> Result<bool, Strin
 }
 
 /// Each mutant against the proof that it names.
-pub fn by_proofs() -> Outcome {
+pub fn by_proofs(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-proofs");
     let target = folder.join("kani");
-    each(&folder, "harness", |work, harness| {
+    each(&folder, "harness", shard, |work, harness| {
         checker::refutes(work, &target, harness)
     })
 }
 
 /// Each mutant against the test that it names, without the checker.
-pub fn by_tests() -> Outcome {
+pub fn by_tests(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-tests");
     let target = folder.join("tests");
-    each(&folder, "test", |work, test| {
+    each(&folder, "test", shard, |work, test| {
         let (package, name) = test.split_once(' ').ok_or("a test is `package name`")?;
         // Built apart from run, so that what does not compile is not taken for a catch.
         let cargo = |more: &[&str]| {
@@ -86,12 +118,16 @@ pub fn by_tests() -> Outcome {
                 .current_dir(work)
                 .env("CARGO_TARGET_DIR", &target)
                 .args(["-q", "-p", package]);
-            cargo.args(more).output().map_err(|why| why.to_string())
+            cargo.args(more);
+            cargo
         };
-        if !cargo(&["--no-run"])?.status.success() {
+        let said = |why: std::io::Error| why.to_string();
+        let built = cargo(&["--no-run"]).output().map_err(said)?;
+        if !built.status.success() {
             return Err("does not compile".into());
         }
-        let done = cargo(&["--", "--exact", name])?;
+        let test = cargo(&["--", "--exact", name]);
+        let done = shell::within(&test, TEST_S).output().map_err(said)?;
         let output = String::from_utf8_lossy(&done.stdout).into_owned();
         let ran = |what: &str| {
             output

@@ -6,9 +6,7 @@
 //! the same copy of the firmware with nothing changed, and must be right.
 //!
 //! A run takes as long as several builds of the firmware an entry, and a program without its safety may take minutes to end: what was
-//! found is written down at once, and is not asked again of the same sources ([`memo`]).
-
-mod memo;
+//! found is written down at once, and is not asked again of the same sources ([`crate::memo`]).
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -16,9 +14,9 @@ use std::sync::mpsc;
 use std::time::Instant;
 
 use crate::changes::{self, Change, Entry};
+use crate::memo::Memo;
 use crate::outcome::Outcome;
 use crate::{emulator, firmware, shell};
-use memo::Memo;
 
 const LIST: &str = "emulator/sabotage.toml";
 /// What the firmware is made of.
@@ -74,7 +72,7 @@ pub fn run(args: &[String]) -> Outcome {
             all.len()
         ));
     }
-    let memo = Memo::open(folder.join("found.tsv"), &work, &emulator);
+    let memo = Memo::open(folder.join("found.tsv"), &work, Some(&emulator));
     let memo = match memo {
         Ok(memo) => memo,
         Err(why) => return Outcome::Failed(format!("{}: {why}", folder.display())),
@@ -130,7 +128,7 @@ fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
                 Some(sabotage) => vec![sabotage.word("only")],
                 None => of_board.iter().map(|one| one.word("only")).collect(),
             };
-            let key = memo.key(board, sabotage, &rows);
+            let key = memo.key(&(board, sabotage, &rows));
             asked.push(Asked {
                 is_known: memo.get(key).is_some(),
                 board,

@@ -53,6 +53,25 @@ pub fn cargo_locked(subcommand: &str) -> Command {
     command
 }
 
+/// The same command, ended when it has taken so much processor time; so is each process that it starts.
+pub fn within(command: &Command, seconds: u32) -> Command {
+    let mut limited = Command::new("sh");
+    limited
+        .args(["-c", &format!("ulimit -t {seconds} && exec \"$0\" \"$@\"")])
+        .arg(command.get_program())
+        .args(command.get_args());
+    if let Some(folder) = command.get_current_dir() {
+        limited.current_dir(folder);
+    }
+    for (key, value) in command.get_envs() {
+        match value {
+            Some(value) => limited.env(key, value),
+            None => limited.env_remove(key),
+        };
+    }
+    limited
+}
+
 /// The command as one would type it.
 pub fn shown(command: &Command) -> String {
     let mut words = Vec::new();

@@ -20,10 +20,10 @@ use std::time::Instant;
 use crate::outcome::Outcome;
 use crate::{inspect, mutants, shell};
 use checker::{Left, MEMORY_KIB, Which};
-use systematic::Shard;
+pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --mutants [--tests | --theorems | --systematic [--sample | [--shard I/N] [--proofs]]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs]]";
 const LOCK: &str = "proofs/harnesses.lock";
 /// What was proved, beside the report.
 const MEMO: &str = "proved.tsv";
@@ -38,19 +38,22 @@ pub fn run(args: &[String]) -> Outcome {
     if let Err(why) = std::env::set_current_dir(shell::root()) {
         return Outcome::Failed(format!("the workspace: {why}"));
     }
-    // Tests need no checker.
-    if matches!(
-        words.as_slice(),
-        ["--mutants", "--tests"] | ["--tests", "--mutants"]
-    ) {
-        return mutants::by_tests();
-    }
     match words.as_slice() {
         ["--theorems"] => return coq::run(),
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
         ["--mutants", "--systematic", rest @ ..] => return by_rule(rest),
+        // Tests need no checker.
+        ["--mutants", "--tests", rest @ ..] => {
+            return part(rest).map_or_else(usage, mutants::by_tests);
+        }
+        ["--mutants", rest @ ..] => {
+            return part(rest).map_or_else(usage, |shard| match has_checker() {
+                true => mutants::by_proofs(shard),
+                false => Outcome::NotRun(INSTALL.into()),
+            });
+        }
         _ => {}
     }
     let jobs = match words.as_slice() {
@@ -63,20 +66,15 @@ pub fn run(args: &[String]) -> Outcome {
     };
     let known = matches!(
         words.as_slice(),
-        [] | ["--bless"]
-            | ["--resume"]
-            | ["--bless", "--resume"]
-            | ["--harness", _]
-            | ["--mutants"]
+        [] | ["--bless"] | ["--resume"] | ["--bless", "--resume"] | ["--harness", _]
     );
     let Some(jobs) = jobs.filter(|_| known) else {
-        return Outcome::Usage(USAGE.into());
+        return usage();
     };
-    if shell::capture(&mut kani_version()).is_none() {
+    if !has_checker() {
         return without_checker();
     }
     match words.as_slice() {
-        ["--mutants"] => mutants::by_proofs(),
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
@@ -98,14 +96,24 @@ fn by_rule(words: &[&str]) -> Outcome {
         [words @ .., "--proofs"] => (true, words),
         words => (false, words),
     };
-    let shard = match words {
+    part(words).map_or_else(usage, |shard| systematic::run(shard, proofs))
+}
+
+/// `--shard I/N`, or nothing: all.
+fn part(words: &[&str]) -> Option<Shard> {
+    match words {
         [] => Some(Shard::ALL),
         ["--shard", text] => Shard::read(text),
         _ => None,
-    };
-    shard.map_or(Outcome::Usage(USAGE.into()), |shard| {
-        systematic::run(shard, proofs)
-    })
+    }
+}
+
+fn usage() -> Outcome {
+    Outcome::Usage(USAGE.into())
+}
+
+fn has_checker() -> bool {
+    shell::capture(&mut kani_version()).is_some()
 }
 
 /// Harnesses, and the properties that were tried on all inputs: what failed, else what is said of the harnesses.

@@ -43,6 +43,13 @@ pub struct Listed {
     pub row: String,
 }
 
+impl Listed {
+    /// File and function.
+    pub fn function(&self) -> String {
+        self.row.split('\t').take(2).collect::<Vec<_>>().join(" ")
+    }
+}
+
 pub fn folder() -> PathBuf {
     shell::target("systematic")
 }
@@ -62,18 +69,9 @@ pub fn built(folder: &Path) -> Result<(PathBuf, Vec<Listed>), String> {
     let (without, messages) = (folder.join("refused.txt"), folder.join("messages.json"));
     let saved = folder.join("list.tsv");
     for _ in 0..40 {
-        let words = [
-            "operators".as_ref(),
-            "instrument".as_ref(),
-            work.as_os_str(),
-            without.as_os_str(),
-        ];
-        let (lines, outcome) = inspect::ask(words);
-        if !matches!(outcome, Outcome::Ok(_)) {
-            return Err(outcome.reason().into());
-        }
+        let list = written(&work, &without)?;
         // What was refused is so for these sources only.
-        let rows: String = listed(&lines)
+        let rows: String = list
             .iter()
             .map(|one| format!("{}\t{}\n", one.number, one.row))
             .collect();
@@ -84,7 +82,7 @@ pub fn built(folder: &Path) -> Result<(PathBuf, Vec<Listed>), String> {
         }
         std::fs::write(&saved, &rows).map_err(|why| why.to_string())?;
         if build(&work, &messages)? {
-            return Ok((work, listed(&lines)));
+            return Ok((work, list));
         }
         let words = [
             "operators".as_ref(),
@@ -105,6 +103,27 @@ pub fn built(folder: &Path) -> Result<(PathBuf, Vec<Listed>), String> {
         writeln!(file, "{}", lines.join("\n")).map_err(|why| why.to_string())?;
     }
     Err("the instrumented copy still does not compile".into())
+}
+
+/// The list alone, without a build; what the compiler refuses of it is not known then.
+pub fn list(folder: &Path) -> Result<Vec<Listed>, String> {
+    std::fs::create_dir_all(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
+    let work = changes::copy(folder, &PARTS, &[])?;
+    written(&work, &folder.join("refused.txt"))
+}
+
+/// Writes the changes into a copy of the sources: the list.
+fn written(work: &Path, without: &Path) -> Result<Vec<Listed>, String> {
+    let words = [
+        "operators".as_ref(),
+        "instrument".as_ref(),
+        work.as_os_str(),
+        without.as_os_str(),
+    ];
+    match inspect::ask(words) {
+        (lines, Outcome::Ok(_)) => Ok(listed(&lines)),
+        (_, outcome) => Err(outcome.reason().into()),
+    }
 }
 
 fn listed(lines: &[String]) -> Vec<Listed> {

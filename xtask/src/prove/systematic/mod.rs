@@ -3,21 +3,22 @@
 //! The code is built once with all changes in it (`inspect/src/operators/`), and the number of the one that is on stands in the
 //! environment. A change is refuted when an assertion of a property or a test fails: not by a panic of the code itself, nor by a cover
 //! that is no longer reached, nor by the time. What was found is written down at once, so that a run can be broken off and taken up
-//! again, and several can share the list (`--shard 1/8`). With `--proofs` what survived is asked of the checker.
+//! again, and several can share the list (`--shard 1/8`). One of each function comes first, then the second of each, and so on, so that
+//! a run that is broken off has been everywhere. With `--proofs` the checker is asked ([`proofs`]).
 
 mod instrumented;
+mod proofs;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use super::checker::{self, Which};
 use crate::outcome::Outcome;
-use crate::{changes, inspect, shell};
-use instrumented::{Listed, PARTS, binaries, built, folder};
+use crate::{inspect, shell};
+use instrumented::{Listed, binaries, built, folder};
 
 /// The committed list, with what became of each.
 const LIST: &str = "proofs/systematic.tsv";
@@ -55,6 +56,11 @@ pub struct Shard {
 impl Shard {
     pub const ALL: Self = Self { index: 1, of: 1 };
 
+    /// Whether it has the one with this number.
+    pub fn has(self, number: usize) -> bool {
+        number % self.of == self.index % self.of
+    }
+
     pub fn read(text: &str) -> Option<Self> {
         let (index, of) = text.split_once('/')?;
         let shard = Self {
@@ -67,7 +73,11 @@ impl Shard {
 
 /// The command.
 pub fn run(shard: Shard, proofs: bool) -> Outcome {
-    match asked(shard, proofs) {
+    let done = match proofs {
+        true => proofs::asked(shard),
+        false => asked(shard),
+    };
+    match done {
         Ok(()) => inspect::call([
             "operators".as_ref(),
             "table".as_ref(),
@@ -97,6 +107,8 @@ fn sampled() -> Result<(usize, usize), String> {
         .lines()
         .filter_map(|line| line.rsplit_once('\t'))
         .filter_map(|(row, outcome)| Some((row, outcome.strip_prefix("refuted: ")?)))
+        // What the checker refuted may be one that no test finds.
+        .filter(|(_, by)| !by.ends_with("::proof"))
         .collect();
     let (work, list) = built(&folder())?;
     let binaries = binaries(&work)?;
@@ -125,42 +137,69 @@ fn sampled() -> Result<(usize, usize), String> {
     Ok((refuted, all))
 }
 
-fn asked(shard: Shard, proofs: bool) -> Result<(), String> {
-    let folder = folder();
-    let (work, list) = built(&folder)?;
+/// What became of each so far: its row and the word, of the committed list and of runs since.
+struct Outcomes {
+    file: File,
+    known: BTreeMap<String, String>,
+}
+
+impl Outcomes {
+    fn open() -> Result<Self, String> {
+        let path = folder().join("outcomes.tsv");
+        let committed = std::fs::read_to_string(shell::root().join(LIST)).unwrap_or_default();
+        let since = std::fs::read_to_string(&path).unwrap_or_default();
+        let known = committed
+            .lines()
+            .skip(1)
+            .chain(since.lines())
+            .filter_map(|line| line.rsplit_once('\t'))
+            .filter(|(_, outcome)| *outcome != "not run")
+            .map(|(row, outcome)| (row.to_owned(), outcome.to_owned()))
+            .collect();
+        let file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&path)
+            .map_err(|why| format!("{}: {why}", path.display()))?;
+        Ok(Self { file, known })
+    }
+
+    fn of(&self, one: &Listed) -> Option<&str> {
+        self.known.get(&one.row).map(String::as_str)
+    }
+
+    /// Writes it down at once, and says so.
+    fn keep(&mut self, one: &Listed, outcome: String, seconds: f64) -> Result<(), String> {
+        writeln!(self.file, "{}\t{outcome}", one.row)
+            .map_err(|why| format!("outcomes.tsv: {why}"))?;
+        let row = one.row.replace('\t', " ");
+        println!("{:>5} {seconds:>5.1} s  {outcome}  {row}", one.number);
+        self.known.insert(one.row.clone(), outcome);
+        Ok(())
+    }
+}
+
+fn asked(shard: Shard) -> Result<(), String> {
+    let (work, mut list) = built(&folder())?;
     let binaries = binaries(&work)?;
     let noise = noise(&binaries)?;
-    let outcomes = folder.join("outcomes.tsv");
-    let known = std::fs::read_to_string(&outcomes).unwrap_or_default();
-    let known: BTreeMap<&str, &str> = known
-        .lines()
-        .filter_map(|line| line.rsplit_once('\t'))
-        .collect();
-    let said = |why: std::io::Error| format!("{}: {why}", outcomes.display());
-    let mut file = OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&outcomes)
-        .map_err(said)?;
-    for one in list
-        .iter()
-        .filter(|one| one.number % shard.of == shard.index % shard.of)
-    {
+    let mut outcomes = Outcomes::open()?;
+    let mut of_function = BTreeMap::<String, usize>::new();
+    list.sort_by_cached_key(|one| {
+        let before = of_function.entry(one.function()).or_default();
+        *before += 1;
+        (*before, one.number)
+    });
+    for one in list.iter().filter(|one| shard.has(one.number)) {
+        if outcomes.of(one).is_some() {
+            continue;
+        }
         let begun = Instant::now();
-        let before = known.get(one.row.as_str()).copied();
-        let outcome = match before {
-            Some("survived") if proofs => by_proofs(one)?,
-            Some(_) => continue,
-            None if !one.is_in => "not Rust".into(),
-            None => by_tests(one, &binaries, &noise)?,
+        let outcome = match one.is_in {
+            true => by_tests(one, &binaries, &noise)?,
+            false => "not Rust".into(),
         };
-        writeln!(file, "{}\t{outcome}", one.row).map_err(said)?;
-        let took = begun.elapsed().as_secs_f64();
-        println!(
-            "{:>5} {took:>5.1} s  {outcome}  {}",
-            one.number,
-            one.row.replace('\t', " ")
-        );
+        outcomes.keep(one, outcome, begun.elapsed().as_secs_f64())?;
     }
     Ok(())
 }
@@ -219,19 +258,17 @@ fn failures(
     words: &[&str],
     leave_out: Option<&BTreeSet<String>>,
 ) -> Result<(bool, Vec<String>), String> {
-    let mut command = Command::new("sh");
+    let mut command = Command::new(binary);
     command
-        .args(["-c", &format!("ulimit -t {MOST_S} && exec \"$0\" \"$@\"")])
-        .arg(binary)
         .args(["--test-threads=1", "--nocapture"])
         .args(words)
         .env("TOUCHSTONE_MUTANT", number.to_string())
         .env("RUST_BACKTRACE", "0")
         // Where the tests find the sources.
-        .current_dir(folder().join("work/proofs"))
+        .current_dir(folder().join("work/proofs"));
+    let mut child = shell::within(&command, MOST_S)
         .stdout(Stdio::null())
-        .stderr(Stdio::piped());
-    let mut child = command
+        .stderr(Stdio::piped())
         .spawn()
         .map_err(|why| format!("{}: {why}", binary.display()))?;
     let errors = child.stderr.take().ok_or("no standard error")?;
@@ -265,40 +302,6 @@ fn place(line: &str) -> Option<String> {
     // A number format that finds its facts broken is no property.
     let own = is_test && !place.contains("facts.rs:") || place.contains("/tests/");
     own.then(|| name.to_owned())
-}
-
-/// What survived the tests, of the harnesses that are about it.
-fn by_proofs(one: &Listed) -> Result<String, String> {
-    let Some((_, words)) = LIKELY.iter().find(|(file, _)| one.row.contains(file)) else {
-        return Ok("survived".into());
-    };
-    let folder = folder().join("by-proofs");
-    let work = changes::copy(&folder, &PARTS, &[])?;
-    let words_of = [
-        "operators".to_owned(),
-        "alone".into(),
-        one.number.to_string(),
-        work.display().to_string(),
-    ];
-    if let (_, Outcome::Failed(why)) = inspect::ask(words_of) {
-        return Err(why);
-    }
-    for part in *words {
-        let Ok(left) = checker::run(
-            &work,
-            &folder.join("kani"),
-            Which::Containing(part),
-            1,
-            false,
-        ) else {
-            continue;
-        };
-        let (lines, _) = inspect::ask(["refuting".as_ref(), left.report.as_os_str()]);
-        if let Some(name) = lines.first() {
-            return Ok(format!("refuted: {name}"));
-        }
-    }
-    Ok("survived".into())
 }
 
 #[cfg(test)]

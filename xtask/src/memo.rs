@@ -1,12 +1,10 @@
-//! What was found of each sabotage, in a file: a run that is broken off goes on where it was. What is kept counts only for the same
-//! sources, the same emulator and the same entry of the list.
+//! What was found of each wrong change, in a file: a run that is broken off goes on where it was. What is kept counts only for the same
+//! sources, the same program that was asked, where it is ours, and the same question.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-
-use crate::changes::Entry;
 
 /// A word on it, and why.
 pub type Found = (String, String);
@@ -19,11 +17,13 @@ pub struct Memo {
 }
 
 impl Memo {
-    /// Of these sources and this emulator; what was found of others is not counted.
-    pub fn open(file: PathBuf, sources: &Path, emulator: &Path) -> std::io::Result<Self> {
+    /// Of these sources and the program that is asked; what was found of others is not counted.
+    pub fn open(file: PathBuf, sources: &Path, asked: Option<&Path>) -> std::io::Result<Self> {
         let mut hasher = DefaultHasher::new();
         take(sources, sources, &mut hasher)?;
-        std::fs::read(emulator)?.hash(&mut hasher);
+        if let Some(program) = asked {
+            std::fs::read(program)?.hash(&mut hasher);
+        }
         let text = std::fs::read_to_string(&file).unwrap_or_default();
         let known = text.lines().filter_map(line).collect();
         Ok(Self {
@@ -33,10 +33,11 @@ impl Memo {
         })
     }
 
-    /// The number of an entry on this ground; without one, of a board's program as it is, in these rows.
-    pub fn key(&self, board: &str, entry: Option<&Entry>, rows: &[&str]) -> u64 {
+    /// The number of a question on this ground.
+    pub fn key(&self, question: &impl Hash) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (self.ground, board, entry, rows).hash(&mut hasher);
+        self.ground.hash(&mut hasher);
+        question.hash(&mut hasher);
         hasher.finish()
     }
 
@@ -84,20 +85,21 @@ fn take(root: &Path, from: &Path, hasher: &mut DefaultHasher) -> std::io::Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::changes::Entry;
 
     #[test]
-    fn what_was_found_counts_for_the_same_sources_emulator_and_entry_only() {
+    fn what_was_found_counts_for_the_same_sources_program_and_question_only() {
         let folder = std::env::temp_dir().join(format!("touchstone-memo-{}", std::process::id()));
         let sources = folder.join("sources/drive");
         std::fs::create_dir_all(&sources).unwrap();
         let (source, emulator) = (sources.join("a.rs"), folder.join("emulator"));
         let (root, kept) = (folder.join("sources"), folder.join("found.tsv"));
         let write = |path: &Path, text: &str| std::fs::write(path, text).unwrap();
-        let open = || Memo::open(kept.clone(), &root, &emulator).unwrap();
+        let open = || Memo::open(kept.clone(), &root, Some(&emulator)).unwrap();
         write(&source, "one");
         write(&emulator, "one");
         let entry = Entry::with(&[("name", "no limit"), ("only", "a row")]);
-        let of = |memo: &Memo| memo.key("board", Some(&entry), &["a row"]);
+        let of = |memo: &Memo| memo.key(&("board", Some(&entry)));
         let mut memo = open();
         assert_eq!(memo.get(of(&memo)), None);
         memo.keep(of(&memo), "caught", "the outputs\tstay on")
@@ -106,11 +108,9 @@ mod tests {
         let found = ("caught".to_owned(), "the outputs stay on".to_owned());
         assert_eq!(again.get(of(&again)), Some(&found));
         let other = Entry::with(&[("name", "no limit"), ("only", "another row")]);
-        assert_eq!(
-            again.get(again.key("board", Some(&other), &["a row"])),
-            None
-        );
-        assert_eq!(again.get(again.key("board", None, &["a row"])), None);
+        assert_eq!(again.get(again.key(&("board", Some(&other)))), None);
+        let none: Option<&Entry> = None;
+        assert_eq!(again.get(again.key(&("board", none))), None);
         for changed in [&source, &emulator] {
             write(changed, "two");
             let memo = open();
