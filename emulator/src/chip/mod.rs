@@ -6,7 +6,7 @@ mod map;
 mod system;
 mod time;
 
-use crate::board::Board;
+use crate::board::{Board, Source};
 use crate::cpu::core::Core;
 use crate::cpu::handler::{Handler, Running};
 use crate::cpu::nvic::Nvic;
@@ -280,6 +280,17 @@ impl Chip {
         } else {
             0
         }
+    }
+
+    /// What each converter is sampling or converting, and when its sampling ends.
+    #[must_use]
+    pub fn samplings(&self) -> [Option<(Source, u64)>; 2] {
+        [0, 1].map(|adc| {
+            let (channel, at) = self.adcs[adc].sampling()?;
+            let mut pins = self.board.pins.iter();
+            let (.., source) = pins.find(|(on, pin, _)| (*on, *pin) == (adc, channel))?;
+            Some((*source, at))
+        })
     }
 
     /// A port.

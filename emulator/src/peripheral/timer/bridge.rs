@@ -416,5 +416,6 @@ impl BridgeTimer {
     }
 }
 
+mod pins;
 #[cfg(test)]
 mod tests;
