@@ -2,6 +2,7 @@
 
 mod breaks;
 mod bus;
+pub mod comparators;
 mod map;
 mod system;
 mod time;
@@ -64,6 +65,8 @@ pub struct Chip {
     pub pwr: Pwr,
     exti: Exti,
     plain: [Plain; 6],
+    /// COMP1 to COMP4.
+    pub comparators: comparators::Comparators,
     system: Plain,
     cycle_offset: u32,
     locked_up: bool,
@@ -112,6 +115,7 @@ impl Chip {
             pwr: Pwr::new(3.3),
             exti: Exti::default(),
             plain: Default::default(),
+            comparators: Default::default(),
             system: Plain::default(),
             cycle_offset: 0,
             locked_up: false,
@@ -169,6 +173,7 @@ impl Chip {
         self.pwr = Pwr::new(self.pwr.supply_v);
         self.exti = Exti::default();
         self.plain = Default::default();
+        self.comparators.reset();
         self.system = Plain::default();
         self.running.clear();
         self.reset_request = None;
