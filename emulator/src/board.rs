@@ -1,15 +1,18 @@
 //! What is soldered around the chip: which pin sees what, at which scale.
 
+mod told;
+
 use touchstone_control::Si;
-use touchstone_protocol::settings::{DeviceSettings, EncoderKind};
+use touchstone_protocol::settings::EncoderKind;
 
 use crate::peripheral::encoder::{As5047p, Mt6701};
 use crate::peripheral::spi::Slave;
 use crate::peripheral::timer::gates::GateDriver;
 use crate::world::{Parts, World};
+pub use told::ToldMotor;
 
 /// Reference of the converters, V.
-const REFERENCE_V: f64 = 3.3;
+pub const REFERENCE_V: f64 = 3.3;
 
 /// The converter's code for a voltage at its pin.
 #[must_use]
@@ -66,7 +69,7 @@ pub struct Wiring {
     pub forced: [Option<(Source, f64)>; 2],
     /// The gate driver pulls the break input, or its own line where it has one.
     pub break_pulled: bool,
-    /// Comparators that see too much current, as a mask: bit 0 is COMP1.
+    /// Comparators that are made to see too much current, whatever their shunt says, as a mask: bit 0 is COMP1.
     pub comparators: u32,
     /// The incremental encoder's count stays.
     pub encoder_held: Option<i64>,
@@ -107,8 +110,10 @@ pub struct Board {
     /// The line of a driver that reports by it, and is enabled by it: port and pin that it is linked to. Open drain, and not pulled up on
     /// the board.
     pub driver_line: Option<(usize, usize)>,
-    /// Current at which the board's own protection acts, A.
+    /// Current at which the drivers' own protection acts, A; infinite where there is none.
     pub break_a: f64,
+    /// Pins at which the shunts are seen before their amplifiers: port and pin, and the phase.
+    pub shunts: &'static [((usize, usize), usize)],
     /// The supply, V.
     pub supply_v: f64,
     /// Part of a PWM period that a phase loses to dead time.
@@ -127,37 +132,6 @@ pub struct Board {
     pub told: Option<ToldMotor>,
     /// What is wrong.
     pub wiring: Wiring,
-}
-
-/// A motor as a person says it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ToldMotor {
-    /// Of a phase to the star point, with the driver's transistor, Ω.
-    pub resistance_ohm: Si,
-    /// Of a phase to the star point, H.
-    pub inductance_h: Si,
-    /// N·m for an amplitude of 1 A.
-    pub torque_constant_n_m_per_a: Si,
-    /// What the wall may push with, N·m.
-    pub force_limit_n_m: Si,
-}
-
-impl ToldMotor {
-    /// The GBM2804H-100T, with a transistor of the DRV8313.
-    pub const GIMBAL: Self = Self {
-        resistance_ohm: Si::lit("5.53"),
-        inductance_h: Si::lit("0.00105"),
-        torque_constant_n_m_per_a: Si::lit("0.0565"),
-        force_limit_n_m: Si::lit("0.045"),
-    };
-
-    /// Into the settings.
-    pub fn tell(&self, settings: &mut DeviceSettings) {
-        settings.motor.resistance_ohm = self.resistance_ohm;
-        settings.motor.inductance_h = self.inductance_h;
-        settings.motor.torque_constant_n_m_per_a = self.torque_constant_n_m_per_a;
-        settings.law.force_limit_n_m = self.force_limit_n_m;
-    }
 }
 
 /// What is mounted and pressed on the boards for larger motors.
@@ -232,6 +206,7 @@ impl Board {
             bus_divider: 9.31 / (169.0 + 9.31),
             driver_line: None,
             break_a: 20.0,
+            shunts: &[],
             supply_v: 24.0,
             // 0.5 us at both ends of 50 us.
             dead_share: 0.01,
@@ -343,7 +318,10 @@ impl Board {
             current: (16.0 * 0.9 / 7.0, -0.003 * 64.0 / 7.0),
             bus_divider: 1.0 / 10.39,
             driver_line: None,
-            break_a: 20.0,
+            // The chip's comparators are all that there is.
+            break_a: f64::INFINITY,
+            // PA1, PA7, PB0.
+            shunts: &[((0, 1), 0), ((0, 7), 1), ((1, 0), 2)],
             supply_v: 24.0,
             // 0.5 us at both ends of 50 us.
             dead_share: 0.01,
@@ -389,7 +367,7 @@ impl Board {
             return *volts;
         }
         match source {
-            Source::Current(phase) => self.current.0 + self.current.1 * world.current_a(*phase),
+            Source::Current(phase) => self.current.0 + self.current.1 * world.leg_a(*phase),
             Source::Bus => world.bridge.bus_v * self.bus_divider,
             Source::Temperature => thermistor_v(world.temperature_c),
         }
@@ -418,16 +396,20 @@ impl Board {
         self.wiring.break_pulled || over
     }
 
-    /// Level of the break pin, and the comparators that see too much current, as a mask: COMP1, COMP2 and COMP4 watch the
-    /// shunts of the B-G431B-ESC1.
+    /// Level of the break pin.
     #[must_use]
-    pub fn break_input(&self, world: &World) -> (bool, u32) {
-        let over = world.hardware_over_current();
-        let shunts = if over { 0b1011 } else { 0 };
-        (
-            !(self.wiring.break_pulled || over),
-            self.wiring.comparators | shunts,
-        )
+    pub fn break_pin(&self, world: &World) -> bool {
+        !(self.wiring.break_pulled || world.hardware_over_current())
+    }
+
+    /// Volts at a pin of [`Board::shunts`] for a current through its shunt to ground: 3 mOhm, with 1.5 kohm from it to the pin, 22 kohm from the
+    /// pin to 3.3 V and 2.2 kohm to ground. That 4/7 of the shunt's voltage are left before an amplifier of 16 is SimpleFOC's
+    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`); the resistors are ones that give it, as
+    /// the schematic (MB1419) was not read.
+    #[must_use]
+    pub fn shunt_pin_v(&self, amps: f64) -> f64 {
+        let (shunt, up, down) = (1.0 / 1.5e3, 1.0 / 22e3, 1.0 / 2.2e3);
+        (0.003 * amps * shunt + REFERENCE_V * up) / (shunt + up + down)
     }
 
     /// The chip's read-only memory: flash size, unique number.

@@ -14,4 +14,5 @@ pub mod machine;
 pub mod peripheral;
 pub mod played;
 pub mod serve;
+pub mod traces;
 pub mod world;

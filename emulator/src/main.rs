@@ -8,6 +8,7 @@ use touchstone_emulator::board::{Board, Encoder, FaultLink};
 use touchstone_emulator::cpu::elf::Program;
 use touchstone_emulator::fil::jobs::{BOARDS, Programs};
 use touchstone_emulator::played::{HandProgramme, played};
+use touchstone_emulator::traces::{self, Trace};
 use touchstone_emulator::world::Parts;
 use touchstone_emulator::{count, fil, serve};
 
@@ -24,6 +25,8 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
   play ELF BOARD PROGRAMME.csv RECORDING.csv
                               a hand does what touchstone scorecard --programme wrote; what the board told and the shaft did, tick by tick,
                               for touchstone compare --hand programme
+  trace ELF BOARD WHAT FILE.csv
+                              what is seen at a first power-up: pwm, step, calibration, press
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
                               the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
                               each of these by a factor";
@@ -117,6 +120,15 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
                 Path::new(recording),
             )),
             None => usage(),
+        },
+        ("trace", [board, what, file]) => match (board_of(board), Trace::by_name(what)) {
+            (Some(board), Some(trace)) => said(traces::write(
+                program,
+                &Setup::on(board),
+                trace,
+                Path::new(file),
+            )),
+            _ => usage(),
         },
         ("serve", ["--tcp", address, more @ ..]) => {
             let wanted = match serve_options(more) {

@@ -34,6 +34,7 @@ mod step;
 mod test;
 mod thumb;
 mod toolchain;
+mod traces;
 mod unit;
 mod wasm;
 
@@ -145,6 +146,14 @@ const STEPS: &[Step] = &[
         in_test: true,
         quick: Quick::LeftOut,
         run: fil::run,
+    },
+    Step {
+        name: "traces",
+        about: "what is expected at a first power-up, as pictures of the build guide made by the emulator: the same as those that are kept; \
+                `traces --write` keeps them",
+        in_test: false,
+        quick: Quick::LeftOut,
+        run: traces::run,
     },
     Step {
         name: "cycles",

@@ -11,10 +11,6 @@ const PVDL: u32 = 1 << 2;
 const ECCL: u32 = 1 << 3;
 /// The exception that an error in flash raises.
 const NMI: usize = 2;
-/// Offsets of the comparators' registers in the same block, COMP1 to COMP4.
-const COMP_CSR: [u32; 4] = [0x200, 0x204, 0x208, 0x20c];
-/// A comparator is on.
-const COMP_EN: u32 = 1;
 
 impl Chip {
     /// The processor has locked up.
@@ -36,9 +32,9 @@ impl Chip {
         }
     }
 
-    /// The break inputs as the board drives them now. A comparator that the program has not switched on says nothing.
+    /// The break inputs as the board and the comparators drive them now.
     pub fn update_break(&mut self, now: u64) {
-        let (mut pin, over) = self.board.break_input(&self.world);
+        let mut pin = self.board.break_pin(&self.world);
         if let Some((port, at)) = self.board.driver_line {
             let pulls = self.board.driver_pulls(&self.world);
             self.ports[port].drive(at, pulls.then_some(false));
@@ -46,11 +42,8 @@ impl Chip {
             let (port, at) = BREAK_PIN;
             pin = self.ports[port].level(at);
         }
-        let mut comparators = 0;
-        for (bit, offset) in COMP_CSR.into_iter().enumerate() {
-            comparators |= (self.plain[2].get(offset) & COMP_EN) << bit;
-        }
-        self.bridge.set_break(pin, over & comparators, now);
+        let comparators = self.compare(now);
+        self.bridge.set_break(pin, comparators, now);
         let lets = self.plain[2].get(SYSCFG_CFGR2);
         let sources = [
             (CLL, self.locked_up),

@@ -2,11 +2,12 @@
 
 mod breaks;
 mod bus;
+pub mod comparators;
 mod map;
 mod system;
 mod time;
 
-use crate::board::Board;
+use crate::board::{Board, Source};
 use crate::cpu::core::Core;
 use crate::cpu::handler::{Handler, Running};
 use crate::cpu::nvic::Nvic;
@@ -64,6 +65,8 @@ pub struct Chip {
     pub pwr: Pwr,
     exti: Exti,
     plain: [Plain; 6],
+    /// COMP1 to COMP4.
+    pub comparators: comparators::Comparators,
     system: Plain,
     cycle_offset: u32,
     locked_up: bool,
@@ -112,6 +115,7 @@ impl Chip {
             pwr: Pwr::new(3.3),
             exti: Exti::default(),
             plain: Default::default(),
+            comparators: Default::default(),
             system: Plain::default(),
             cycle_offset: 0,
             locked_up: false,
@@ -169,6 +173,7 @@ impl Chip {
         self.pwr = Pwr::new(self.pwr.supply_v);
         self.exti = Exti::default();
         self.plain = Default::default();
+        self.comparators.reset();
         self.system = Plain::default();
         self.running.clear();
         self.reset_request = None;
@@ -280,6 +285,17 @@ impl Chip {
         } else {
             0
         }
+    }
+
+    /// What each converter is sampling or converting, and when its sampling ends.
+    #[must_use]
+    pub fn samplings(&self) -> [Option<(Source, u64)>; 2] {
+        [0, 1].map(|adc| {
+            let (channel, at) = self.adcs[adc].sampling()?;
+            let mut pins = self.board.pins.iter();
+            let (.., source) = pins.find(|(on, pin, _)| (*on, *pin) == (adc, channel))?;
+            Some((*source, at))
+        })
     }
 
     /// A port.

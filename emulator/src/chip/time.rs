@@ -5,6 +5,9 @@ use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::timer::bridge::Edge;
 use crate::peripheral::{NEVER, Peripheral};
 
+/// How often a short is looked at, cycles.
+const LOOK: u64 = 4;
+
 impl Chip {
     /// When something next happens by itself.
     #[must_use]
@@ -30,7 +33,18 @@ impl Chip {
             .min(self.flash.next_event());
         let storm = self.storm.map_or(NEVER, |(_, _, next)| next);
         let fast = self.bridge.next_event().min(self.spi3.next_event());
-        timers.min(adcs).min(ports).min(slow).min(fast).min(storm)
+        // A short's current is looked at as often as instructions allow.
+        let short = match self.world.short {
+            Some(short) if self.bridge.is_on() || short.current_a != 0.0 => self.core.now + LOOK,
+            _ => NEVER,
+        };
+        timers
+            .min(short)
+            .min(adcs)
+            .min(ports)
+            .min(slow)
+            .min(fast)
+            .min(storm)
     }
 
     /// Does what is due by now.
@@ -73,8 +87,19 @@ impl Chip {
             self.nvic
                 .pend(crate::cpu::nvic::FIRST + *interrupt as usize);
         }
+        if self.world.short.is_some() {
+            self.advance_short(now);
+        }
         self.refresh();
         self.core.interrupted = false;
+    }
+
+    /// The current of a short goes on with the transistors as they are, and the comparators look.
+    fn advance_short(&mut self, now: u64) {
+        let legs = self.bridge.legs(now);
+        self.world.advance_short(now, legs);
+        self.update_break(now);
+        self.drive_world();
     }
 
     /// Lets the converters sample and finish what is due by a time.

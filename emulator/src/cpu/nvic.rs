@@ -153,7 +153,8 @@ impl Nvic {
             0x000..0x010 => self.enabled |= mask(offset),
             0x080..0x090 => self.enabled &= !mask(offset - 0x80),
             0x100..0x110 => self.pending |= mask(offset - 0x100),
-            0x180..0x190 => self.pending &= !mask(offset - 0x180),
+            // A line that is still up stays pending (DUI0553, "Hardware and software control of interrupts"; from memory).
+            0x180..0x190 => self.pending &= !mask(offset - 0x180) | self.lines,
             0x300..0x370 => {
                 let at = FIRST + offset as usize - 0x300;
                 for (byte, value) in value.to_le_bytes().into_iter().take(size).enumerate() {
@@ -232,6 +233,17 @@ mod tests {
         assert_eq!(nvic.next(primask), None);
         nvic.pend(HARD_FAULT);
         assert_eq!(nvic.next(primask), Some(HARD_FAULT));
+    }
+
+    #[test]
+    fn a_line_that_is_up_is_not_taken_back() {
+        let mut nvic = with(&[(18, 0)]);
+        nvic.set_lines(1 << 18);
+        nvic.write(0x180, 1 << 18, 4);
+        assert_eq!(nvic.next(Masks::default()), Some(FIRST + 18));
+        nvic.set_lines(0);
+        nvic.write(0x180, 1 << 18, 4);
+        assert_eq!(nvic.next(Masks::default()), None);
     }
 
     #[test]

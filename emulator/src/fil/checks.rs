@@ -4,7 +4,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{around, cogging, lasting, press, registers, starts, storage, supply};
+use super::{around, cogging, lasting, over_current, press, registers, starts, storage, supply};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -24,6 +24,10 @@ pub const CHECKS: &[Check] = &[
     ("kept alignment", starts::kept_alignment),
     ("start by itself", starts::start_by_itself),
     ("cogging", cogging::cogging),
+    (
+        "over-current by the comparators",
+        over_current::over_current,
+    ),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
     (

@@ -3,8 +3,9 @@
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
 use super::list::{
-    ASKED_FOR, BESIDE, Injection, ON_ESC1, ON_G431RB, ON_IHM16M1, ON_SIMPLEFOC_MINI, POWER,
-    PROCESSOR, SECOND, WITH_AS5047P, WITH_LINK_R35, WITH_MT6701, WITH_TRACKS,
+    ASKED_FOR, BESIDE, Injection, MORE_ON_IHM16M1, ON_ESC1, ON_G431RB, ON_IHM16M1,
+    ON_SIMPLEFOC_MINI, POWER, PROCESSOR, SECOND, WITH_AS5047P, WITH_LINK_R35, WITH_MT6701,
+    WITH_TRACKS,
 };
 use super::tally::Tally;
 use crate::bench::Setup;
@@ -93,7 +94,7 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
         on(
             Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37),
             SLOW_LSI,
-            &[ON_IHM16M1, BESIDE],
+            &[ON_IHM16M1, MORE_ON_IHM16M1, BESIDE],
         ),
         on(
             Board::nucleo_g474re_ihm16m1(Encoder::Mt6701, FaultLink::R35),
@@ -108,7 +109,7 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
         on(
             Board::nucleo_g431rb_ihm16m1(Encoder::As5047p, FaultLink::R37),
             SLOW_LSI,
-            &[ON_G431RB],
+            &[ON_IHM16M1, ON_G431RB],
         ),
         on(
             Board::nucleo_g431rb_ihm16m1(Encoder::Mt6701, FaultLink::R35),

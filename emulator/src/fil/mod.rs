@@ -8,6 +8,7 @@ pub mod fault;
 pub mod jobs;
 pub mod lasting;
 pub mod list;
+pub mod over_current;
 pub mod press;
 pub mod registers;
 pub mod report;

@@ -150,6 +150,16 @@ impl Adc {
             .then(|| self.channel(sequence.injected, sequence.rank))
     }
 
+    /// The channel that is being sampled or converted, and when its sampling ends.
+    #[must_use]
+    pub fn sampling(&self) -> Option<(u32, u64)> {
+        let sequence = self.running?;
+        Some((
+            self.channel(sequence.injected, sequence.rank),
+            sequence.sampled,
+        ))
+    }
+
     /// The code of the channel that was asked for.
     pub fn sample(&mut self, code: u16) {
         if let Some(sequence) = &mut self.running {

@@ -3,6 +3,8 @@
 //! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`; the currents follow every
 //! change of the bridge and every sample of a converter.
 
+mod short;
+
 use std::fmt;
 
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
@@ -12,6 +14,8 @@ use touchstone_world::plant::{
 };
 
 use crate::peripheral::CORE_HZ;
+use crate::peripheral::timer::gates::Leg;
+pub use short::{Short, Touched};
 
 /// Cycles of a mechanical step: 25 us.
 const STEP: u64 = 4_250;
@@ -181,10 +185,12 @@ pub struct World {
     books: Option<ShaftBooks>,
     /// Temperature of driver and motor, degrees C.
     pub temperature_c: f64,
-    /// Current at which the bridge's own comparators pull the break, A.
+    /// Current at which the drivers' own protection acts, A.
     pub break_a: f64,
     /// The motor's cogging.
     pub cogging: Vec<Harmonic>,
+    /// A motor's wire touches something.
+    pub short: Option<Short>,
 }
 
 impl fmt::Debug for World {
@@ -227,6 +233,7 @@ impl World {
             temperature_c: 25.0,
             break_a: 20.0,
             cogging: Vec::new(),
+            short: None,
         }
     }
 
@@ -419,10 +426,24 @@ impl World {
         self.torque_n_m
     }
 
-    /// The bridge's own comparators see too much current.
+    /// Current from a phase's transistors into all that hangs on it: the winding, and a short.
+    #[must_use]
+    pub fn leg_a(&self, phase: usize) -> f64 {
+        let short = self.short.filter(|short| short.phase == phase);
+        self.current_a(phase) + short.map_or(0.0, |short| short.current_a)
+    }
+
+    /// A short's current goes on until now with the transistors as they are.
+    pub fn advance_short(&mut self, now: u64, legs: [Leg; 3]) {
+        let (bus_v, diode_v) = (self.bridge.bus_v, self.bridge.diode_v);
+        if let Some(short) = &mut self.short {
+            short.advance(now, legs[short.phase], bus_v, diode_v);
+        }
+    }
+
+    /// The drivers' own protection sees too much current.
     #[must_use]
     pub fn hardware_over_current(&self) -> bool {
-        let currents = self.windings.currents_a();
-        currents.iter().any(|current| current.abs() > self.break_a)
+        (0..3).any(|phase| self.leg_a(phase).abs() > self.break_a)
     }
 }

@@ -1,174 +1,29 @@
-//! NUCLEO-G431RB with the three-phase shield X-NUCLEO-IHM16M1 (STSPIN830), which are sold together as P-NUCLEO-IHM03: pins and peripherals.
+//! NUCLEO-G431RB with the three-phase shield X-NUCLEO-IHM16M1 (STSPIN830), which are sold together as P-NUCLEO-IHM03: what is the chip's. Pins
+//! and peripherals are in `ihm16m1.rs`.
 //!
-//! | pins | from |
+//! | what | from |
 //! |---|---|
-//! | all of the shield's, and which link leads EN\FAULT | `nucleo_g474re_ihm16m1.rs`: the two NUCLEOs are of one board (UM2505 is of both), with the same morpho connectors |
 //! | the pins' functions and the converters' channels: as on the larger chip | the vendor's description of the STM32G431RB's pins (the pins' database of its configurator) |
 //! | the serial port of the ST-LINK at PA2 and PA3, the button at PC13, high while pressed, SPI3 on the morpho connector | Zephyr's board file for this NUCLEO, which agrees with what the other one has; UM2505 **not read** for this one |
 //!
 //! The chip is the B-G431B-ESC1's with more pins: its memory's map, its time driver (there is no TIM5), and no room for more than one wall.
-//! Nothing was measured on a board.
 
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
-
-use embassy_stm32::adc::{Adc, AdcChannel};
-use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::Peripherals;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::pac::gpio::vals::Idr;
-use embassy_stm32::pac::{GPIOA, GPIOB, GPIOC, TIM2};
-use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
-use embassy_stm32::timer::simple_pwm::PwmPin;
-use embassy_stm32::usart::{self, BufferedUart};
-use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
-use touchstone_drive::{EncoderReading, Hardware, hardware};
+use embassy_stm32::usart::BufferedUart;
 
-use crate::pwm::{BreakInput, Bridge, Complement};
-use crate::sense::Readings;
 use crate::storage::Storage;
-use crate::{encoder, magnetic, pwm, sense, serial};
+
+#[path = "ihm16m1.rs"]
+mod ihm16m1;
+pub use ihm16m1::*;
 
 /// As the desktop knows it.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG431rbIhm16m1;
 
-/// The power stage.
-pub const HARDWARE: Hardware = hardware::IHM16M1;
-
-bind_interrupts!(struct Irqs {
-    LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
-});
-
-/// The STSPIN830 has an input and an enable a phase, and keeps its own dead time. Its line EN\FAULT is the break.
-const BRIDGE: Bridge = Bridge {
-    dead_time_ns: 0,
-    complement: Complement::Enable,
-    break_input: BreakInput::Pin,
-};
-
-/// TIM1_BKIN's number among the functions of PB12.
-const BREAK_FUNCTION: u8 = 6;
-
-/// The line EN\FAULT: port B's and port A's pin.
-const FAULT_LINE: (usize, usize) = (12, 11);
-
-/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
-const STOP_BUTTON: usize = 13;
-
 /// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM3.set_priority(Priority::P6);
-    interrupt::LPUART1.set_priority(Priority::P6);
-    // Open drain, and enable at once: pulled up here, pulled down by the driver. The pin that is not linked rests high.
-    let mut fault_line = (Flex::new(p.PB12), Flex::new(p.PA11));
-    fault_line
-        .0
-        .set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
-    fault_line.1.set_as_input(Pull::Up);
-    // The driver's own limiter must not take part: its reference at the top.
-    let limiter = Output::new(p.PB4, Level::High, Speed::Low);
-    pwm::start(p.TIM1, BRIDGE);
-    pwm::keep(
-        (
-            PwmPin::new(p.PA8, OutputType::PushPull),
-            PwmPin::new(p.PA9, OutputType::PushPull),
-            PwmPin::new(p.PA10, OutputType::PushPull),
-        ),
-        (
-            ComplementaryPwmPin::new(p.PB13, OutputType::PushPull),
-            ComplementaryPwmPin::new(p.PB14, OutputType::PushPull),
-            ComplementaryPwmPin::new(p.PB15, OutputType::PushPull),
-        ),
-    );
-    let mut stop_button = Flex::new(p.PC13);
-    stop_button.set_as_input(Pull::Down);
-    // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
-    let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
-    tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
-    tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
-    encoder::count_edges!(TIM2);
-    // Encoder over SPI. The line from the encoder is pulled up: one that is not there reads as all ones, which no parity bears.
-    let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
-    lines
-        .0
-        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
-    lines.1.set_as_af_unchecked(6, AfType::input(Pull::Up));
-    lines
-        .2
-        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
-    let select = Output::new(p.PD2, Level::High, Speed::High);
-    magnetic::start(p.SPI3);
-    // The pins stay as they are until the next reset.
-    core::mem::forget((fault_line, limiter, stop_button, tracks, lines, select));
-    // The two currents at once, one a converter.
-    sense::start(
-        Adc::new(p.ADC1, Default::default()),
-        [
-            (p.PB1.degrade_adc(), sense::FAST),
-            (p.PA0.degrade_adc(), sense::SLOW),
-        ],
-        Adc::new(p.ADC2, Default::default()),
-        [
-            (p.PA1.degrade_adc(), sense::FAST),
-            (p.PC4.degrade_adc(), sense::SLOW),
-        ],
-    );
-    let serial = BufferedUart::new(
-        p.LPUART1,
-        p.PA3,
-        p.PA2,
-        serial::SEND.take(),
-        serial::RECEIVE.take(),
-        Irqs,
-        serial::config(),
-    );
-    (defmt::unwrap!(serial), Storage::new(p.FLASH))
-}
-
-/// A finished set of conversions: which is what. The third current is the negative sum of the two.
-#[inline(always)]
-pub fn readings() -> Readings {
-    let raw = sense::take();
-    let [phase_b, bus] = raw.first;
-    let [phase_a, temperature] = raw.second;
-    Readings {
-        phase_a,
-        phase_b,
-        bus,
-        temperature,
-    }
-}
-
-/// The edge counter: TIM2 has 32 bits.
-#[inline(always)]
-pub fn encoder_count() -> EncoderReading {
-    EncoderReading::Counter32(TIM2.cnt().read())
-}
-
-pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
-
-/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
-#[inline(always)]
-pub fn is_stop_pressed() -> bool {
-    GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
-}
-
-/// The line was low when it was looked at.
-static COMPLAINED: AtomicBool = AtomicBool::new(false);
-
-/// Whether the driver has pulled its line since it was last forgotten. At PB12 no pulse is missed: the break keeps it. PA11 is looked
-/// at by the current loop, once a PWM period, and the driver has switched itself off before.
-#[inline(always)]
-pub fn driver_complains() -> bool {
-    let (b, a) = FAULT_LINE;
-    let is_low = GPIOB.idr().read().idr(b) == Idr::LOW || GPIOA.idr().read().idr(a) == Idr::LOW;
-    if is_low || pwm::is_input_broken() {
-        COMPLAINED.store(true, Relaxed);
-    }
-    COMPLAINED.load(Relaxed)
-}
-
-/// As if it had not complained; a line that is still low does so again.
-#[inline(always)]
-pub fn forget_driver() {
-    COMPLAINED.store(false, Relaxed);
+    set_up_pins(p)
 }

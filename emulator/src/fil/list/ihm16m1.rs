@@ -1,4 +1,4 @@
-//! On the NUCLEO-G474RE with the X-NUCLEO-IHM16M1: enables instead of lower inputs, a driver with a line of its own, small currents,
+//! On the X-NUCLEO-IHM16M1: enables instead of lower inputs, a driver with a line of its own, small currents,
 //! a supply of 12 V.
 
 use super::Expect::{GoesOn, Off, Reset};
@@ -12,7 +12,7 @@ use touchstone_protocol::FaultCode::*;
 /// A driver that switches itself off needs nobody; what the line brings about is the same PWM period.
 const BY_ITSELF: u64 = 60;
 
-/// With EN\FAULT at PB12, the break, and an AS5047P on the bus.
+/// What the shield brings about on either NUCLEO, with EN\FAULT at PB12, the break, and an AS5047P on the bus.
 pub const ON_IHM16M1: &[Injection] = &[
     row(
         "driver's line low, 2 us long",
@@ -22,20 +22,6 @@ pub const ON_IHM16M1: &[Injection] = &[
         Off(BY_ITSELF, &[GateDriver]),
     )
     .again(),
-    row(
-        "driver's line low, 300 us long",
-        Calibrating,
-        444,
-        Fault::Break(300),
-        Off(BY_ITSELF, &[GateDriver]),
-    ),
-    row(
-        "driver's line stays low",
-        Free,
-        951,
-        Fault::Break(0),
-        Off(BY_ITSELF, &[GateDriver]),
-    ),
     row(
         "driver's line stays low",
         Ready,
@@ -63,13 +49,6 @@ pub const ON_IHM16M1: &[Injection] = &[
         41,
         Fault::Sensor(1, -2.5),
         Off(TICK, &[OverCurrent]),
-    ),
-    row(
-        "phase A's sensor at its end",
-        Free,
-        733,
-        Fault::Sensor(0, 8.0),
-        Off(TICK, &[OverCurrent, CurrentSensor]),
     ),
     row(
         "phase A's sensor is off by 0.6 A",
@@ -114,13 +93,6 @@ pub const ON_IHM16M1: &[Injection] = &[
         GoesOn,
     ),
     row(
-        "thermistor broken off",
-        Free,
-        205,
-        Fault::Thermistor(0.0),
-        Off(TICK, &[OverTemperature]),
-    ),
-    row(
         "encoder's parity",
         Pressed,
         345,
@@ -146,6 +118,7 @@ pub const ON_IHM16M1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
+        // Two ticks where it hangs at its end, after its command was sent.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(
@@ -177,6 +150,38 @@ pub const ON_IHM16M1: &[Injection] = &[
         188,
         Fault::Reset(ResetCause::Pin),
         Reset(TICK, &[]),
+    ),
+];
+
+/// More of it, played with the NUCLEO-G474RE alone.
+pub const MORE_ON_IHM16M1: &[Injection] = &[
+    row(
+        "driver's line low, 300 us long",
+        Calibrating,
+        444,
+        Fault::Break(300),
+        Off(BY_ITSELF, &[GateDriver]),
+    ),
+    row(
+        "driver's line stays low",
+        Free,
+        951,
+        Fault::Break(0),
+        Off(BY_ITSELF, &[GateDriver]),
+    ),
+    row(
+        "phase A's sensor at its end",
+        Free,
+        733,
+        Fault::Sensor(0, 8.0),
+        Off(TICK, &[OverCurrent, CurrentSensor]),
+    ),
+    row(
+        "thermistor broken off",
+        Free,
+        205,
+        Fault::Thermistor(0.0),
+        Off(TICK, &[OverTemperature]),
     ),
 ];
 

@@ -21,7 +21,7 @@ pub use asked::ASKED_FOR;
 pub use beside::BESIDE;
 pub use esc1::ON_ESC1;
 pub use g431rb::ON_G431RB;
-pub use ihm16m1::{ON_IHM16M1, WITH_LINK_R35};
+pub use ihm16m1::{MORE_ON_IHM16M1, ON_IHM16M1, WITH_LINK_R35};
 pub use others::{WITH_MT6701, WITH_TRACKS};
 pub use power::POWER;
 pub use processor::PROCESSOR;

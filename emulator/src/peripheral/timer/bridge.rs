@@ -151,7 +151,7 @@ impl BridgeTimer {
         self.registers.get(CR1) & CEN != 0
     }
 
-    /// Level of the pin BKIN, and the active comparators as a mask.
+    /// Level of the pin BKIN, and the levels of the comparators' outputs as a mask.
     pub fn set_break(&mut self, pin: bool, comparators: u32, now: u64) {
         self.break_pin = pin;
         self.comparators = comparators;
@@ -177,8 +177,10 @@ impl BridgeTimer {
         let active_high = bdtr & BKP != 0;
         let inverted = sources >> 9 & 1 != 0;
         let pin = sources & 1 != 0 && self.break_pin == (active_high != inverted);
-        let comparators = self.comparators & (sources >> 1 & 15);
-        bdtr & BKE != 0 && (pin || comparators != 0 && active_high)
+        // BKCMP1P to BKCMP4P turn a comparator's level over.
+        let levels = self.comparators ^ (sources >> 10 & 15);
+        let active = if active_high { levels } else { !levels };
+        bdtr & BKE != 0 && (pin || active & (sources >> 1 & 15) != 0)
     }
 
     fn look_at_break(&mut self, now: u64) {
@@ -416,5 +418,6 @@ impl BridgeTimer {
     }
 }
 
+mod pins;
 #[cfg(test)]
 mod tests;

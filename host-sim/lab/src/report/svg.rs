@@ -212,7 +212,8 @@ impl Plot<'_> {
         let out = &mut self.marks;
         // An oscillation that fills an area is drawn finer, or its strokes run together.
         let dense = stretches.iter().map(Vec::len).sum::<usize>() > DENSE;
-        let dense = if dense { " data-dense" } else { "" };
+        // With a value: a picture that stands alone is XML.
+        let dense = if dense { " data-dense=\"\"" } else { "" };
         let name = escape(name);
         let _ = write!(out, r#"<path class="{class}" data-n="{name}"{dense} d=""#);
         for stretch in stretches {

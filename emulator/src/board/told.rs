@@ -1,0 +1,35 @@
+//! What a person says of a motor, where the board cannot measure it.
+
+use touchstone_control::Si;
+use touchstone_protocol::settings::DeviceSettings;
+
+/// A motor as a person says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ToldMotor {
+    /// Of a phase to the star point, with the driver's transistor, Ω.
+    pub resistance_ohm: Si,
+    /// Of a phase to the star point, H.
+    pub inductance_h: Si,
+    /// N·m for an amplitude of 1 A.
+    pub torque_constant_n_m_per_a: Si,
+    /// What the wall may push with, N·m.
+    pub force_limit_n_m: Si,
+}
+
+impl ToldMotor {
+    /// The GBM2804H-100T, with a transistor of the DRV8313.
+    pub const GIMBAL: Self = Self {
+        resistance_ohm: Si::lit("5.53"),
+        inductance_h: Si::lit("0.00105"),
+        torque_constant_n_m_per_a: Si::lit("0.0565"),
+        force_limit_n_m: Si::lit("0.045"),
+    };
+
+    /// Into the settings.
+    pub fn tell(&self, settings: &mut DeviceSettings) {
+        settings.motor.resistance_ohm = self.resistance_ohm;
+        settings.motor.inductance_h = self.inductance_h;
+        settings.motor.torque_constant_n_m_per_a = self.torque_constant_n_m_per_a;
+        settings.law.force_limit_n_m = self.force_limit_n_m;
+    }
+}
