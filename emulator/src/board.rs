@@ -401,7 +401,7 @@ impl Board {
         let Encoder::Incremental(counts) = self.encoder else {
             return 0;
         };
-        let count = (world.turns() * f64::from(counts)).floor() as i64;
+        let count = (world.encoder_turns() * f64::from(counts)).floor() as i64;
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
     }
 

@@ -112,7 +112,7 @@ impl Chip {
             timer.set_encoder(count);
         }
         if let Some(slave) = &mut self.spi3.slave {
-            slave.set_angle(self.world.turns());
+            slave.set_angle(self.world.encoder_turns());
         }
         self.update_break(now);
     }

@@ -4,7 +4,7 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{around, cogging, lasting, press, registers, starts, storage, supply};
+use super::{around, cogging, eccentricity, lasting, press, registers, starts, storage, supply};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -24,6 +24,7 @@ pub const CHECKS: &[Check] = &[
     ("kept alignment", starts::kept_alignment),
     ("start by itself", starts::start_by_itself),
     ("cogging", cogging::cogging),
+    ("eccentricity", eccentricity::eccentricity),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
     (

@@ -4,6 +4,7 @@ pub mod around;
 pub mod campaign;
 pub mod checks;
 pub mod cogging;
+pub mod eccentricity;
 pub mod fault;
 pub mod jobs;
 pub mod lasting;

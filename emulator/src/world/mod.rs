@@ -162,6 +162,18 @@ pub struct ShaftBooks {
     pub loss_j: f64,
 }
 
+/// What a magnet out of the axis makes of the encoder's angle: `A sin(n θ + φ)`. A shaft off the axis gives one period a turn, a sensor off it two
+/// (TI's TIDUF97, table of the patterns of error; both together and a tilt: both).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EncoderError {
+    /// `A`, rad.
+    pub amplitude_rad: f64,
+    /// `n`.
+    pub per_rev: f64,
+    /// `φ`, rad.
+    pub phase_rad: f64,
+}
+
 /// The world.
 pub struct World {
     knob: Device,
@@ -185,6 +197,8 @@ pub struct World {
     pub break_a: f64,
     /// The motor's cogging.
     pub cogging: Vec<Harmonic>,
+    /// What is wrong with the encoder's angle; nothing, where nobody says so.
+    pub encoder_error: Vec<EncoderError>,
 }
 
 impl fmt::Debug for World {
@@ -227,6 +241,7 @@ impl World {
             temperature_c: 25.0,
             break_a: 20.0,
             cogging: Vec::new(),
+            encoder_error: Vec::new(),
         }
     }
 
@@ -401,10 +416,19 @@ impl World {
         angle + speed * seconds(self.now - (self.step_at - STEP))
     }
 
-    /// Angle of the shaft, turns.
+    /// Angle that the encoder sees, rad.
     #[must_use]
-    pub fn turns(&self) -> f64 {
-        self.angle_rad() / std::f64::consts::TAU
+    pub fn encoder_rad(&self) -> f64 {
+        let angle = self.angle_rad();
+        self.encoder_error.iter().fold(angle, |read, it| {
+            read + it.amplitude_rad * (it.per_rev * angle + it.phase_rad).sin()
+        })
+    }
+
+    /// The same, turns.
+    #[must_use]
+    pub fn encoder_turns(&self) -> f64 {
+        self.encoder_rad() / std::f64::consts::TAU
     }
 
     /// Current into a phase, A.
