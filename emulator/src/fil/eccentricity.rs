@@ -1,6 +1,11 @@
 //! An encoder whose magnet is out of the axis and tilted: what the desktop's own code makes of what the device tells while it calibrates, beside the
 //! world's error, of which the device knows nothing.
 
+#[allow(
+    dead_code,
+    unused_imports,
+    reason = "what a magnet costs and whether it stands out is for the desktop"
+)]
 #[path = "../../../host-sim/lab/src/identify/eccentricity/mod.rs"]
 mod identify;
 

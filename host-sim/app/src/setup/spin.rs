@@ -63,7 +63,15 @@ pub fn encoder(
 ) -> Result<Eccentricity> {
     let spins = client.identity().board.senses_current();
     let (_, encoder) = heard(client, settings, stop, spins)?;
-    encoder.map_err(|not| not_measured(client, &not))
+    encoder.map_err(|not| match spins {
+        true => not_measured(client, &not),
+        // Without a measurement, a kept alignment is checked and not looked for.
+        false => Error::device(
+            client.place(),
+            not.to_string(),
+            "hands off, shaft free; where an alignment is kept: touchstone device alignment forget; then the same command again",
+        ),
+    })
 }
 
 fn not_measured(client: &Client, why: &dyn Display) -> Error {

@@ -135,8 +135,8 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
 fn slope(values: &[f64], time: f64) -> f64 {
     let (mut before, mut second) = (0.0, 1.0);
     let mut sum = 0.0;
-    for power in 1..=DEGREE {
-        sum += values[power] * power as f64 * second;
+    for (power, value) in values.iter().enumerate().take(DEGREE + 1).skip(1) {
+        sum += value * power as f64 * second;
         (before, second) = (second, 2.0 * time * second - before);
     }
     sum

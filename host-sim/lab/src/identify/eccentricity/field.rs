@@ -120,7 +120,7 @@ impl Way {
         };
         let off_deg = (known.pole_pairs * solved.residual_rms).to_degrees();
         // What is no number is refused, too.
-        if !(off_deg < OFF_MOST_DEG) {
+        if off_deg.is_nan() || off_deg > OFF_MOST_DEG {
             return Err(NotSeen::NotFollowed { degrees: off_deg });
         }
         let of = &solved.values;
