@@ -4,7 +4,9 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{around, cogging, eccentricity, lasting, press, registers, starts, storage, supply};
+use super::{
+    around, cogging, eccentricity, lasting, noisy, press, registers, starts, storage, supply,
+};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -25,6 +27,7 @@ pub const CHECKS: &[Check] = &[
     ("start by itself", starts::start_by_itself),
     ("cogging", cogging::cogging),
     ("eccentricity", eccentricity::eccentricity),
+    ("noise in the sensors", noisy::noisy),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
     (

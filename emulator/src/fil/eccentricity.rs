@@ -19,6 +19,7 @@ use self::identify::{
     CalibrationTick, Eccentricity, FIELD_FASTEST_TURNS_PER_S, KnownEncoder, Witness,
 };
 use super::cogging::COGGING;
+use super::noisy::NOISE;
 use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, number};
 use crate::cpu::elf::Program;
@@ -102,7 +103,10 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
         phase_rad: magnet.1[index],
     };
     let errors = [error(0), error(1)];
-    bench.machine.chip_mut().world.encoder_error = errors.to_vec();
+    let sensors = &mut bench.machine.chip_mut().world.sensors;
+    sensors.encoder_error = errors.to_vec();
+    // With noise no rest is seen, and each brake and coast of a measurement takes its longest.
+    sensors.noise = (!spins).then_some(NOISE);
     bench.configure(|settings| settings.calibration.measures = spins)?;
     let from = bench.link.telemetry.len();
     bench.demand(Request::Command(DeviceCommand::Calibrate))?;
@@ -127,7 +131,8 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     bench.run(500 * MS)?;
     let since = bench.link.telemetry.last().ok_or("no telemetry")?.count;
     let turned = TAU * f64::from(since) / known.counts_per_rev;
-    let zero = bench.machine.chip().world.encoder_rad() - turned;
+    let world = &bench.machine.chip().world;
+    let zero = world.sensors.with_error(world.angle_rad()) - turned;
     let truth =
         errors.map(|it| Complex::from_polar(it.amplitude_rad, it.phase_rad + it.per_rev * zero));
     bench.demand(Request::Command(DeviceCommand::Stop))?;

@@ -9,6 +9,7 @@ pub mod fault;
 pub mod jobs;
 pub mod lasting;
 pub mod list;
+mod noisy;
 pub mod press;
 pub mod registers;
 pub mod report;

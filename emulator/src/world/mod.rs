@@ -3,6 +3,8 @@
 //! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`; the currents follow every
 //! change of the bridge and every sample of a converter.
 
+mod sensors;
+
 use std::fmt;
 
 use touchstone_world::motor::{Bridge, Drive, GIMBAL, MotorParameters, Windings};
@@ -12,6 +14,8 @@ use touchstone_world::plant::{
 };
 
 use crate::peripheral::CORE_HZ;
+
+pub use sensors::{EncoderError, Noise, Sensors};
 
 /// Cycles of a mechanical step: 25 us.
 const STEP: u64 = 4_250;
@@ -162,18 +166,6 @@ pub struct ShaftBooks {
     pub loss_j: f64,
 }
 
-/// What a magnet out of the axis makes of the encoder's angle: `A sin(n θ + φ)`. A shaft off the axis gives one period a turn, a sensor off it two
-/// (TI's TIDUF97, table of the patterns of error; both together and a tilt: both).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EncoderError {
-    /// `A`, rad.
-    pub amplitude_rad: f64,
-    /// `n`.
-    pub per_rev: f64,
-    /// `φ`, rad.
-    pub phase_rad: f64,
-}
-
 /// The world.
 pub struct World {
     knob: Device,
@@ -197,8 +189,8 @@ pub struct World {
     pub break_a: f64,
     /// The motor's cogging.
     pub cogging: Vec<Harmonic>,
-    /// What is wrong with the encoder's angle; nothing, where nobody says so.
-    pub encoder_error: Vec<EncoderError>,
+    /// What is wrong with the sensors.
+    pub sensors: Sensors,
 }
 
 impl fmt::Debug for World {
@@ -241,7 +233,7 @@ impl World {
             temperature_c: 25.0,
             break_a: 20.0,
             cogging: Vec::new(),
-            encoder_error: Vec::new(),
+            sensors: Sensors::default(),
         }
     }
 
@@ -416,19 +408,10 @@ impl World {
         angle + speed * seconds(self.now - (self.step_at - STEP))
     }
 
-    /// Angle that the encoder sees, rad.
-    #[must_use]
-    pub fn encoder_rad(&self) -> f64 {
-        let angle = self.angle_rad();
-        self.encoder_error.iter().fold(angle, |read, it| {
-            read + it.amplitude_rad * (it.per_rev * angle + it.phase_rad).sin()
-        })
-    }
-
-    /// The same, turns.
+    /// Angle that the encoder shows, turns.
     #[must_use]
     pub fn encoder_turns(&self) -> f64 {
-        self.encoder_rad() / std::f64::consts::TAU
+        self.sensors.shown_turns(self.angle_rad())
     }
 
     /// Current into a phase, A.
