@@ -50,24 +50,22 @@ pub const NAMES: [&str; ORDERS] = [
     "encoder's error twice a turn",
 ];
 
-/// An order's value, and what is not known of it.
-pub fn shown(found: &Eccentricity, index: usize) -> [String; 2] {
+/// An order's amplitude, what is not known of it, its phase.
+pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     let it = &found.harmonics[index];
     let open = format!("{:.3}°", it.uncertainty_rad.to_degrees());
     if !found.stands_out(index) {
         let below = it.amplitude_rad.max(it.uncertainty_rad);
-        return [format!("none above {:.3}°", below.to_degrees()), open];
+        let none = format!("none above {:.3}°", below.to_degrees());
+        return [none, open, String::new()];
     }
     let by = match found.witness[index] {
         Witness::Field => "",
         Witness::Coast => ", by the coasts",
     };
-    let value = format!(
-        "{:.3}°, phase {:+.0}°{by}",
-        it.amplitude_rad.to_degrees(),
-        it.phase_rad.to_degrees()
-    );
-    [value, open]
+    let amplitude = format!("{:.3}°", it.amplitude_rad.to_degrees());
+    let phase = format!(", phase {:+.0}°{by}", it.phase_rad.to_degrees());
+    [amplitude, open, phase]
 }
 
 /// What it costs, in words.
@@ -99,8 +97,8 @@ fn by_field_alone(field_n_m_per_rad: f64) -> String {
 pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> Vec<String> {
     let mut lines: Vec<String> = (0..ORDERS)
         .map(|index| {
-            let [value, open] = shown(found, index);
-            format!("{:<41} {value} ± {open}", NAMES[index])
+            let [value, open, phase] = shown(found, index);
+            format!("{:<41} {value} ± {open}{phase}", NAMES[index])
         })
         .collect();
     lines.push(format!("{:<41} {}", "that costs", costs(found, pole_pairs)));

@@ -44,8 +44,8 @@ pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
 
 fn of_encoder(encoder: &Eccentricity, pole_pairs: f64) -> Block {
     let order = |index: usize| {
-        let [value, open] = eccentricity::shown(encoder, index);
-        vec![eccentricity::NAMES[index].to_owned(), value, open]
+        let [value, open, phase] = eccentricity::shown(encoder, index);
+        vec![eccentricity::NAMES[index].to_owned(), value + &phase, open]
     };
     let line = |name: &str, value| vec![name.to_owned(), value, String::new()];
     let warning = eccentricity::warning(encoder, pole_pairs);
