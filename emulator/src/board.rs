@@ -17,7 +17,15 @@ pub const REFERENCE_V: f64 = 3.3;
 /// The converter's code for a voltage at its pin.
 #[must_use]
 pub fn code(volts: f64) -> u16 {
-    (volts / REFERENCE_V * 4_095.0).round().clamp(0.0, 4_095.0) as u16
+    code_with(volts, 0.0)
+}
+
+/// The same with an error, codes.
+#[must_use]
+pub fn code_with(volts: f64, error: f64) -> u16 {
+    (volts / REFERENCE_V * 4_095.0 + error)
+        .round()
+        .clamp(0.0, 4_095.0) as u16
 }
 
 /// Which encoder is mounted.
@@ -379,7 +387,7 @@ impl Board {
         let Encoder::Incremental(counts) = self.encoder else {
             return 0;
         };
-        let count = (world.turns() * f64::from(counts)).floor() as i64;
+        let count = (world.encoder_turns() * f64::from(counts)).floor() as i64;
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
     }
 

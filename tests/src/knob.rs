@@ -45,6 +45,17 @@ pub trait Tamper {
 pub struct Honest;
 impl Tamper for Honest {}
 
+/// An order of what a magnet out of the axis makes of the angle: `A sin(n θ + φ)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EncoderError {
+    /// `A`, rad.
+    pub amplitude_rad: f64,
+    /// `n`.
+    pub per_rev: f64,
+    /// `φ`, rad.
+    pub phase_rad: f64,
+}
+
 /// The knob.
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The control tick.
@@ -57,6 +68,8 @@ pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     pub rig: Rig<S>,
     /// What is falsified.
     pub tamper: T,
+    /// What is wrong with the encoder's angle.
+    pub encoder_error: Vec<EncoderError>,
     /// Where the hand means to be, rad.
     pub rest_rad: f64,
     /// What the bridge does in this period.
@@ -148,6 +161,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
                 angle_rad,
             ),
             tamper,
+            encoder_error: Vec::new(),
             rest_rad: angle_rad,
             acting: Drive::Off,
             record,
@@ -172,10 +186,11 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
     /// The encoder's reading now.
     #[must_use]
     pub fn reading(&self) -> EncoderReading {
-        let count = motor::count(
-            self.rig.now().angle_rad,
-            self.settings.encoder.counts_per_rev,
-        );
+        let angle = self.rig.now().angle_rad;
+        let read = self.encoder_error.iter().fold(angle, |read, it| {
+            read + it.amplitude_rad * (it.per_rev * angle + it.phase_rad).sin()
+        });
+        let count = motor::count(read, self.settings.encoder.counts_per_rev);
         match self.settings.encoder.kind {
             EncoderKind::Incremental => EncoderReading::Counter16(count as u16),
             EncoderKind::As5047p => {

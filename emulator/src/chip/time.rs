@@ -122,7 +122,8 @@ impl Chip {
                         Some(amplifier) if !amplifies[amplifier] => 0.0,
                         _ => self.board.analog(index, channel, &self.world),
                     };
-                    adc.sample(crate::board::code(volts));
+                    let noise = self.world.sensors.converter_codes();
+                    adc.sample(crate::board::code_with(volts, noise));
                 }
                 adc.advance(next);
             }
@@ -132,12 +133,13 @@ impl Chip {
     /// Once a half period: shaft to encoders, break input, supply.
     fn on_period(&mut self, _edge: Edge, now: u64) {
         self.world.advance(now);
+        self.world.sensors.look();
         let count = self.board.encoder_count(&self.world);
         for timer in &mut self.timers {
             timer.set_encoder(count);
         }
         if let Some(slave) = &mut self.spi3.slave {
-            slave.set_angle(self.world.turns());
+            slave.set_angle(self.world.encoder_turns());
         }
         self.update_break(now);
     }

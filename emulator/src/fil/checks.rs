@@ -4,7 +4,10 @@ use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
 use super::fault::Random;
 use super::tally::Tally;
-use super::{around, cogging, lasting, over_current, press, registers, starts, storage, supply};
+use super::{
+    around, cogging, eccentricity, lasting, noisy, over_current, press, registers, starts, storage,
+    supply,
+};
 use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
@@ -28,6 +31,8 @@ pub const CHECKS: &[Check] = &[
         "over-current by the comparators",
         over_current::over_current,
     ),
+    ("eccentricity", eccentricity::eccentricity),
+    ("noise in the sensors", noisy::noisy),
     ("cable pulled", lasting::cable_pulled),
     ("a hand that leans", lasting::leaning_hand),
     (

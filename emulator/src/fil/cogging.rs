@@ -46,7 +46,7 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
 
 /// Of a motor with 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots and magnets add. 0.77 mN·m
 /// effective, of the 45 that the wall may push with.
-const COGGING: [Harmonic; 4] = [
+pub(super) const COGGING: [Harmonic; 4] = [
     part(1e-3, 84.0, 0.4),
     part(2e-4, 168.0, 2.0),
     part(3e-4, 12.0, -1.0),

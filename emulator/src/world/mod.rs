@@ -3,6 +3,7 @@
 //! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`; the currents follow every
 //! change of the bridge and every sample of a converter.
 
+mod sensors;
 mod short;
 
 use std::fmt;
@@ -16,6 +17,8 @@ use touchstone_world::plant::{
 use crate::peripheral::CORE_HZ;
 use crate::peripheral::timer::gates::Leg;
 pub use short::{Short, Touched};
+
+pub use sensors::{EncoderError, Noise, Sensors};
 
 /// Cycles of a mechanical step: 25 us.
 const STEP: u64 = 4_250;
@@ -191,6 +194,8 @@ pub struct World {
     pub cogging: Vec<Harmonic>,
     /// A motor's wire touches something.
     pub short: Option<Short>,
+    /// What is wrong with the sensors.
+    pub sensors: Sensors,
 }
 
 impl fmt::Debug for World {
@@ -234,6 +239,7 @@ impl World {
             break_a: 20.0,
             cogging: Vec::new(),
             short: None,
+            sensors: Sensors::default(),
         }
     }
 
@@ -408,10 +414,10 @@ impl World {
         angle + speed * seconds(self.now - (self.step_at - STEP))
     }
 
-    /// Angle of the shaft, turns.
+    /// Angle that the encoder shows, turns.
     #[must_use]
-    pub fn turns(&self) -> f64 {
-        self.angle_rad() / std::f64::consts::TAU
+    pub fn encoder_turns(&self) -> f64 {
+        self.sensors.shown_turns(self.angle_rad())
     }
 
     /// Current into a phase, A.

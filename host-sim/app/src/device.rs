@@ -1,6 +1,7 @@
 //! `touchstone device`: a board's commands, state, fault, and the second before the fault; haptic devices in [`super::haptic`].
 
 pub mod cogging;
+pub mod eccentricity;
 pub mod start;
 
 use super::haptic;
@@ -74,6 +75,11 @@ enum BoardAction {
         #[command(subcommand)]
         action: Option<cogging::CoggingAction>,
     },
+    /// Measures what the encoder's magnet out of the axis makes of the angle.
+    Eccentricity {
+        #[command(subcommand)]
+        action: eccentricity::EccentricityAction,
+    },
     /// Shows whether the board starts by itself when power comes on, with no desktop; switches that on or off, and saves it.
     Autostart {
         #[arg(value_enum)]
@@ -118,6 +124,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         }
         BoardAction::Alignment { action } => return start::alignment(&mut client, *action),
         BoardAction::Cogging { action } => return cogging::main(&mut client, *action),
+        BoardAction::Eccentricity { action } => return eccentricity::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => command(DeviceCommand::Arm)?,
         BoardAction::Disarm => command(DeviceCommand::Disarm)?,

@@ -152,6 +152,20 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     for (error, angle) in periodic.iter().zip(&trace.angle_rad) {
         assert!((error - 1e-3 * angle.sin()).abs() < 1e-15);
     }
+    // A second part of twice as many periods, alone and beside the first.
+    for first in [0.0, 1e-3] {
+        let asked = [
+            &*format!("sensor.periodic.amplitude_rad={first}"),
+            "sensor.periodic.second_amplitude_rad=2e-3",
+            "sensor.periodic.second_phase_rad=0.5",
+        ];
+        let scene = with(&ideal(), &asked);
+        let trace = crate::trace(&scene);
+        for (told, angle) in trace.angle_measured_rad.iter().zip(&trace.angle_rad) {
+            let error = first * angle.sin() + 2e-3 * (2.0 * angle + 0.5).sin();
+            assert!((told - angle - error).abs() < 1e-15);
+        }
+    }
 }
 
 /// What the motor's torque was off its command, N·m, and of the ticks in which the knob had moved how many were told the last angle.

@@ -186,7 +186,7 @@ fn shown(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
 }
 
 /// Nothing is driven, and it saves.
-fn at_rest(client: &mut Client) -> Result<()> {
+pub fn at_rest(client: &mut Client) -> Result<()> {
     match status_of(client)?.phase {
         Phase::Armed => Err(Error::device(
             client.place(),

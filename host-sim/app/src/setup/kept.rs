@@ -1,7 +1,9 @@
 //! What a setup has done so far, in its folder: an interruption loses the step that it falls into and no other.
 
+use crate::device::eccentricity;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
+use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::identify::{Estimate, Mechanics};
 use touchstone_sim::error::{Error, Result};
@@ -103,9 +105,19 @@ impl Kept {
         })
     }
 
-    /// The motor is measured.
-    pub fn keep_measured(&mut self, motor: &MeasuredMotor) -> Result<()> {
+    /// What was found of the encoder beside it.
+    pub fn encoder(&self) -> Option<Eccentricity> {
+        eccentricity::from_json(self.done.get("encoder")?)
+    }
+
+    /// The motor is measured, and perhaps its encoder.
+    pub fn keep_measured(
+        &mut self,
+        motor: &MeasuredMotor,
+        encoder: Option<serde_json::Value>,
+    ) -> Result<()> {
         self.done.insert("measured".into(), as_json(motor));
+        self.done.insert("encoder".into(), encoder.into());
         self.write()
     }
 

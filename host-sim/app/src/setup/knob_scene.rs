@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use touchstone_drive::Hardware;
+use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_protocol::DeviceSettings;
 
@@ -94,4 +95,30 @@ push_torque_n_m = {press:.4e}
         0.2 * press,
     );
     text
+}
+
+/// What is added to it for the encoder: nothing where nothing stands out.
+pub fn encoder_text(encoder: Option<&Eccentricity>) -> String {
+    let Some(encoder) = encoder.filter(|it| it.stands_out(0) || it.stands_out(1)) else {
+        return String::new();
+    };
+    let [once, twice] = [0, 1].map(|index| {
+        let it = &encoder.harmonics[index];
+        let is_seen = encoder.stands_out(index);
+        let amplitude_rad = if is_seen { it.amplitude_rad } else { 0.0 };
+        (amplitude_rad, it.phase_rad)
+    });
+    format!(
+        "
+# The encoder's error once and twice a turn. Its phases are those from the zero of the calibration that measured it; the next
+# calibration's zero is another one.
+[sensor.periodic]
+periods_per_rev = 1
+amplitude_rad = {:.4e}
+phase_rad = {:.4}
+second_amplitude_rad = {:.4e}
+second_phase_rad = {:.4}
+",
+        once.0, once.1, twice.0, twice.1,
+    )
 }

@@ -7,7 +7,7 @@ mod sheet;
 pub(crate) mod spin;
 
 use super::config::toml_file;
-use super::device::{calibrated, cogging, start, status_of};
+use super::device::{calibrated, cogging, eccentricity, start, status_of};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
@@ -15,6 +15,7 @@ use super::out::{self, note, say, tell};
 use super::port::PortOption;
 use super::progress;
 use kept::{Kept, io};
+use spin::Measured;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_control::Si;
@@ -115,28 +116,46 @@ fn stepped(options: &Options) -> Result<()> {
         settings.motor.current_limit_a,
     );
 
-    let motor = match kept.measured() {
+    let pole_pairs = settings.motor.pole_pairs.into();
+    let (motor, encoder) = match kept.measured() {
         Some(motor) => {
             tell!("3/6 motor      measured before (--again measures anew)");
-            motor
+            (motor, kept.encoder())
         }
         None => {
             tell!(
                 "3/6 motor      HANDS OFF: THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute"
             );
-            let motor = spin::measure(&mut client, &settings, &stop)?;
-            kept.keep_measured(&motor)?;
-            motor
+            let Measured { motor, encoder } = spin::measure(&mut client, &settings, &stop)?;
+            if let Err(why) = &encoder {
+                note!("note: the encoder's eccentricity was not found: {why}");
+            }
+            let encoder = encoder.ok();
+            let as_json = encoder.map(|it| eccentricity::as_json(&it, pole_pairs));
+            kept.keep_measured(&motor, as_json)?;
+            (motor, encoder)
         }
     };
     for line in sheet::lines(&motor) {
         tell!("    {line}");
     }
+    if let Some(encoder) = &encoder {
+        let constant = motor.torque_constant_n_m_per_a.value;
+        let field = eccentricity::field_n_m_per_rad(&settings, constant);
+        for line in eccentricity::lines(encoder, pole_pairs, field) {
+            tell!("    {line}");
+        }
+        if let Some(warning) = eccentricity::warning(encoder, pole_pairs) {
+            note!("{warning}");
+        }
+    }
 
     let board = client.identity().board;
     let scene_file = options.out.join("knob.toml");
+    // The wall is tuned without the encoder's error, which no law's settings mend.
     let text = knob_scene::text(&motor, &settings, hardware(board), &who);
-    write(&scene_file, &text)?;
+    let with_encoder = text.clone() + &knob_scene::encoder_text(encoder.as_ref());
+    write(&scene_file, &with_encoder)?;
     tell!("4/6 scene      {}", scene_file.display());
 
     let law_file = options.out.join("law.toml");
@@ -167,8 +186,9 @@ fn stepped(options: &Options) -> Result<()> {
     };
     let page = sheet::write(
         &motor,
+        encoder.as_ref(),
         cogging.as_ref(),
-        &text,
+        &with_encoder,
         &all,
         &who,
         &options.out.join("report"),
@@ -178,6 +198,7 @@ fn stepped(options: &Options) -> Result<()> {
             serde_json::json!({
                 "device": kept.device(),
                 "measured": kept::as_json(&motor),
+                "encoder": encoder.map(|it| eccentricity::as_json(&it, pole_pairs)),
                 "cogging": cogging.as_ref().map(cogging::Tried::json),
                 "scene": scene_file.display().to_string(),
                 "settings": law_file.display().to_string(),

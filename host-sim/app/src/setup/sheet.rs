@@ -1,9 +1,11 @@
 //! What was measured of a knob, for people: as lines, and as a page with the settings that came of it.
 
 use super::super::device::cogging::Tried;
+use super::super::device::eccentricity;
 use super::super::report_options::program;
 use super::kept::{VALUES, as_json, values};
 use std::path::{Path, PathBuf};
+use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::report::{Block, Section, pages};
 use touchstone_link::value;
@@ -40,9 +42,28 @@ pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
         .collect()
 }
 
+fn of_encoder(encoder: &Eccentricity, pole_pairs: f64) -> Block {
+    let order = |index: usize| {
+        let [value, open, phase] = eccentricity::shown(encoder, index);
+        vec![eccentricity::NAMES[index].to_owned(), value + &phase, open]
+    };
+    let line = |name: &str, value| vec![name.to_owned(), value, String::new()];
+    let warning = eccentricity::warning(encoder, pole_pairs);
+    Block::Table {
+        caption: "Of the shaft, against the field that turned it and against its own coasting. A phase is the sine's at the zero of the calibration that measured; the uncertainty is what the two ways of the field, and field and coasts, leave open.".into(),
+        header: ["what", "value", "uncertainty"].map(str::to_owned).to_vec(),
+        rows: [order(0), order(1)]
+            .into_iter()
+            .chain([line("that costs", eccentricity::costs(encoder, pole_pairs))])
+            .chain(warning.map(|warning| line("the magnet", warning)))
+            .collect(),
+    }
+}
+
 /// The page, in a folder of its own; its place.
 pub fn write(
     motor: &MeasuredMotor,
+    encoder: Option<&Eccentricity>,
     cogging: Option<&Tried>,
     scene: &str,
     settings: &DeviceSettings,
@@ -54,6 +75,7 @@ pub fn write(
         header: ["what", "value", "uncertainty"].map(str::to_owned).to_vec(),
         rows: rows(motor).map(Vec::from).collect(),
     };
+    let read = encoder.map(|encoder| of_encoder(encoder, settings.motor.pole_pairs.into()));
     let felt = cogging.map(|tried| Block::Table {
         caption: "The shaft turns slowly, both ways, without the map of the cogging and with it."
             .into(),
@@ -109,7 +131,7 @@ pub fn write(
         sections: &[
             section(
                 "The motor and its knob",
-                std::iter::once(measured).chain(felt).collect(),
+                std::iter::once(measured).chain(read).chain(felt).collect(),
                 false,
             ),
             section("Settings", vec![all], true),

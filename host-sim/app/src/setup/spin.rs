@@ -1,16 +1,20 @@
-//! Has a device measure its motor, and hears what it says of it.
+//! Has a device measure its motor, and hears what it says of it and of its encoder.
 
 use crate::device::calibration_limit;
 use crate::interrupt;
 use crate::monitor::{SIGN_OF_LIFE, SILENCE_LIMIT};
 use crate::out::note;
 use nalgebra::Complex;
+use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_drive::measurement::FAST_FIELD;
 use touchstone_drive::{Reason, wire};
+use touchstone_lab::identify::eccentricity::{
+    CalibrationTick, Eccentricity, FIELD_FASTEST_TURNS_PER_S, KnownEncoder, NotSeen,
+};
 use touchstone_lab::identify::motor::{KnownMotor, MeasuredMotor, MotorTick, motor};
 use touchstone_link::words::name_of;
 use touchstone_protocol::{
@@ -23,21 +27,85 @@ const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
 /// The device switches off so long after its cable is gone.
 const HOST_SILENCE_S: Si = Si::ONE;
 
+/// What a measurement finds.
+pub struct Measured {
+    /// The motor and its knob.
+    pub motor: MeasuredMotor,
+    /// The encoder's error over a turn, or why it was not seen.
+    pub encoder: std::result::Result<Eccentricity, NotSeen>,
+}
+
 /// Measures. The device is left stopped, with the settings that it is given.
 pub fn measure(
     client: &mut Client,
     settings: &DeviceSettings,
     stop: &AtomicBool,
-) -> Result<MeasuredMotor> {
+) -> Result<Measured> {
+    let (ticks, encoder) = heard(client, settings, stop, true)?;
+    let pwm_hz = wire::hardware(client.identity().board).pwm_hz;
+    let known = KnownMotor {
+        rate_hz: settings.timing.rate_hz.into(),
+        counts_per_rev: settings.encoder.counts_per_rev.into(),
+        pole_pairs: settings.motor.pole_pairs.into(),
+        fast_field_hz: f64::from(FAST_FIELD) / 2_f64.powi(32) * f64::from(pwm_hz),
+    };
+    let ticks: Vec<MotorTick> = ticks.into_iter().flatten().collect();
+    let motor = motor(&ticks, &known).map_err(|not| not_measured(client, &not))?;
+    Ok(Measured { motor, encoder })
+}
+
+/// The encoder alone; where the board measures no currents, by the field alone. The device is left stopped, with the settings that it is
+/// given.
+pub fn encoder(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    stop: &AtomicBool,
+) -> Result<Eccentricity> {
+    let spins = client.identity().board.senses_current();
+    let (_, encoder) = heard(client, settings, stop, spins)?;
+    encoder.map_err(|not| match spins {
+        true => not_measured(client, &not),
+        // Without a measurement, a kept alignment is checked and not looked for.
+        false => Error::device(
+            client.place(),
+            not.to_string(),
+            "hands off, shaft free; where an alignment is kept: touchstone device alignment forget; then the same command again",
+        ),
+    })
+}
+
+fn not_measured(client: &Client, why: &dyn Display) -> Error {
+    Error::device(
+        client.place(),
+        why.to_string(),
+        "hands off, shaft free, nothing loose; then the same command again",
+    )
+}
+
+/// What was told of the motor, a tick each, and what the same motion says of the encoder.
+type Heard = (
+    Vec<Option<MotorTick>>,
+    std::result::Result<Eccentricity, NotSeen>,
+);
+
+/// A whole calibration, with the spins of a measurement or without.
+fn heard(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    stop: &AtomicBool,
+    spins: bool,
+) -> Result<Heard> {
     let mut asked = watched(settings);
-    asked.calibration.measures = true;
-    client.tell(&Request::SetAll(asked))?;
+    asked.calibration.measures = spins;
+    let field = &mut asked.calibration.electrical_turns_per_s;
+    *field = (*field).min(Si::saturating_from_num(FIELD_FASTEST_TURNS_PER_S));
+    client.tell(&Request::SetAll(asked.clone()))?;
     client.tell(&Request::Telemetry { decimation: 1 })?;
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     // A fault whose cause is still there comes back before anything turns.
     calibrate.map_err(|refused| fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
-    let limit = calibration_limit(settings) + MEASUREMENT_LONGEST;
+    let limit = calibration_limit(&asked) + MEASUREMENT_LONGEST;
     let heard = listen(client, limit, stop, told);
     // Whatever came of it: off, and as it was.
     let stopped = client
@@ -53,20 +121,15 @@ pub fn measure(
         std::process::exit(interrupt::INTERRUPTED);
     };
     stopped?;
-    let pwm_hz = wire::hardware(client.identity().board).pwm_hz;
-    let known = KnownMotor {
-        rate_hz: settings.timing.rate_hz.into(),
-        counts_per_rev: settings.encoder.counts_per_rev.into(),
-        pole_pairs: settings.motor.pole_pairs.into(),
-        fast_field_hz: f64::from(FAST_FIELD) / 2_f64.powi(32) * f64::from(pwm_hz),
+    let known = KnownEncoder {
+        rate_hz: asked.timing.rate_hz.into(),
+        counts_per_rev: asked.encoder.counts_per_rev.into(),
+        pole_pairs: asked.motor.pole_pairs.into(),
+        field_turns_per_s: asked.calibration.electrical_turns_per_s.to_num(),
     };
-    motor(&ticks, &known).map_err(|not| {
-        Error::device(
-            client.place(),
-            not.to_string(),
-            "hands off, shaft free, nothing loose; then the same command again",
-        )
-    })
+    let (of_encoder, of_motor): (Vec<CalibrationTick>, Vec<Option<MotorTick>>) =
+        ticks.into_iter().unzip();
+    Ok((of_motor, Eccentricity::new(&of_encoder, &known)))
 }
 
 /// The same settings for a shaft that turns by itself: a device that hears nothing switches off.
@@ -156,13 +219,19 @@ pub fn fault(client: &mut Client) -> Result<Error> {
     Ok(Error::device(client.place(), problem, fix))
 }
 
-fn told(record: &Telemetry) -> Option<MotorTick> {
+fn told(record: &Telemetry) -> Option<(CalibrationTick, Option<MotorTick>)> {
     let milli = |value: i32| 1e-3 * f64::from(value);
-    record.measuring.map(|it| MotorTick {
+    let of_encoder = CalibrationTick {
+        tick: record.tick,
+        part: record.measuring.map(|it| it.part),
+        count: record.count,
+    };
+    let of_motor = record.measuring.map(|it| MotorTick {
         tick: record.tick,
         part: it.part,
         count: record.count,
         current_a: Complex::new(milli(it.current_d_ma), milli(record.current_q_ma)),
         voltage_v: Complex::new(milli(it.voltage_d_mv), milli(it.voltage_q_mv)),
-    })
+    });
+    (record.phase == Phase::Calibrating).then_some((of_encoder, of_motor))
 }

@@ -5,6 +5,7 @@ mod cogging;
 mod compare;
 mod config;
 mod doctor;
+mod eccentricity;
 mod environment;
 mod failures;
 mod fake;

@@ -83,11 +83,15 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
         control = Staged::around(control, noisy);
     }
     let periodic = scene.sensor.periodic.as_ref();
-    if let Some(error) = periodic.filter(|it| it.amplitude_rad > 0.0) {
+    if let Some(error) = periodic
+        && (error.amplitude_rad > 0.0 || error.second_amplitude_rad > 0.0)
+    {
+        let second = (error.second_amplitude_rad, error.second_phase_rad);
         let eccentric = Eccentric {
             amplitude_rad: error.amplitude_rad,
             per_rev: f64::from(error.periods_per_rev),
             phase_rad: error.phase_rad,
+            second: (second.0 > 0.0).then_some(second),
         };
         control = Staged::around(control, eccentric);
     }

@@ -31,7 +31,7 @@ impl Default for SensorNoise {
     }
 }
 
-/// What a disc or a magnet out of the axis does: `A sin(n x + phase)`.
+/// What a disc or a magnet out of the axis, or tilted, does: `A sin(n x + phase) + A2 sin(2n x + phase2)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PeriodicError {
@@ -41,6 +41,10 @@ pub struct PeriodicError {
     pub periods_per_rev: u32,
     /// Its phase at angle 0, rad. Default 0.
     pub phase_rad: f64,
+    /// Amplitude of its second part, of twice as many periods, rad, 0 or more. Default 0.
+    pub second_amplitude_rad: f64,
+    /// That part's phase at angle 0, rad. Default 0.
+    pub second_phase_rad: f64,
 }
 
 impl Default for PeriodicError {
@@ -49,6 +53,8 @@ impl Default for PeriodicError {
             amplitude_rad: 8.7e-3,
             periods_per_rev: 1,
             phase_rad: 0.0,
+            second_amplitude_rad: 0.0,
+            second_phase_rad: 0.0,
         }
     }
 }

@@ -80,7 +80,8 @@ impl Stage for Noisy {
     }
 }
 
-/// An error that goes with the angle, as a disc or a magnet out of the axis makes it: `A sin(n x + phi)`.
+/// An error that goes with the angle, as a disc or a magnet out of the axis makes it: `A sin(n x + phi)`, and where it is tilted as well
+/// `A2 sin(2n x + phi2)`.
 #[derive(Debug, Clone, Copy)]
 pub struct Eccentric {
     /// `A`, rad.
@@ -89,11 +90,20 @@ pub struct Eccentric {
     pub per_rev: f64,
     /// `phi`, rad.
     pub phase_rad: f64,
+    /// `A2` and `phi2`, rad.
+    pub second: Option<(f64, f64)>,
 }
 
 impl Stage for Eccentric {
     fn angle_rad(&mut self, angle_rad: f64) -> f64 {
-        angle_rad + self.amplitude_rad * libm::sin(self.per_rev * angle_rad + self.phase_rad)
+        let turned = self.per_rev * angle_rad;
+        let read = angle_rad + self.amplitude_rad * libm::sin(turned + self.phase_rad);
+        match self.second {
+            None => read,
+            Some((amplitude_rad, phase_rad)) => {
+                read + amplitude_rad * libm::sin(2.0 * turned + phase_rad)
+            }
+        }
     }
 }
 

@@ -232,6 +232,18 @@ const DEVICE: &[Field] = &[
         Any,
         "that error's phase at angle 0",
     ),
+    number(
+        "sensor.periodic.second_amplitude_rad",
+        "rad",
+        NotNegative,
+        "the amplitude of that error's second part, of twice as many periods",
+    ),
+    number(
+        "sensor.periodic.second_phase_rad",
+        "rad",
+        Any,
+        "the second part's phase at angle 0",
+    ),
     field(
         "plant.integrator",
         "",

@@ -1,0 +1,167 @@
+//! An encoder whose magnet is out of the axis and tilted: what the desktop's own code makes of what the device tells while it calibrates, beside the
+//! world's error, of which the device knows nothing.
+
+#[allow(
+    dead_code,
+    unused_imports,
+    reason = "what a magnet costs and whether it stands out is for the desktop"
+)]
+#[path = "../../../host-sim/lab/src/identify/eccentricity/mod.rs"]
+mod identify;
+
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+use touchstone_control::Si;
+use touchstone_protocol::{DeviceCommand, Phase, Request};
+use touchstone_world::plant::train::Harmonic;
+
+use self::identify::{
+    CalibrationTick, Eccentricity, FIELD_FASTEST_TURNS_PER_S, KnownEncoder, Witness,
+};
+use super::cogging::COGGING;
+use super::noisy::NOISE;
+use super::tally::Tally;
+use crate::bench::{Bench, MS, Setup, number};
+use crate::cpu::elf::Program;
+use crate::world::EncoderError;
+
+/// A calibration at four electrical turns a second, and its measurement.
+const MEASURED: u64 = 60_000 * MS;
+/// What is found may be off by a count and this part of the amplitude.
+const OFF_MOST: f64 = 0.01;
+/// A knob whose weight is out of its axis: as much as its friction.
+const WEIGHT: Harmonic = Harmonic {
+    amplitude: 5e-4,
+    per_rev: 1.0,
+    phase: 0.7,
+};
+
+/// A magnet: what it does once and twice a turn, degrees, and its phases, rad.
+#[derive(Clone, Copy)]
+struct Magnet([f64; 2], [f64; 2]);
+
+/// Of the field alone: centred, as it may be, and far off.
+const MAGNETS: [Magnet; 3] = [
+    Magnet([0.0, 0.0], [0.0, 0.0]),
+    Magnet([0.3, 0.3], [-2.5, 0.4]),
+    Magnet([2.0, 1.0], [1.0, -1.7]),
+];
+/// With the spins of a measurement, and the weight.
+const SPUN: Magnet = Magnet([1.0, 0.3], [2.2, -0.6]);
+
+/// On the reference board.
+pub fn eccentricity(program: &Program, setup: &Setup, tally: &mut Tally) {
+    if setup.board.name != "nucleo-g474re-ihm16m1" {
+        return;
+    }
+    let mut bench = match prepared(program, setup) {
+        Ok(bench) => bench,
+        Err(error) => return tally.check("eccentricity", Err(error)),
+    };
+    for magnet in MAGNETS {
+        let [once, twice] = magnet.0;
+        let name = format!("eccentricity of {once}° once and {twice}° twice a turn, by the field");
+        let found = measured(&mut bench, magnet, false).and_then(judged);
+        tally.check(&name, found);
+    }
+    bench.machine.chip_mut().world.cogging.push(WEIGHT);
+    let spun = measured(&mut bench, SPUN, true).and_then(|(found, truth)| match found.witness[0] {
+        Witness::Coast => judged((found, truth)),
+        Witness::Field => Err("the field was believed, which the weight turns".into()),
+    });
+    tally.check(
+        "eccentricity with a weight out of the axis, by the coasts",
+        spun,
+    );
+    tally.ran(&bench);
+}
+
+/// A device with an encoder that knows where it is, whose motor cogs.
+fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
+    let mut bench = Bench::new(program, setup)?;
+    bench.machine.chip_mut().world.cogging = COGGING.to_vec();
+    bench.boot()?;
+    let kind = setup.board.encoder.kind();
+    bench.configure(|settings| {
+        settings.encoder.kind = kind;
+        settings.calibration.electrical_turns_per_s = Si::from_num(FIELD_FASTEST_TURNS_PER_S);
+        // The calibration's current may be held for ever: this is not about it.
+        settings.motor.continuous_current_a = settings.calibration.current_a;
+    })?;
+    bench.demand(Request::Telemetry { decimation: 1 })?;
+    Ok(bench)
+}
+
+/// What is found of a magnet, and the truth as the calibrated zero sees it.
+type Found = (Eccentricity, [Complex<f64>; 2]);
+
+/// What `touchstone device eccentricity` asks for, from stopped to ready and back.
+fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, String> {
+    let error = |index: usize| EncoderError {
+        amplitude_rad: magnet.0[index].to_radians(),
+        per_rev: (index + 1) as f64,
+        phase_rad: magnet.1[index],
+    };
+    let errors = [error(0), error(1)];
+    let sensors = &mut bench.machine.chip_mut().world.sensors;
+    sensors.encoder_error = errors.to_vec();
+    // With noise no rest is seen, and each brake and coast of a measurement takes its longest.
+    sensors.noise = (!spins).then_some(NOISE);
+    bench.configure(|settings| settings.calibration.measures = spins)?;
+    let from = bench.link.telemetry.len();
+    bench.demand(Request::Command(DeviceCommand::Calibrate))?;
+    bench.wait_for(Phase::Ready, MEASURED)?;
+    let settings = bench.settings()?;
+    let known = KnownEncoder {
+        rate_hz: settings.timing.rate_hz.into(),
+        counts_per_rev: settings.encoder.counts_per_rev.into(),
+        pole_pairs: settings.motor.pole_pairs.into(),
+        field_turns_per_s: number(settings.calibration.electrical_turns_per_s),
+    };
+    let told = bench.link.telemetry[from..].iter();
+    let told = told.filter(|record| record.phase == Phase::Calibrating);
+    let ticks: Vec<CalibrationTick> = told
+        .map(|record| CalibrationTick {
+            tick: record.tick,
+            part: record.measuring.map(|it| it.part),
+            count: record.count,
+        })
+        .collect();
+    // Nothing holds the shaft any more: it moves until it rests.
+    bench.run(500 * MS)?;
+    let since = bench.link.telemetry.last().ok_or("no telemetry")?.count;
+    let turned = TAU * f64::from(since) / known.counts_per_rev;
+    let world = &bench.machine.chip().world;
+    let zero = world.sensors.with_error(world.angle_rad()) - turned;
+    let truth =
+        errors.map(|it| Complex::from_polar(it.amplitude_rad, it.phase_rad + it.per_rev * zero));
+    bench.demand(Request::Command(DeviceCommand::Stop))?;
+    let found = Eccentricity::new(&ticks, &known).map_err(|why| why.to_string())?;
+    Ok((found, truth))
+}
+
+/// Both orders beside the truth, and within twice what is said of them, or half a count.
+fn judged((found, truth): Found) -> Result<String, String> {
+    let mut words = Vec::new();
+    let mut is_right = true;
+    for (it, truth) in found.harmonics.iter().zip(truth) {
+        let off = (Complex::from_polar(it.amplitude_rad, it.phase_rad) - truth).norm();
+        is_right &= off < found.count_rad + OFF_MOST * truth.norm();
+        is_right &= off < (2.0 * it.uncertainty_rad).max(0.5 * found.count_rad);
+        words.push(format!(
+            "{:.4}° and {:.4}° off, said to be known within {:.4}°",
+            it.amplitude_rad.to_degrees(),
+            off.to_degrees(),
+            it.uncertainty_rad.to_degrees()
+        ));
+    }
+    if let Some(apart) = found.apart_rad {
+        words.push(format!(
+            "field and coasts apart by {:.3}° and {:.3}°",
+            apart[0].to_degrees(),
+            apart[1].to_degrees()
+        ));
+    }
+    let words = words.join("; ");
+    if is_right { Ok(words) } else { Err(words) }
+}

@@ -1,0 +1,196 @@
+//! `touchstone device eccentricity`: what the encoder's magnet out of the axis makes of the angle, what that costs, and when it should be seated
+//! anew; the same for `touchstone setup`.
+
+use super::cogging::at_rest;
+use crate::interrupt;
+use crate::out::{self, note, say, tell};
+use crate::setup::spin;
+use clap::Subcommand;
+use serde_json::{Value, json};
+use touchstone_device::Client;
+use touchstone_lab::identify::eccentricity::cost::{ELECTRICAL_MOST_DEG, STIFFNESS_MOST};
+use touchstone_lab::identify::eccentricity::{Eccentricity, Harmonic, ORDERS, Reseat, Witness};
+use touchstone_protocol::DeviceSettings;
+use touchstone_sim::error::Result;
+
+/// What is done about it.
+#[derive(Debug, Clone, Copy, Subcommand)]
+pub enum EccentricityAction {
+    /// Measures it: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is kept; the device is left stopped.
+    Measure,
+}
+
+/// Measures and shows.
+pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
+    let EccentricityAction::Measure = action;
+    let settings = client.settings()?;
+    at_rest(client)?;
+    let stop = interrupt::noted()?;
+    tell!("HANDS OFF: THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute");
+    let found = spin::encoder(client, &settings, &stop)?;
+    let pole_pairs = settings.motor.pole_pairs.into();
+    out::result(
+        || as_json(&found, pole_pairs),
+        || {
+            let constant = settings.motor.torque_constant_n_m_per_a.to_num();
+            for line in lines(&found, pole_pairs, field_n_m_per_rad(&settings, constant)) {
+                say!("{line}");
+            }
+            if let Some(warning) = warning(&found, pole_pairs) {
+                note!("{warning}");
+            }
+            Ok(())
+        },
+    )
+}
+
+/// What each order is called.
+pub const NAMES: [&str; ORDERS] = [
+    "encoder's error once a turn",
+    "encoder's error twice a turn",
+];
+
+/// An order's amplitude, what is not known of it, its phase.
+pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
+    let it = &found.harmonics[index];
+    let open = format!("{:.3}°", it.uncertainty_rad.to_degrees());
+    if !found.stands_out(index) {
+        let below = it.amplitude_rad.max(it.uncertainty_rad);
+        let none = format!("none above {:.3}°", below.to_degrees());
+        return [none, open, String::new()];
+    }
+    let by = match found.witness[index] {
+        Witness::Field => "",
+        Witness::Coast => ", by the coasts",
+    };
+    let amplitude = format!("{:.3}°", it.amplitude_rad.to_degrees());
+    let phase = format!(", phase {:+.0}°{by}", it.phase_rad.to_degrees());
+    [amplitude, open, phase]
+}
+
+/// What it costs, in words.
+pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
+    let cost = found.cost(pole_pairs);
+    format!(
+        "at the worst place {:.2} % of the torque, a wall {:.2}° from where it should be, its stiffness {:.1} % off",
+        100.0 * cost.torque_lost,
+        cost.place_rad.to_degrees(),
+        100.0 * cost.stiffness_off
+    )
+}
+
+/// How stiffly the field of a calibration holds the shaft, N·m/rad.
+pub fn field_n_m_per_rad(settings: &DeviceSettings, torque_constant_n_m_per_a: f64) -> f64 {
+    let current_a: f64 = settings.calibration.current_a.to_num();
+    f64::from(settings.motor.pole_pairs) * torque_constant_n_m_per_a * current_a
+}
+
+/// What a field that no coast was beside cannot know.
+fn by_field_alone(field_n_m_per_rad: f64) -> String {
+    format!(
+        "a torque once or twice a turn, as of a weight out of the axis: {:.3}° for each mN·m (the knob coasts too shortly)",
+        (1e-3 / field_n_m_per_rad).to_degrees()
+    )
+}
+
+/// For people; with how stiffly the field held the shaft, N·m/rad.
+pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> Vec<String> {
+    let mut lines: Vec<String> = (0..ORDERS)
+        .map(|index| {
+            let [value, open, phase] = shown(found, index);
+            format!("{:<41} {value} ± {open}{phase}", NAMES[index])
+        })
+        .collect();
+    lines.push(format!("{:<41} {}", "that costs", costs(found, pole_pairs)));
+    if found.apart_rad.is_none() {
+        lines.push(format!(
+            "{:<41} {}",
+            "not told from it",
+            by_field_alone(field_n_m_per_rad)
+        ));
+    }
+    lines
+}
+
+/// Whether the magnet should be seated anew, and why.
+pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
+    let cost = found.cost(pole_pairs);
+    let why = match cost.reseat()? {
+        Reseat::Electrical => format!(
+            "the motor's field is {:.0} electrical degrees off at the worst place; beyond {ELECTRICAL_MOST_DEG:.0} the check of a kept alignment may refuse a right one",
+            cost.electrical_deg
+        ),
+        Reseat::Stiffness => format!(
+            "a wall's stiffness is {:.0} % off at the worst place; beyond {:.0} it is more than a wall may be off on its scorecard",
+            100.0 * cost.stiffness_off,
+            100.0 * STIFFNESS_MOST
+        ),
+    };
+    Some(format!(
+        "warning: seat the encoder's magnet anew, centred and not tilted: {why}"
+    ))
+}
+
+/// For programs, and for a setup that goes on later.
+pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
+    let cost = found.cost(pole_pairs);
+    let harmonics = (0..ORDERS).map(|index| {
+        let it = &found.harmonics[index];
+        json!({
+            "order": index + 1,
+            "amplitude_rad": it.amplitude_rad,
+            "phase_rad": it.phase_rad,
+            "uncertainty_rad": it.uncertainty_rad,
+            "witness": word(found.witness[index]),
+            "field_and_coasts_apart_rad": found.apart_rad.map(|apart| apart[index]),
+        })
+    });
+    json!({
+        "harmonics": harmonics.collect::<Vec<_>>(),
+        "residual_rms_rad": found.residual_rms_rad,
+        "count_rad": found.count_rad,
+        "wall_off_rad": cost.place_rad,
+        "field_off_electrical_deg": cost.electrical_deg,
+        "torque_lost_share": cost.torque_lost,
+        "stiffness_off_share": cost.stiffness_off,
+        "reseat_magnet": cost.reseat().map(|why| match why {
+            Reseat::Electrical => "electrical",
+            Reseat::Stiffness => "stiffness",
+        }),
+    })
+}
+
+const fn word(witness: Witness) -> &'static str {
+    match witness {
+        Witness::Field => "field",
+        Witness::Coast => "coasts",
+    }
+}
+
+/// What [`as_json`] wrote.
+pub fn from_json(all: &Value) -> Option<Eccentricity> {
+    let number = |of: &Value, name: &str| of.get(name)?.as_f64();
+    let entries = all.get("harmonics")?.as_array()?;
+    let [first, second] = entries.as_slice() else {
+        return None;
+    };
+    let harmonic = |of: &Value| {
+        Some(Harmonic {
+            amplitude_rad: number(of, "amplitude_rad")?,
+            phase_rad: number(of, "phase_rad")?,
+            uncertainty_rad: number(of, "uncertainty_rad")?,
+        })
+    };
+    let witness = |of: &Value| match of.get("witness").and_then(Value::as_str) {
+        Some(it) if it == word(Witness::Coast) => Witness::Coast,
+        _ => Witness::Field,
+    };
+    let apart = |of: &Value| number(of, "field_and_coasts_apart_rad");
+    Some(Eccentricity {
+        harmonics: [harmonic(first)?, harmonic(second)?],
+        witness: [witness(first), witness(second)],
+        apart_rad: apart(first).zip(apart(second)).map(|(a, b)| [a, b]),
+        residual_rms_rad: number(all, "residual_rms_rad")?,
+        count_rad: number(all, "count_rad")?,
+    })
+}

@@ -1,0 +1,143 @@
+//! The shaft's own motion as witness: with the bridge off it slows down evenly.
+//!
+//! `reading(t) = P(t) + ε(θ) + Σ (ω0/ω)² (c_n cos nθ + d_n sin nθ)`: a polynomial for the slowing down, the encoder's error, and what a torque that comes back
+//! once or twice a turn does, which the speed tells from the error. `θ` in the small terms is the reading without the error that was found
+//! before. Each way is fitted by itself; what they differ by says what they are worth.
+
+use super::least::{Normal, of_cos_sin};
+use super::{CalibrationTick, KnownEncoder, ORDERS, Said};
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+use touchstone_protocol::MeasuringPart;
+
+/// Ticks at the beginning that are left out: the current dies out.
+const EDGE: usize = 8;
+/// A coast is looked at until it has this part of its first speed.
+const SLOWEST: f64 = 0.5;
+/// A coast that begins with less than this part of the fastest one's speed is left out: a torque shakes it too much.
+const SLOW: f64 = 0.6;
+/// And is worth something with so many turns.
+const TURNS_LEAST: f64 = 3.0;
+/// Degree of the polynomial: what is left of `e^-t` over that range is far below a count.
+const DEGREE: usize = 6;
+/// How often the error that was found is taken out of the angle.
+const ROUNDS: usize = 3;
+/// Half of the ticks over which a speed is taken.
+const HALF_WINDOW: usize = 10;
+
+/// What the coasts of a measurement say; nothing where none was long enough, or only one way.
+#[must_use]
+pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Option<Said> {
+    let runs = ticks.chunk_by(|a, b| a.part == b.part);
+    let coasts = runs.filter(|run| run[0].part == Some(MeasuringPart::Coast));
+    let ways: Vec<(f64, Said)> = coasts.filter_map(|run| way(run, known)).collect();
+    let fastest = ways.iter().fold(0.0, |most, it| it.0.max(most));
+    let ways: Vec<Said> = ways
+        .into_iter()
+        .filter(|it| it.0 > SLOW * fastest)
+        .map(|it| it.1)
+        .collect();
+    if ways.len() < 2 {
+        return None;
+    }
+    let count = ways.len() as f64;
+    let mut parts = [Complex::ZERO; ORDERS];
+    let mut uncertainty_rad = [0.0_f64; ORDERS];
+    for index in 0..ORDERS {
+        let mean = ways.iter().map(|it| it.parts[index]).sum::<Complex<f64>>() / count;
+        let spread = ways.iter().map(|it| (it.parts[index] - mean).norm());
+        let noise = ways.iter().map(|it| it.uncertainty_rad[index]);
+        parts[index] = mean;
+        uncertainty_rad[index] = spread.fold(0.0, f64::max).max(noise.fold(0.0, f64::max));
+    }
+    let squares: f64 = ways.iter().map(|it| it.residual_rms_rad.powi(2)).sum();
+    Some(Said {
+        parts,
+        uncertainty_rad,
+        residual_rms_rad: (squares / count).sqrt(),
+    })
+}
+
+/// The speed at which a coast begins, rad a tick, and what it says.
+fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
+    let per_count = TAU / known.counts_per_rev;
+    let run = run.get(EDGE..)?;
+    let begun = run.first()?.tick;
+    let at = |it: &CalibrationTick| f64::from(it.tick.wrapping_sub(begun));
+    let angle = |it: &CalibrationTick| per_count * f64::from(it.count);
+    let points: Vec<(f64, f64, f64)> = run
+        .windows(2 * HALF_WINDOW + 1)
+        .map(|window| {
+            let (first, last) = (&window[0], &window[2 * HALF_WINDOW]);
+            let speed = (angle(last) - angle(first)) / (at(last) - at(first));
+            let middle = &window[HALF_WINDOW];
+            (at(middle), angle(middle), speed)
+        })
+        .collect();
+    let fastest = points.first()?.2;
+    let looked_at = points
+        .iter()
+        .take_while(|it| it.2 / fastest > SLOWEST)
+        .count();
+    let points = &points[..looked_at];
+    let (first, last) = (points.first()?, points.last()?);
+    if (last.1 - first.1).abs() < TURNS_LEAST * TAU {
+        return None;
+    }
+    let (middle, half) = (0.5 * (first.0 + last.0), 0.5 * (last.0 - first.0));
+    let mut said = Said {
+        parts: [Complex::ZERO; ORDERS],
+        uncertainty_rad: [0.0; ORDERS],
+        residual_rms_rad: 0.0,
+    };
+    let mut speeds: Vec<f64> = points.iter().map(|it| it.2 / fastest).collect();
+    for _ in 0..ROUNDS {
+        let mut normal = Normal::new(DEGREE + 1 + 4 * ORDERS);
+        for ((time, reading, _), speed) in points.iter().zip(&speeds) {
+            let time = (time - middle) / half;
+            let error: f64 = (1..)
+                .zip(&said.parts)
+                .map(|(order, part)| (part * Complex::cis(f64::from(order) * reading)).im)
+                .sum();
+            let shaft = reading - error;
+            let shaken = speed.powi(-2);
+            let mut row = [1.0; DEGREE + 1 + 4 * ORDERS];
+            row[1] = time;
+            // Chebyshev's polynomials: powers would say nearly the same.
+            for power in 2..=DEGREE {
+                row[power] = 2.0 * time * row[power - 1] - row[power - 2];
+            }
+            for index in 0..ORDERS {
+                let (sin, cos) = ((index + 1) as f64 * shaft).sin_cos();
+                let from = DEGREE + 1 + 4 * index;
+                row[from..from + 4].copy_from_slice(&[cos, sin, shaken * cos, shaken * sin]);
+            }
+            normal.add(&row, reading - first.1);
+        }
+        let solved = normal.solve()?;
+        for index in 0..ORDERS {
+            let from = DEGREE + 1 + 4 * index;
+            said.parts[index] = of_cos_sin(solved.values[from], solved.values[from + 1]);
+            said.uncertainty_rad[index] =
+                solved.uncertainties[from].hypot(solved.uncertainties[from + 1]);
+        }
+        said.residual_rms_rad = solved.residual_rms;
+        // The speed of the slowing down alone, without what the error makes of it.
+        for ((time, ..), speed) in points.iter().zip(&mut speeds) {
+            let slope = slope(solved.values.as_slice(), (time - middle) / half);
+            *speed = slope / (half * fastest);
+        }
+    }
+    Some((fastest.abs(), said))
+}
+
+/// The derivative of a sum of Chebyshev's polynomials: that of the `k`th is `k U_{k-1}`.
+fn slope(values: &[f64], time: f64) -> f64 {
+    let (mut before, mut second) = (0.0, 1.0);
+    let mut sum = 0.0;
+    for (power, value) in values.iter().enumerate().take(DEGREE + 1).skip(1) {
+        sum += value * power as f64 * second;
+        (before, second) = (second, 2.0 * time * second - before);
+    }
+    sum
+}

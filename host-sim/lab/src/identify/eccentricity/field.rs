@@ -1,0 +1,150 @@
+//! The field as witness: it is turned by the clock, one electrical turn and then a mechanical one, and all of it back.
+//!
+//! The end of the motion is known to the tick, since the calibration ends with it or its measurement begins; the way back is the ticks before
+//! that, the way there those before the way back. Of each way the last mechanical turn is looked at, in which the field's speed is steady. A
+//! reading is a place `C`, the field's turning, and the error: `reading = C + s ω t + ε`. `C` has the friction's lag in it, and since `C + s ω t` is
+//! the shaft's angle then, so has what the error goes with.
+//!
+//! A light rotor with little damping swings around the field, at some 20 Hz and by a degree: its acceleration is in what is fitted, and what goes with
+//! it is no error of the encoder's. (Of an error `ε` itself, whose reading accelerates by `-(n ω)² ε`, a part of some thousandths is taken as well,
+//! and given back.)
+
+use super::least::{Normal, of_cos_sin};
+use super::{CalibrationTick, KnownEncoder, NotSeen, ORDERS, Said};
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+/// Ticks at both ends of a turn that are left out: the count belongs to the field of the tick before, and the field turns round.
+const EDGE: f64 = 3.0;
+/// So many of a turn's ticks have to be there.
+const HEARD_LEAST: f64 = 0.8;
+/// An acceleration is a second difference over so long, s: below a period of the swinging.
+const DIFFERENCE_S: f64 = 6e-3;
+/// Furthest that the shaft may be off what fits, effective value, electrical degrees: a hand, or a calibration that only checks an alignment.
+const OFF_MOST_DEG: f64 = 10.0;
+/// Both ways may differ by so much, rad, 0.2 degrees, or by this part of the amplitude.
+const DISAGREE_MOST_RAD: f64 = 3.5e-3;
+const DISAGREE_MOST: f64 = 0.2;
+
+/// What a calibration's field says.
+///
+/// # Errors
+/// [`NotSeen`].
+pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Result<Said, NotSeen> {
+    let turning = ticks.iter().take_while(|it| it.part.is_none());
+    let ticks: Vec<CalibrationTick> = turning.copied().collect();
+    let turn = known.pole_pairs / known.field_turns_per_s * known.rate_hz;
+    // Ramped up within a quarter of a second, and half as fast in the mean until then.
+    let ramp = (known.rate_hz / 4.0).floor().max(1.0);
+    let way = turn + known.rate_hz / known.field_turns_per_s + 0.5 * (ramp - 1.0);
+    let of = |end: f64| Way::new(&ticks, end, turn, known);
+    let (back, there) = (of(0.0)?, of(way)?);
+    let mut parts = [Complex::ZERO; ORDERS];
+    let mut uncertainty_rad = [0.0; ORDERS];
+    for index in 0..ORDERS {
+        let (a, b) = (there.parts[index], back.parts[index]);
+        parts[index] = 0.5 * (a + b);
+        let apart = (a - b).norm();
+        if apart > DISAGREE_MOST_RAD.max(DISAGREE_MOST * parts[index].norm()) {
+            return Err(NotSeen::DoesNotRepeat {
+                degrees: apart.to_degrees(),
+            });
+        }
+        uncertainty_rad[index] = (0.5 * apart).max(there.noise_rad.max(back.noise_rad));
+    }
+    Ok(Said {
+        parts,
+        uncertainty_rad,
+        residual_rms_rad: there.residual_rad.hypot(back.residual_rad) / 2_f64.sqrt(),
+    })
+}
+
+/// One mechanical turn of the field.
+struct Way {
+    parts: [Complex<f64>; ORDERS],
+    noise_rad: f64,
+    residual_rad: f64,
+}
+
+impl Way {
+    /// The turn that ended so many ticks before the last one.
+    fn new(
+        ticks: &[CalibrationTick],
+        end: f64,
+        turn: f64,
+        known: &KnownEncoder,
+    ) -> Result<Self, NotSeen> {
+        let last = ticks.last().map_or(0, |it| it.tick);
+        let before = |it: &CalibrationTick| f64::from(last.wrapping_sub(it.tick)) - end;
+        let ticks: Vec<&CalibrationTick> = ticks
+            .iter()
+            .filter(|it| (EDGE..=turn - EDGE).contains(&before(it)))
+            .collect();
+        let (Some(first), Some(latest)) = (ticks.first(), ticks.last()) else {
+            return Err(incomplete(0, turn));
+        };
+        // Where only every so manieth tick is told, so many are less.
+        let told = ticks
+            .windows(2)
+            .map(|it| it[1].tick.wrapping_sub(it[0].tick));
+        let every = f64::from(told.min().unwrap_or(1).max(1));
+        if (ticks.len() as f64) < HEARD_LEAST * turn / every {
+            return Err(incomplete(ticks.len(), turn / every));
+        }
+        let moved = f64::from(latest.count - first.count);
+        let (direction, per_count) = (moved.signum(), TAU / known.counts_per_rev);
+        let behind = TAU - per_count * moved.abs();
+        if behind > 0.5 * TAU {
+            return Err(NotSeen::NotFollowed {
+                degrees: (known.pole_pairs * behind).to_degrees(),
+            });
+        }
+        let mut normal = Normal::new(2 + 2 * ORDERS);
+        let reach = ((DIFFERENCE_S * known.rate_hz / every) as usize).max(1);
+        let reading = |it: &CalibrationTick| per_count * f64::from(it.count - first.count);
+        for window in ticks.windows(2 * reach + 1) {
+            let (it, ends) = (window[reach], [window[0], window[2 * reach]]);
+            let turned = -direction * TAU * before(it) / turn;
+            let row = [
+                1.0,
+                turned.cos(),
+                turned.sin(),
+                (2.0 * turned).cos(),
+                (2.0 * turned).sin(),
+                reading(ends[0]) + reading(ends[1]) - 2.0 * reading(it),
+            ];
+            normal.add(&row, reading(it) - turned);
+        }
+        let Some(solved) = normal.solve() else {
+            return Err(incomplete(ticks.len(), turn / every));
+        };
+        let off_deg = (known.pole_pairs * solved.residual_rms).to_degrees();
+        // What is no number is refused, too.
+        if off_deg.is_nan() || off_deg > OFF_MOST_DEG {
+            return Err(NotSeen::NotFollowed { degrees: off_deg });
+        }
+        let of = &solved.values;
+        // The shaft's angle from count 0 where the field's turning is 0.
+        let place = of[0] + per_count * f64::from(first.count);
+        let part = |index: usize| {
+            let order = (index + 1) as f64;
+            // What the second difference has of the error itself.
+            let step = order * TAU * reach as f64 * every / turn;
+            let own = 1.0 + 2.0 * (step.cos() - 1.0) * of[2 * ORDERS + 1];
+            of_cos_sin(of[2 * index + 1], of[2 * index + 2]) * own * Complex::cis(-order * place)
+        };
+        Ok(Self {
+            parts: std::array::from_fn(part),
+            noise_rad: (1..=2 * ORDERS)
+                .fold(0.0, |most, column| solved.uncertainties[column].max(most)),
+            residual_rad: solved.residual_rms,
+        })
+    }
+}
+
+fn incomplete(heard: usize, needed: f64) -> NotSeen {
+    NotSeen::Incomplete {
+        heard,
+        needed: needed as usize,
+    }
+}
