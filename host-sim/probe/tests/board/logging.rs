@@ -180,8 +180,11 @@ fn messages_become_words() {
     );
     // While it is read, the processor is never halted.
     assert_eq!(board.machine.lock().unwrap().halts, halts);
+    // Once more where it ends, and the program runs on.
     drop(attached);
-    assert!(board.machine.lock().unwrap().runs());
+    let machine = board.machine.lock().unwrap();
+    assert_eq!(machine.halts, halts + 1);
+    assert!(machine.runs() && machine.starts == 0);
 }
 
 #[test]
