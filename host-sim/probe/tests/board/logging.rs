@@ -9,7 +9,7 @@ use crate::elf::{CONTROL_BLOCK, Program, code};
 use crate::flash_memory::FLASH;
 use crate::lister::{Board, connected};
 use crate::machine::Played;
-use crate::memory::Memory;
+use crate::memory::{Memory, RAM};
 
 const CHIP: &str = "STM32G474RETx";
 /// Where the ring's name and the ring are.
@@ -287,4 +287,52 @@ fn what_cannot_be_read_is_said() {
     let why = Words::read(&mute).err().unwrap();
     assert!(why.contains("no messages"), "{why}");
     assert!(Words::read(b"no program").is_err());
+}
+
+/// Where a developer has run them in the emulator: what the boards' own programs left in RAM when they had booted, put there by their
+/// own defmt-rtt. `touchstone-emulator ram ELF BOARD FILE` writes it, beside the ELF file as `touchstone.ram`.
+#[test]
+fn the_boards_own_messages() {
+    for (name, chip, board) in crate::writing::own_boards() {
+        let folder = crate::writing::own_programs().join(name);
+        let read = |file: &str| std::fs::read(folder.join(file)).ok();
+        let (Some(elf), Some(ram)) = (read("touchstone.elf"), read("touchstone.ram")) else {
+            eprintln!("not run: {name} is not built here, or its RAM was not kept");
+            continue;
+        };
+        let image = Image::read(&elf, chip).unwrap();
+        let words = Words::read(&elf).unwrap();
+        board.machine.lock().unwrap().memory.put(RAM, &ram);
+        let mut attached =
+            attach(choose::open(&connected(&[&board]), None).unwrap(), chip).unwrap();
+        attached.write(&image, |_| {}).unwrap();
+        // The loader used the RAM; the program put its own there again.
+        let mut machine = board.machine.lock().unwrap();
+        machine.played = Some(Box::new(move |memory, begins| {
+            if begins {
+                memory.put(RAM, &ram);
+            }
+        }));
+        drop(machine);
+        attached.start().unwrap();
+        let lines = Mutex::new(Vec::new());
+        let begun = Instant::now();
+        let tell = |event| lines.lock().unwrap().push(event);
+        attached
+            .log(&image, &words, tell, || begun.elapsed().as_millis() < 300)
+            .unwrap();
+        let lines = lines.into_inner().unwrap();
+        println!("{name}: {lines:#?}");
+        let first = lines.first().expect("a message");
+        let Event::Line(line) = first else {
+            panic!("{name}: {first:?}");
+        };
+        assert!(
+            line.level == Some("info") && line.text.contains(name),
+            "{line:?}"
+        );
+        let location = line.location.as_deref().unwrap_or_default();
+        assert!(location.contains("run.rs:"), "{line:?}");
+        assert!(!lines.contains(&Event::Damaged));
+    }
 }

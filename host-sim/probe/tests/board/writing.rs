@@ -144,27 +144,30 @@ fn what_is_no_program_for_the_chip_is_refused_before_a_probe_is_looked_for() {
     }
 }
 
-/// Where a developer has built them: every board's own program, whole.
-#[test]
-fn the_boards_own_programs() {
-    let boards = [
-        ("nucleo-g474re", "STM32G474RETx"),
-        ("nucleo-g431rb-ihm16m1", "STM32G431RBTx"),
-        ("b-g431b-esc1", "STM32G431CBUx"),
-    ];
-    let folder = std::env::var_os("TOUCHSTONE_FIRMWARE").map_or_else(
+/// The boards of which each kind of chip has one, with their chips.
+pub fn own_boards() -> [(&'static str, &'static str, Board); 3] {
+    [
+        ("nucleo-g474re", "STM32G474RETx", Board::g474("A1")),
+        ("nucleo-g431rb-ihm16m1", "STM32G431RBTx", Board::g431("B2")),
+        ("b-g431b-esc1", "STM32G431CBUx", Board::g431("C3")),
+    ]
+}
+
+/// Where `cargo xtask firmware` puts their programs, or where `TOUCHSTONE_FIRMWARE` says.
+pub fn own_programs() -> std::path::PathBuf {
+    std::env::var_os("TOUCHSTONE_FIRMWARE").map_or_else(
         || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/firmware"),
         Into::into,
-    );
-    for (name, chip) in boards {
-        let Ok(elf) = std::fs::read(folder.join(name).join("touchstone.elf")) else {
+    )
+}
+
+/// Where a developer has built them: the boards' own programs, whole.
+#[test]
+fn the_boards_own_programs() {
+    for (name, chip, board) in own_boards() {
+        let Ok(elf) = std::fs::read(own_programs().join(name).join("touchstone.elf")) else {
             eprintln!("not run: {name} is not built here");
             continue;
-        };
-        let board = if chip.starts_with("STM32G474") {
-            Board::g474("A1")
-        } else {
-            Board::g431("B2")
         };
         let image = Image::read(&elf, chip).unwrap();
         let mut attached = attached(&board, chip);
