@@ -1,5 +1,6 @@
 //! `cargo xtask probe`: boards behind a probe by the crate probe-rs. No other step builds that: clippy, the tests on a chip in software,
-//! and those of `touchstone flash` and `doctor` with the crate inside.
+//! and those of the program with the crate inside, all of them, as it is handed out so: one of the crate's own packages changes how
+//! `serde_json` keeps numbers, in the whole program.
 
 use crate::outcome::Outcome;
 use crate::{packages, shell};
@@ -41,15 +42,13 @@ pub fn run(args: &[String]) -> Outcome {
         with("test", &[own], &["--features", "probe-rs"]),
         with(
             "test",
-            &[program],
+            &[program, "touchstone-lab"],
             &[
                 "--features",
-                "probe",
-                "--test",
-                "device",
-                "--",
-                "flash::",
-                "doctor::",
+                "touchstone/probe",
+                "--lib",
+                "--bins",
+                "--tests",
             ],
         ),
     ])
