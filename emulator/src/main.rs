@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use touchstone_emulator::bench::Setup;
+use touchstone_emulator::bench::{Bench, Setup};
 use touchstone_emulator::board::{Board, Encoder, FaultLink};
+use touchstone_emulator::cpu::RAM;
 use touchstone_emulator::cpu::elf::Program;
 use touchstone_emulator::fil::jobs::{BOARDS, Programs};
 use touchstone_emulator::played::{HandProgramme, played};
@@ -27,6 +28,7 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
                               for touchstone compare --hand programme
   trace ELF BOARD WHAT FILE.csv
                               what is seen at a first power-up: pwm, step, calibration, press
+  ram ELF BOARD FILE          boot; then what the RAM holds, the log's ring among it: for the tests of touchstone-probe
   serve ELF --tcp HOST:PORT [--hand] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
                               the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
                               each of these by a factor";
@@ -130,6 +132,10 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
             )),
             _ => usage(),
         },
+        ("ram", [board, file]) => match board_of(board) {
+            Some(board) => said(ram(program, board, Path::new(file))),
+            None => usage(),
+        },
         ("serve", ["--tcp", address, more @ ..]) => {
             let wanted = match serve_options(more) {
                 Ok(options) => options,
@@ -196,6 +202,16 @@ fn play(
         text.lines().count() - 1 - deeds,
         recording.display()
     ))
+}
+
+/// Boots, and writes what the RAM holds then.
+fn ram(program: &Program, board: Board, file: &Path) -> Result<String, String> {
+    let ram_bytes = board.ram_bytes;
+    let mut bench = Bench::new(program, &Setup::on(board))?;
+    bench.boot()?;
+    let bytes = bench.machine.memory(RAM, ram_bytes);
+    std::fs::write(file, &bytes).map_err(|error| format!("{}: {error}", file.display()))?;
+    Ok(format!("{} bytes in {}", bytes.len(), file.display()))
 }
 
 /// `--hand`, `--for SECONDS` and `--parts FACTORS`, in any order.

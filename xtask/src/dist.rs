@@ -12,6 +12,9 @@ use crate::{firmware, inspect, shell, toolchain};
 
 const USAGE: &str = "cargo xtask dist";
 
+/// `flash` and `log` without another program.
+const FEATURE: &str = "touchstone/probe";
+
 pub fn run(args: &[String]) -> Outcome {
     if !args.is_empty() {
         return Outcome::Usage(USAGE.into());
@@ -61,6 +64,7 @@ fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     cargo
         .args(["--release", "--package", "touchstone", "--target-dir"])
         .arg(folder)
+        .args(["--features", FEATURE])
         .args(["--config", "profile.release.strip='debuginfo'"])
         .env_remove("RUSTFLAGS")
         .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
@@ -81,6 +85,9 @@ fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
         let mut cargo = shell::cargo_locked("metadata");
         cargo.args(["--format-version", "1", "--manifest-path", manifest]);
         cargo.args(["--filter-platform", target]);
+        if name == "touchstone" {
+            cargo.args(["--features", FEATURE]);
+        }
         let text = shell::capture(&mut cargo)
             .ok_or_else(|| Outcome::Failed(format!("`{}` failed", shell::shown(&cargo))))?;
         let file = folder.join(format!("{name}.json"));
@@ -90,7 +97,7 @@ fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
     Ok(files)
 }
 
-/// The unpacked program runs, and finds the boards' programs beside it, with nothing on its PATH.
+/// The unpacked program runs, and finds the boards' programs beside it and all that writes them inside, with nothing on its PATH.
 fn tried(unpacked: &Path) -> Result<(), Outcome> {
     let mut calls = vec![vec!["run", "thesis-knob", "--quiet"]];
     for board in firmware::BOARDS {

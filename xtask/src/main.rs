@@ -25,6 +25,7 @@ mod mutants;
 mod outcome;
 mod packages;
 mod page;
+mod probe;
 mod prove;
 mod sabotage;
 mod schema;
@@ -169,6 +170,13 @@ const STEPS: &[Step] = &[
         in_test: true,
         quick: Quick::LeftOut,
         run: bench::run,
+    },
+    Step {
+        name: "probe",
+        about: "boards behind a probe by the crate probe-rs, which `dist` builds with and nothing else: clippy, and tests on a chip in software",
+        in_test: false,
+        quick: Quick::LeftOut,
+        run: probe::run,
     },
     Step {
         name: "dist",

@@ -1,16 +1,21 @@
-//! `touchstone flash`: the firmware into a board. The work is done by probe-rs; its progress is shown as it is.
+//! `touchstone flash`: the firmware into a board. The work is done by probe-rs: with the feature `probe` by the crate, which is then in
+//! this program, otherwise by the program of that name.
 
+#[cfg_attr(feature = "probe", path = "flash/by_crate.rs")]
+#[cfg_attr(not(feature = "probe"), path = "flash/by_program.rs")]
+mod means;
+
+use super::interrupt;
+use super::log::Log;
 use super::out::{say, tell};
 use clap::ValueEnum;
-use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::sync::atomic::Ordering;
 use touchstone_protocol::Board;
 use touchstone_sim::error::{Error, Result};
 
-/// How to get probe-rs.
-pub const INSTALL: &str = "install it, without a compiler by https://probe.rs/docs/getting-started/installation, with one by cargo install probe-rs-tools --locked";
+pub use means::{log, probes, there};
 
 /// Options of `flash`.
 #[derive(Debug, Clone, clap::Args)]
@@ -20,12 +25,70 @@ pub struct Options {
     /// The board.
     #[arg(long)]
     board: BoardName,
-    /// The probe if there are several: VID:PID or VID:PID:SERIAL, as `probe-rs list` shows it.
+    /// The probe if there are several: VID:PID or VID:PID:SERIAL, as `touchstone doctor` shows it.
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
-    /// Looks at the program and says what would be done with it, without a probe and without a board.
+    /// Shows what the program tells from its start on, as `touchstone log` does, until Ctrl-C.
     #[arg(long)]
+    log: bool,
+    /// Looks at the program and says what would be done with it, without a probe and without a board.
+    #[arg(long, conflicts_with = "log")]
     dry_run: bool,
+}
+
+/// A program for a board, and through which probe it is reached.
+#[derive(Debug)]
+pub struct Job<'a> {
+    /// The board.
+    pub board: BoardName,
+    /// The program's ELF file.
+    pub elf: PathBuf,
+    /// The probe, if it is named.
+    pub probe: Option<&'a str>,
+}
+
+impl<'a> Job<'a> {
+    /// With the file that is named, or what there is for the board; its first look at it.
+    pub fn new(board: BoardName, elf: Option<PathBuf>, probe: Option<&'a str>) -> Result<Self> {
+        let elf = elf.unwrap_or_else(|| board.program());
+        let job = Self { board, elf, probe };
+        job.check()?;
+        Ok(job)
+    }
+
+    /// The chip, as probe-rs calls it.
+    pub const fn chip(&self) -> &'static str {
+        self.board.board().chip()
+    }
+
+    /// Something is wrong with the file.
+    pub fn wrong(&self, problem: impl Into<String>) -> Error {
+        Error::Io {
+            path: self.elf.clone(),
+            problem: problem.into(),
+            fix: format!(
+                "take touchstone and its folder `firmware` from one archive, or build it: cargo xtask firmware --board {}, or name an ELF file",
+                self.board.name()
+            ),
+        }
+    }
+
+    /// Whether it is a program for a Cortex-M, before anything is erased.
+    fn check(&self) -> Result<()> {
+        /// Magic, 32 bits, little-endian.
+        const START: &[u8] = b"\x7fELF\x01\x01";
+        /// Machine: Arm.
+        const ARM: &[u8] = &[40, 0];
+        let file = std::fs::read(&self.elf).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => self.wrong("there is no such program"),
+            _ => self.wrong(error.to_string()),
+        })?;
+        if file.starts_with(START) && file.get(18..20) == Some(ARM) {
+            Ok(())
+        } else {
+            Err(self.wrong("is no ELF program for a 32-bit Arm"))
+        }
+    }
 }
 
 /// The boards by their names.
@@ -88,103 +151,38 @@ impl BoardName {
 
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
-    let (board, elf, probe) = (options.board, options.elf.clone(), options.probe.as_deref());
+    let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     if options.dry_run {
-        return rehearse(board, elf, probe);
+        say!("{} into {}", job.elf.display(), job.chip());
+        means::rehearse(&job)?;
+        say!("nothing was written");
+        return Ok(());
     }
-    write(board, elf, probe)
-}
-
-/// Says what [`write()`] would do.
-fn rehearse(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Result<()> {
-    let program = checked(board, elf)?;
-    say!("{} into {}", program.display(), board.board().chip());
-    for command in [download(board, &program, probe), restart(board, probe)] {
-        let words: Vec<_> = std::iter::once(command.get_program())
-            .chain(command.get_args())
-            .map(OsStr::to_string_lossy)
-            .collect();
-        say!("{}", words.join(" "));
+    if !options.log && !means::IS_CRATE {
+        return into(&job, None);
     }
-    say!("nothing was written");
+    // A flash that is half written is worse than one that is written a second later.
+    let log = Log::until(interrupt::noted()?);
+    into(&job, options.log.then_some(&log))?;
+    if !options.log && log.stop.load(Ordering::Relaxed) {
+        eprintln!("interrupted, after the program was written: it is whole, and runs");
+        std::process::exit(interrupt::INTERRUPTED);
+    }
     Ok(())
 }
 
-/// Writes a program, or what there is for the board.
-pub fn write(board: BoardName, elf: Option<PathBuf>, probe: Option<&str>) -> Result<()> {
-    let program = checked(board, elf)?;
-    tell!("{} into {}", program.display(), board.board().chip());
-    probe_rs(&mut download(board, &program, probe))?;
-    probe_rs(&mut restart(board, probe))?;
+/// Writes what there is for a board.
+pub fn write(board: BoardName) -> Result<()> {
+    into(&Job::new(board, None, None)?, None)
+}
+
+fn into(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
+    tell!("{} into {}", job.elf.display(), job.chip());
+    means::write(job, log)
+}
+
+/// What is said when the program is in.
+fn written() -> Result<()> {
     tell!("flashed, verified and started");
     Ok(())
-}
-
-/// A program that may be written.
-fn checked(board: BoardName, elf: Option<PathBuf>) -> Result<PathBuf> {
-    let program = elf.unwrap_or_else(|| board.program());
-    let built = format!(
-        "take touchstone and its folder `firmware` from one archive, or build it: cargo xtask firmware --board {}, or name an ELF file",
-        board.name()
-    );
-    check(&program, &built)?;
-    Ok(program)
-}
-
-fn download(board: BoardName, program: &Path, probe: Option<&str>) -> Command {
-    let mut command = asked_of_probe("download", board, probe);
-    command.arg("--verify").arg(program);
-    command
-}
-
-fn restart(board: BoardName, probe: Option<&str>) -> Command {
-    asked_of_probe("reset", board, probe)
-}
-
-/// One of its commands, for a board's chip and behind a probe.
-fn asked_of_probe(what: &str, board: BoardName, probe: Option<&str>) -> Command {
-    let mut command = Command::new("probe-rs");
-    command.args([what, "--chip", board.board().chip()]);
-    if let Some(probe) = probe {
-        command.args(["--probe", probe]);
-    }
-    command
-}
-
-/// Runs probe-rs to its end; it speaks for itself.
-fn probe_rs(command: &mut Command) -> Result<()> {
-    let wrong = |problem: String, fix: &str| Err(Error::device("probe-rs", problem, fix));
-    match command.status() {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => wrong(
-            format!("ended with {status}"),
-            "its message stands above; `touchstone doctor` looks for what is missing",
-        ),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            wrong("is not on the PATH".into(), INSTALL)
-        }
-        Err(error) => wrong(format!("cannot be run: {error}"), INSTALL),
-    }
-}
-
-/// Whether a file is a program for a Cortex-M, before anything is erased.
-fn check(program: &Path, built: &str) -> Result<()> {
-    /// Magic, 32 bits, little-endian.
-    const START: &[u8] = b"\x7fELF\x01\x01";
-    /// Machine: Arm.
-    const ARM: &[u8] = &[40, 0];
-    let wrong = |problem: String| Error::Io {
-        path: program.to_owned(),
-        problem,
-        fix: built.to_owned(),
-    };
-    let file = std::fs::read(program).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => wrong("there is no such program".into()),
-        _ => wrong(error.to_string()),
-    })?;
-    if file.starts_with(START) && file.get(18..20) == Some(ARM) {
-        Ok(())
-    } else {
-        Err(wrong("is no ELF program for a 32-bit Arm".into()))
-    }
 }

@@ -72,7 +72,10 @@ fn number(range: Range) -> Value {
 /// A bound of a table as JSON has it.
 fn exact(decimal: &impl std::fmt::Display) -> Value {
     let text = decimal.to_string();
-    serde_json::from_str(&text).unwrap_or(Value::String(text))
+    // By way of a number, so that it is written as all numbers are, however JSON's own values keep what was read.
+    let whole = text.parse::<i64>().map(Value::from);
+    let number = whole.or_else(|_| text.parse::<f64>().map(Value::from));
+    number.unwrap_or(Value::String(text))
 }
 
 fn described(mut value: Value, about: &str, unit: &str) -> Value {

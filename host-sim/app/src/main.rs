@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | compare | flash | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | compare | flash | log | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
@@ -20,6 +20,7 @@ mod identify;
 mod interrupt;
 mod json_schema;
 mod live;
+mod log;
 mod monitor;
 mod number;
 mod out;
@@ -107,8 +108,10 @@ enum Command {
     Setup(setup::Options),
     /// Puts a recording of a device beside its simulation: where they part, and what of the knob would explain it.
     Compare(compare::Options),
-    /// Writes the firmware into a board, through the program probe-rs.
+    /// Writes the firmware into a board, through its probe.
     Flash(flash::Options),
+    /// Shows what the program on a board tells, through its probe, while it runs.
+    Log(log::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
@@ -128,6 +131,7 @@ impl Command {
     fn as_json(&self) -> Result<()> {
         let (command, fix) = match self {
             Command::Flash(_) => ("flash", "leave it out: its exit code says all"),
+            Command::Log(_) => ("log", "leave it out: its lines are for people"),
             Command::Completions(_) => (
                 "completions",
                 "leave it out: they are a program for a shell",
@@ -202,6 +206,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Scenes { json_schema: false } => scenes(),
         Command::Setup(options) => setup::main(options),
         Command::Flash(options) => flash::main(options),
+        Command::Log(options) => log::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),
         Command::Device(options) => return device::main(options),

@@ -193,7 +193,12 @@ fn json(environment: &Surround) -> serde_json::Value {
 
 /// As a scene says it, which can be put into one.
 fn shown(environment: &Surround) -> Result<()> {
-    let table = serde_json::json!({ "environment": as_scene(environment) });
+    // Not by way of a JSON value: how that keeps its numbers is for JSON alone.
+    let environment_table = toml::Value::try_from(as_scene(environment));
+    let table: toml::Table = environment_table
+        .into_iter()
+        .map(|table| ("environment".to_owned(), table))
+        .collect();
     let text = toml::to_string(&table).unwrap_or_default();
     say!("{}", text.trim_end());
     say!(

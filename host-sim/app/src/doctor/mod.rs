@@ -3,7 +3,7 @@
 mod usb;
 
 use super::device::start;
-use super::flash::{BoardName, INSTALL};
+use super::flash::{self, BoardName};
 use super::haptic;
 use super::out::{self, print};
 use clap::ValueEnum;
@@ -137,9 +137,9 @@ fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
 }
 
 fn probe_rs() -> Found {
-    match first_line("probe-rs", &["--version"]) {
-        Some(version) => There(version),
-        None => missing("not on the PATH", INSTALL),
+    match flash::there() {
+        Ok(what) => There(what),
+        Err((problem, fix)) => missing(problem, fix),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The probe at the USB, as Linux shows it in its files; elsewhere probe-rs is asked.
 
-use super::{Found, Skipped, There, first_line, missing};
+use super::{Found, Skipped, There, missing};
+use crate::flash;
 use std::fs::{self, OpenOptions};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -84,9 +85,12 @@ fn permission(node: &Path) -> Found {
 
 /// Not Linux, or a container without USB.
 fn elsewhere(devices: &Path) -> Found {
-    match first_line("probe-rs", &["list"]) {
-        Some(line) if !line.contains("No debug probes") => There(line),
-        Some(line) => missing(line, "connect the board by its ST-LINK's USB connector"),
+    match flash::probes() {
+        Some(probes) if !probes.is_empty() => There(probes.join(", ")),
+        Some(_) => missing(
+            "no probe at the USB",
+            "connect the board by its ST-LINK's USB connector",
+        ),
         None => missing(
             format!(
                 "{} cannot be read, and there is no probe-rs to ask",

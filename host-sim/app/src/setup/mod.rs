@@ -260,7 +260,7 @@ fn connect(options: &Options) -> Result<Client> {
     match options.board {
         Some(board) if is_bare => {
             tell!("    no answer: writing the firmware");
-            flash::write(board, None, None)?;
+            flash::write(board)?;
             options.port.connect()
         }
         _ => Err(silent),

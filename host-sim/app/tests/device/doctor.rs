@@ -70,7 +70,10 @@ fn all_there() {
     let (machine, device) = (Machine::new("doctor"), Fake::new());
     let said = machine.doctor(&device.address).done();
     for part in [
+        #[cfg(not(feature = "probe"))]
         "probe-rs 0.31.0",
+        #[cfg(feature = "probe")]
+        "probe-rs 0.32.0, in this program",
         "thumbv7em-none-eabihf, rustc 1.95.0",
         "STLINK-V3 0483:374e 0042",
         "bus/usb/001/007 may be used",
@@ -85,13 +88,14 @@ fn all_there() {
 fn each_thing_that_is_missing_is_named_with_its_remedy() {
     let device = Fake::new();
     for (what, parts) in [
+        #[cfg(not(feature = "probe"))]
         (
             "bin/probe-rs",
             &["not on the PATH", "cargo install probe-rs-tools"][..],
         ),
         (
             "rust/lib/rustlib/thumbv7em-none-eabihf",
-            &["rustup target add thumbv7em-none-eabihf"],
+            &["rustup target add thumbv7em-none-eabihf"][..],
         ),
         ("bin/rustc", &["no rustc", "https://rustup.rs"]),
         (

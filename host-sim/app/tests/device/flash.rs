@@ -1,16 +1,25 @@
-//! `touchstone flash`, with a probe-rs that only writes down what it was asked.
+//! `touchstone flash` and `log`: with a program probe-rs that only writes down what it was asked, or with the crate and no probe.
 #![cfg(unix)]
 
-use crate::{Said, folder, program, script};
+#[cfg(not(feature = "probe"))]
+use crate::script;
+use crate::{Said, folder, program};
 use std::path::Path;
 use std::process::Command;
 use touchstone_protocol::Board;
 
-/// The start of an ELF program for a 32-bit Arm.
+/// An ELF program for a 32-bit Arm: 16 bytes for the beginning of the flash.
 fn elf(path: &Path) {
     let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
-    bytes.resize(18, 0);
-    bytes.extend([40, 0]);
+    bytes.resize(16, 0);
+    let words = |bytes: &mut Vec<u8>, all: &[u32]| {
+        all.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
+    };
+    // An executable for Arm of version 1, begun at the flash's begin, with one part of the program right behind its headers.
+    words(&mut bytes, &[40 << 16 | 2, 1, 0x0800_0000, 52, 0, 0]);
+    words(&mut bytes, &[32 << 16 | 52, 1, 0]);
+    words(&mut bytes, &[1, 84, 0x0800_0000, 0x0800_0000, 16, 16, 5, 4]);
+    bytes.extend([7; 16]);
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
     std::fs::write(path, bytes).unwrap();
 }
@@ -26,6 +35,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Said {
     command.output().unwrap().into()
 }
 
+#[cfg(not(feature = "probe"))]
 #[test]
 fn the_built_program_is_downloaded_verified_and_started() {
     let here = folder("flash");
@@ -60,9 +70,77 @@ fn the_built_program_is_downloaded_verified_and_started() {
     );
 }
 
+#[cfg(not(feature = "probe"))]
+#[test]
+fn a_log_is_shown_after_the_flash_and_by_itself() {
+    let here = folder("flash-log");
+    elf(&here.join("own.elf"));
+    std::fs::create_dir_all(here.join("bin")).unwrap();
+    let asked = "echo \"$@\" >> asked\nif [ $1 = attach ]; then echo boot; fi";
+    script(&here.join("bin"), "probe-rs", asked);
+    let flash = ["flash", "own.elf", "--board", "b-g431b-esc1", "--log"];
+    assert!(run(&here, &flash).done().ends_with("boot\n"));
+    let log = [
+        "log",
+        "own.elf",
+        "--board",
+        "b-g431b-esc1",
+        "--probe",
+        "0483:374e",
+    ];
+    assert!(run(&here, &log).done().ends_with("boot\n"));
+    assert_eq!(
+        std::fs::read_to_string(here.join("asked")).unwrap(),
+        "download --chip STM32G431CBUx --verify own.elf\n\
+         reset --chip STM32G431CBUx\n\
+         attach --chip STM32G431CBUx own.elf\n\
+         attach --chip STM32G431CBUx --probe 0483:374e own.elf\n"
+    );
+    // One that ends by itself, and one that is ended.
+    script(&here.join("bin"), "probe-rs", "exit 3");
+    run(&here, &log).failed(1, &["exit status: 3"]);
+    script(&here.join("bin"), "probe-rs", "exec /bin/sleep 60");
+    let began = std::time::Instant::now();
+    run(&here, &[&log[..], &["--seconds", "0.2"]].concat()).done();
+    assert!(began.elapsed().as_secs() < 30);
+}
+
+/// No probe has these numbers: whatever is connected to this machine, nothing is written.
+#[cfg(feature = "probe")]
+#[test]
+fn without_its_probe_nothing_is_written() {
+    let here = folder("flash-no-probe");
+    elf(&here.join("own.elf"));
+    let flash = ["flash", "own.elf", "--board", "b-g431b-esc1", "--probe"];
+    let with = |probe| run(&here, &[&flash[..], &[probe]].concat());
+    with("fffe:fffd:NONE").failed(1, &["probe fffe:fffd:NONE", "is not connected"]);
+    with("st-link").failed(2, &["--probe: \"st-link\" is no probe's name", "0483:374e"]);
+    let parts = ["own.elf", "has no messages in it"];
+    let mut log = [
+        "log",
+        "own.elf",
+        "--board",
+        "b-g431b-esc1",
+        "--probe",
+        "fffe:fffd:NONE",
+    ];
+    run(&here, &log).failed(2, &parts);
+    log[0] = "flash";
+    run(&here, &[&log[..], &["--log"]].concat()).failed(2, &parts);
+    // For the wrong place, and of no whole file.
+    let mut bytes = std::fs::read(here.join("own.elf")).unwrap();
+    bytes[52 + 12 + 3] = 0x20;
+    std::fs::write(here.join("own.elf"), &bytes).unwrap();
+    with("fffe:fffd:NONE").failed(2, &["0x20000000", "not in the flash of the STM32G431CBUx"]);
+    std::fs::write(here.join("own.elf"), &bytes[..90]).unwrap();
+    with("fffe:fffd:NONE").failed(2, &["own.elf", "cut off"]);
+}
+
 #[test]
 fn what_is_missing_is_named() {
     let here = folder("flash-missing");
+    let json = run(&here, &["log", "--board", "nucleo-g474re", "--json"]);
+    json.failed(2, &["--json: log has nothing to print"]);
     run(&here, &["flash", "--board", "nucleo-g474re"]).failed(
         2,
         &[
@@ -73,17 +151,22 @@ fn what_is_missing_is_named() {
     std::fs::write(here.join("text.elf"), "no program").unwrap();
     run(&here, &["flash", "text.elf", "--board", "nucleo-g474re"])
         .failed(2, &["is no ELF program for a 32-bit Arm"]);
-    elf(&here.join("own.elf"));
-    run(&here, &["flash", "own.elf", "--board", "nucleo-g474re"]).failed(
-        1,
-        &[
-            "probe-rs: is not on the PATH",
-            "cargo install probe-rs-tools",
-        ],
-    );
-    script(&here.join("bin"), "probe-rs", "exit 3");
-    run(&here, &["flash", "own.elf", "--board", "nucleo-g474re"])
-        .failed(1, &["exit status: 3", "touchstone doctor"]);
+    #[cfg(not(feature = "probe"))]
+    {
+        elf(&here.join("own.elf"));
+        for command in ["flash", "log"] {
+            run(&here, &[command, "own.elf", "--board", "nucleo-g474re"]).failed(
+                1,
+                &[
+                    "probe-rs: is not on the PATH",
+                    "cargo install probe-rs-tools",
+                ],
+            );
+        }
+        script(&here.join("bin"), "probe-rs", "exit 3");
+        run(&here, &["flash", "own.elf", "--board", "nucleo-g474re"])
+            .failed(1, &["exit status: 3", "touchstone doctor"]);
+    }
     let said = run(&here, &["flash", "own.elf", "--board", "uno"]);
     assert_eq!(said.code, Some(2));
     assert!(said.err.contains("b-g431b-esc1"), "{}", said.err);
@@ -117,15 +200,18 @@ fn the_programs_that_came_with_it_are_found_beside_it() {
     let program = archive.canonicalize().unwrap();
     let program = program.join("firmware/nucleo-g474re/touchstone.elf");
     let program = program.display();
+    #[cfg(not(feature = "probe"))]
+    let how = format!(
+        "probe-rs download --chip STM32G474RETx --verify {program}\n\
+         probe-rs reset --chip STM32G474RETx\n"
+    );
+    #[cfg(feature = "probe")]
+    let how = "16 bytes between 0x08000000 and 0x08000010, read back and started, by probe-rs 0.32.0 in this program\n";
     assert_eq!(
         said,
-        format!(
-            "{program} into STM32G474RETx\n\
-             probe-rs download --chip STM32G474RETx --verify {program}\n\
-             probe-rs reset --chip STM32G474RETx\n\
-             nothing was written\n"
-        )
+        format!("{program} into STM32G474RETx\n{how}nothing was written\n")
     );
+    #[cfg(not(feature = "probe"))]
     asked(&["flash", "--board", "nucleo-g474re"]).failed(1, &["probe-rs: is not on the PATH"]);
     let doctor = asked(&["doctor", "--port", "tcp:127.0.0.1:1"]).out;
     assert!(

@@ -95,7 +95,7 @@ fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
                 std::mem::replace(&mut last, value).wrapping_neg() + value
             })
             .collect();
-        json!([low, step as f32, differences])
+        json!([low, f64::from(step as f32), differences])
     };
     json!({
         "t": column(&trace.time_s),

@@ -1,0 +1,126 @@
+//! Flash and log by the program probe-rs, which has to be installed; its progress is shown as it is.
+
+use super::{Job, written};
+use crate::log::Log;
+use crate::out::{say, tell};
+use std::ffi::OsStr;
+use std::io::{Error as IoError, ErrorKind};
+use std::process::{Command, Output};
+use std::thread::sleep;
+use std::time::Duration;
+use touchstone_sim::error::{Error, Result};
+
+/// Whether it needs no other program.
+pub const IS_CRATE: bool = false;
+/// How to get probe-rs.
+const INSTALL: &str = "install it, without a compiler by https://probe.rs/docs/getting-started/installation, with one by cargo install probe-rs-tools --locked; a touchstone of `cargo xtask dist` needs none";
+
+/// What does the work, in its own words; otherwise what is missing, and how to get it.
+pub fn there() -> std::result::Result<String, (String, String)> {
+    asked(&["--version"]).ok_or_else(|| ("not on the PATH".to_owned(), INSTALL.to_owned()))
+}
+
+/// The probes it sees, a line each; nothing where it cannot be asked.
+pub fn probes() -> Option<Vec<String>> {
+    let line = asked(&["list"])?;
+    match line.contains("No debug probes") {
+        true => Some(Vec::new()),
+        false => Some(vec![line]),
+    }
+}
+
+/// The first line that it prints.
+fn asked(words: &[&str]) -> Option<String> {
+    let Output { status, stdout, .. } = Command::new("probe-rs").args(words).output().ok()?;
+    let line = String::from_utf8(stdout)
+        .ok()?
+        .lines()
+        .next()?
+        .trim()
+        .to_owned();
+    (status.success() && !line.is_empty()).then_some(line)
+}
+
+/// Says what [`write()`] would do.
+pub fn rehearse(job: &Job<'_>) -> Result<()> {
+    for command in [download(job), command("reset", job)] {
+        let words: Vec<_> = std::iter::once(command.get_program())
+            .chain(command.get_args())
+            .map(OsStr::to_string_lossy)
+            .collect();
+        say!("{}", words.join(" "));
+    }
+    Ok(())
+}
+
+/// Writes, compares and starts it.
+pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
+    done(&mut download(job))?;
+    done(&mut command("reset", job))?;
+    written()?;
+    log.map_or(Ok(()), |log| self::log(job, log))
+}
+
+/// Shows what the program tells that runs.
+pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
+    tell!("{}; Ctrl-C ends it", job.elf.display());
+    let mut child = command("attach", job)
+        .arg(&job.elf)
+        .spawn()
+        .map_err(|error| not_run(&error))?;
+    loop {
+        let ended = child.try_wait().map_err(|error| not_run(&error))?;
+        if !log.goes_on() {
+            // Ctrl-C goes to both.
+            let _ = child.kill();
+            let _ = child.wait();
+            return Ok(());
+        }
+        match ended {
+            Some(status) if status.success() => return Ok(()),
+            Some(status) => return Err(failed(&status.to_string())),
+            None => sleep(Duration::from_millis(20)),
+        }
+    }
+}
+
+fn download(job: &Job<'_>) -> Command {
+    let mut command = command("download", job);
+    command.arg("--verify").arg(&job.elf);
+    command
+}
+
+/// One of its commands, for a board's chip and behind a probe.
+fn command(what: &str, job: &Job<'_>) -> Command {
+    let mut command = Command::new("probe-rs");
+    command.args([what, "--chip", job.chip()]);
+    if let Some(probe) = job.probe {
+        command.args(["--probe", probe]);
+    }
+    command
+}
+
+/// Runs probe-rs to its end; it speaks for itself.
+fn done(command: &mut Command) -> Result<()> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(failed(&status.to_string())),
+        Err(error) => Err(not_run(&error)),
+    }
+}
+
+fn failed(status: &str) -> Error {
+    Error::device(
+        "probe-rs",
+        format!("ended with {status}"),
+        "its message stands above; `touchstone doctor` looks for what is missing",
+    )
+}
+
+fn not_run(error: &IoError) -> Error {
+    let problem = match error.kind() {
+        ErrorKind::NotFound => "is not on the PATH".to_owned(),
+        _ => format!("cannot be run: {error}"),
+    };
+    Error::device("probe-rs", problem, INSTALL)
+}

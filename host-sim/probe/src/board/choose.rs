@@ -1,0 +1,129 @@
+//! Which probe: the only one, or the one that is named.
+
+use std::io::ErrorKind;
+
+use probe_rs::probe::list::{Accessibility, Lister, ProbeListItem};
+use probe_rs::probe::{DebugProbeError, DebugProbeSelector, Probe, ProbeCreationError};
+
+use super::fault::{Fault, NO_RIGHTS, chain, system};
+
+/// Where a problem is that no single probe has.
+const PROBE: &str = "probe";
+/// The option that chooses one.
+const OPTION: &str = "--probe";
+
+/// A probe at the USB.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Found {
+    /// As `--probe` takes it: VID:PID:SERIAL.
+    pub selector: String,
+    /// What it calls itself.
+    pub name: String,
+    /// Whether this user may use it.
+    pub usable: bool,
+}
+
+impl Found {
+    fn of(item: &ProbeListItem) -> Self {
+        let info = &item.info;
+        let mut selector = format!("{:04x}:{:04x}", info.vendor_id, info.product_id);
+        if let Some(interface) = info.interface {
+            selector += &format!("-{interface}");
+        }
+        if let Some(serial) = &info.serial_number {
+            selector += &format!(":{serial}");
+        }
+        Self {
+            selector,
+            name: info.identifier.clone(),
+            usable: item.accessibility == Accessibility::Accessible,
+        }
+    }
+}
+
+/// All probes that are connected.
+pub fn found(lister: &Lister) -> Vec<Found> {
+    let items = lister.list_all_with_access();
+    items.iter().map(Found::of).collect()
+}
+
+/// Opens the probe that is named, or the only one there is; with what to call it.
+pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fault> {
+    let selector = wanted.map(parsed).transpose()?;
+    let items = lister.list_with_access(selector.as_ref());
+    let item = match &items[..] {
+        [] => return Err(none(lister, wanted)),
+        [item] => item,
+        several => return Err(too_many(several)),
+    };
+    let found = Found::of(item);
+    let place = format!("{PROBE} {}", found.selector);
+    if !found.usable {
+        return Err(Fault::of(place, "may not be used by this user", NO_RIGHTS));
+    }
+    // By the lister, not by what it told: it knows whose probe that is.
+    match lister.open(DebugProbeSelector::from(&item.info)) {
+        Ok(probe) => Ok((probe, place)),
+        Err(error) => Err(not_opened(place, &error)),
+    }
+}
+
+fn parsed(wanted: &str) -> Result<DebugProbeSelector, Fault> {
+    wanted.parse().map_err(|_| {
+        Fault::asked(
+            OPTION,
+            format!("\"{wanted}\" is no probe's name"),
+            "give VID:PID or VID:PID:SERIAL, the numbers in hexadecimal, such as 0483:374e",
+        )
+    })
+}
+
+fn none(lister: &Lister, wanted: Option<&str>) -> Fault {
+    let others = found(lister);
+    let connect =
+        "connect the board by its ST-LINK's USB connector, with a cable that carries data";
+    match wanted {
+        Some(wanted) if !others.is_empty() => Fault::of(
+            format!("{PROBE} {wanted}"),
+            format!("is not connected, but {} is", named(&others)),
+            "choose that, or connect the other one",
+        ),
+        Some(wanted) => Fault::of(format!("{PROBE} {wanted}"), "is not connected", connect),
+        None => Fault::of(PROBE, "there is none at the USB", connect),
+    }
+}
+
+fn too_many(items: &[ProbeListItem]) -> Fault {
+    let all: Vec<Found> = items.iter().map(Found::of).collect();
+    Fault::of(
+        PROBE,
+        format!("there are {}: {}", all.len(), named(&all)),
+        format!("choose one: {OPTION} {}", all[0].selector),
+    )
+}
+
+fn named(probes: &[Found]) -> String {
+    let names = probes
+        .iter()
+        .map(|probe| format!("{} ({})", probe.selector, probe.name));
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn not_opened(place: String, error: &DebugProbeError) -> Fault {
+    use DebugProbeError::ProbeCouldNotBeCreated;
+    let problem = format!("cannot be opened: {}", chain(error));
+    match (system(error), error) {
+        (Some(ErrorKind::PermissionDenied), _) => Fault::of(place, problem, NO_RIGHTS),
+        (Some(ErrorKind::ResourceBusy), _)
+        | (None, ProbeCouldNotBeCreated(ProbeCreationError::CouldNotOpen)) => Fault::of(
+            place,
+            problem,
+            "end the other program that uses it; if there is none, look with `touchstone doctor`",
+        ),
+        _ => Fault::of(
+            place,
+            problem,
+            "connect it again; a very old ST-LINK needs its maker's update",
+        ),
+    }
+}

@@ -1,0 +1,80 @@
+//! What went wrong, in one line: where, what, how to mend it.
+
+use std::error::Error;
+use std::fmt;
+use std::io::{self, ErrorKind};
+
+/// A problem with a probe or with the chip behind it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The probe, the chip, or the option that names a probe.
+    pub place: String,
+    /// What is wrong.
+    pub problem: String,
+    /// How to mend it.
+    pub fix: String,
+    /// Whether it is a mistake in what was asked, not in what there is.
+    pub asked: bool,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: {}; {}", self.place, self.problem, self.fix)
+    }
+}
+
+impl Error for Fault {}
+
+impl Fault {
+    /// Something that is not as it should be.
+    pub fn of(
+        place: impl Into<String>,
+        problem: impl Into<String>,
+        fix: impl Into<String>,
+    ) -> Self {
+        Self {
+            place: place.into(),
+            problem: problem.into(),
+            fix: fix.into(),
+            asked: false,
+        }
+    }
+
+    /// A mistake in an option.
+    pub fn asked(
+        option: impl Into<String>,
+        problem: impl Into<String>,
+        fix: impl Into<String>,
+    ) -> Self {
+        Self {
+            asked: true,
+            ..Self::of(option, problem, fix)
+        }
+    }
+}
+
+/// Udev's rule belongs to the doctor.
+pub const NO_RIGHTS: &str = "`touchstone doctor` prints the udev rule that gives this user the right, and how to install it";
+
+/// What an error says with all its causes, on one line, each once.
+pub fn chain(error: &(dyn Error + 'static)) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for cause in causes(error) {
+        let text = cause.to_string();
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = text.trim_end_matches('.');
+        if !text.is_empty() && !words.iter().any(|word| word.contains(text)) {
+            words.push(text.to_owned());
+        }
+    }
+    words.join(": ")
+}
+
+/// What the system said, if it was the system.
+pub fn system(error: &(dyn Error + 'static)) -> Option<ErrorKind> {
+    causes(error).find_map(|cause| Some(cause.downcast_ref::<io::Error>()?.kind()))
+}
+
+fn causes<'e>(error: &'e (dyn Error + 'static)) -> impl Iterator<Item = &'e (dyn Error + 'static)> {
+    std::iter::successors(Some(error), |&error| error.source())
+}

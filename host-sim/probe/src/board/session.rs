@@ -1,0 +1,128 @@
+//! The chip behind a probe: that it answers, that it is the board's, and that it can be written.
+
+use probe_rs::probe::Probe;
+use probe_rs::{Error, MemoryInterface, Permissions, Session};
+
+use super::fault::{Fault, chain};
+
+/// The core that a STM32G4 has.
+pub(super) const CORE: usize = 0;
+
+/// `DBGMCU_IDCODE` of RM0440, its part that says which device it is, and the chips that have it.
+const IDCODE: u64 = 0xe004_2000;
+const DEVICE: u32 = 0xfff;
+const DEVICES: [(u32, &str, &[&str]); 3] = [
+    (0x468, "STM32G431 or G441", &["STM32G431", "STM32G441"]),
+    (
+        0x469,
+        "STM32G471 to G484",
+        &[
+            "STM32G471",
+            "STM32G473",
+            "STM32G474",
+            "STM32G483",
+            "STM32G484",
+        ],
+    ),
+    (0x479, "STM32G491 or G4A1", &["STM32G491", "STM32G4A1"]),
+];
+/// `FLASH_OPTR` of RM0440, its part for the read protection, and the value of level 0, which protects nothing.
+const OPTIONS: u64 = 0x4002_2020;
+const PROTECTION: u32 = 0xff;
+const UNPROTECTED: u32 = 0xaa;
+
+/// A board's chip, reached through a probe.
+#[derive(Debug)]
+pub struct Attached {
+    pub(super) session: Session,
+    /// The probe, for messages.
+    pub(super) place: String,
+    /// The chip, for messages.
+    pub(super) chip: String,
+}
+
+/// Reaches a chip through a probe that is open, and looks whether it is the one.
+///
+/// To look for breakpoints that another program may have left, the crate halts the processor for some milliseconds.
+pub fn attach((probe, place): (Probe, String), chip: &str) -> Result<Attached, Fault> {
+    let session = probe
+        .attach(chip, Permissions::default())
+        .map_err(|error| unreached(&place, chip, &error))?;
+    let mut attached = Attached {
+        session,
+        place,
+        chip: chip.to_owned(),
+    };
+    attached.is_the_chip()?;
+    attached.is_unlocked()?;
+    Ok(attached)
+}
+
+impl Attached {
+    /// A word of the chip's memory.
+    pub(super) fn word(&mut self, address: u64) -> Result<u32, Fault> {
+        let read = |session: &mut Session| session.core(CORE)?.read_word_32(address);
+        read(&mut self.session).map_err(|error| self.broken(&error))
+    }
+
+    /// A part of the chip's memory.
+    pub(super) fn bytes(&mut self, address: u64, bytes: &mut [u8]) -> Result<(), Fault> {
+        let read = |session: &mut Session, bytes| session.core(CORE)?.read(address, bytes);
+        read(&mut self.session, bytes).map_err(|error| self.broken(&error))
+    }
+
+    /// The connection does not hold.
+    pub(super) fn broken(&self, error: &(dyn std::error::Error + 'static)) -> Fault {
+        Fault::of(
+            &self.place,
+            format!("lost the {}: {}", self.chip, chain(error)),
+            "look at cable and supply, and try again",
+        )
+    }
+
+    fn is_the_chip(&mut self) -> Result<(), Fault> {
+        let device = self.word(IDCODE)? & DEVICE;
+        let known = DEVICES.iter().find(|(number, ..)| *number == device);
+        let is_it =
+            known.is_some_and(|(.., names)| names.iter().any(|name| self.chip.starts_with(name)));
+        if is_it {
+            return Ok(());
+        }
+        let there = known.map_or_else(
+            || format!("a chip with the device number {device:#05x}"),
+            |(number, name, _)| format!("an {name} (device number {number:#05x})"),
+        );
+        Err(Fault::of(
+            &self.place,
+            format!("behind it is {there}, not the {} of this board", self.chip),
+            "name the board that is connected: --board BOARD",
+        ))
+    }
+
+    /// Whether its flash may be read and written from outside.
+    fn is_unlocked(&mut self) -> Result<(), Fault> {
+        match self.word(OPTIONS)? & PROTECTION {
+            UNPROTECTED => Ok(()),
+            level => Err(Fault::of(
+                &self.chip,
+                format!("its flash is protected against reading (RDP {level:#04x}, level 1)"),
+                "take the protection off with the maker's STM32CubeProgrammer, which erases everything in it",
+            )),
+        }
+    }
+}
+
+fn unreached(place: &str, chip: &str, error: &Error) -> Fault {
+    match error {
+        Error::ChipNotFound(_) => Fault::of(
+            chip,
+            format!("is not known: {}", chain(error)),
+            "report this as a bug",
+        ),
+        _ => Fault::of(
+            place,
+            format!("no {chip} answers behind it: {}", chain(error)),
+            "give the board its supply and try again; a chip that was locked for good (RDP level 2) never answers",
+        ),
+    }
+}

@@ -1,0 +1,102 @@
+//! A program into the flash: erased, written, read back, started.
+
+use probe_rs::flashing::{
+    DownloadOptions, FlashError, FlashProgress, ProgressEvent, ProgressOperation,
+};
+
+use super::fault::{Fault, chain};
+use super::image::Image;
+use super::session::{Attached, CORE};
+
+/// What is being done to the flash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// The pages that the program needs are erased, and no others.
+    Erase,
+    /// The program is written.
+    Program,
+    /// It is read back and compared.
+    Verify,
+}
+
+/// How far it has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// A phase begins; over so many bytes, if that is known.
+    Begins(Phase, Option<u64>),
+    /// So many bytes more are done.
+    Done(Phase, u64),
+    /// It is over.
+    Ends(Phase),
+}
+
+impl Attached {
+    /// Writes a program, reads it back and compares. Pages of the flash that it does not touch keep what is in them. The chip is
+    /// left halted: [`Self::start`] starts it.
+    pub fn write(&mut self, image: &Image, mut tell: impl FnMut(Step)) -> Result<(), Fault> {
+        let mut loader = self.session.target().flash_loader();
+        for part in &image.parts {
+            loader
+                .add_data(part.address, &part.bytes)
+                .map_err(|error| self.unwritten(&error))?;
+        }
+        let mut totals = Vec::new();
+        let mut options = DownloadOptions::default();
+        options.verify = true;
+        options.progress = FlashProgress::new(|event| {
+            if let Some(step) = step(event, &mut totals) {
+                tell(step);
+            }
+        });
+        let written = loader.commit(&mut self.session, options);
+        written.map_err(|error| self.unwritten(&error))
+    }
+
+    /// Resets the chip and lets it run what is in its flash.
+    pub fn start(&mut self) -> Result<(), Fault> {
+        let reset = self.session.core(CORE).and_then(|mut core| core.reset());
+        reset.map_err(|error| self.broken(&error))
+    }
+
+    fn unwritten(&self, error: &FlashError) -> Fault {
+        let problem = match error {
+            FlashError::Verify => "what was read back is not what was written".to_owned(),
+            _ => format!("its flash could not be written: {}", chain(error)),
+        };
+        Fault::of(
+            &self.chip,
+            problem,
+            "the board has no whole program now; write it again, and if it fails again, take its supply away for a moment",
+        )
+    }
+}
+
+/// What of the crate's events is told.
+fn step(event: ProgressEvent, totals: &mut Vec<(Phase, u64)>) -> Option<Step> {
+    match event {
+        ProgressEvent::AddProgressBar { operation, total } => {
+            totals.push((phase(operation)?, total?));
+            None
+        }
+        ProgressEvent::Started(operation) => {
+            let phase = phase(operation)?;
+            let total = totals.iter().find(|(of, _)| *of == phase);
+            Some(Step::Begins(phase, total.map(|(_, bytes)| *bytes)))
+        }
+        ProgressEvent::Progress {
+            operation, size, ..
+        } => Some(Step::Done(phase(operation)?, size)),
+        ProgressEvent::Finished(operation) => Some(Step::Ends(phase(operation)?)),
+        // A failure is an error as well.
+        _ => None,
+    }
+}
+
+fn phase(operation: ProgressOperation) -> Option<Phase> {
+    match operation {
+        ProgressOperation::Erase => Some(Phase::Erase),
+        ProgressOperation::Program => Some(Phase::Program),
+        ProgressOperation::Verify => Some(Phase::Verify),
+        ProgressOperation::Fill => None,
+    }
+}

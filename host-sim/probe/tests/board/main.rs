@@ -1,0 +1,14 @@
+//! A board in software behind a probe in software: what is written there and read there goes through all of the crate probe-rs but
+//! its drivers for USB.
+
+mod cpu;
+mod elf;
+mod flash_memory;
+mod lister;
+mod machine;
+mod memory;
+mod probe;
+
+mod choosing;
+mod logging;
+mod writing;
