@@ -13,12 +13,10 @@ use std::time::Instant;
 use crate::changes::{self, Entry};
 use crate::memo::Memo;
 use crate::outcome::Outcome;
-use crate::prove::{Shard, checker};
+use crate::prove::{PARTS, Shard, checker};
 use crate::shell;
 
 const LIST: &str = "proofs/mutants.toml";
-/// What the proofs are made of; nothing else has to build.
-const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 /// Of all mutants, in per cent.
 const CAUGHT: usize = 95;
 const LEAST: usize = 30;

@@ -27,6 +27,36 @@ pub struct Left {
     pub usage: PathBuf,
 }
 
+/// How a run is made.
+#[derive(Debug, Clone, Copy)]
+pub struct How<'a> {
+    /// Harnesses at the same time.
+    pub jobs: u32,
+    /// On standard error.
+    pub progress: bool,
+    /// A program that is asked in the place of the solver that a harness names: its folder, which comes first in the search path, its
+    /// name, and the processor time of each process, in seconds.
+    pub solver: Option<(&'a Path, &'a str, u32)>,
+}
+
+impl How<'_> {
+    /// Without a word, one after the other.
+    pub const QUIET: Self = Self {
+        jobs: 1,
+        progress: false,
+        solver: None,
+    };
+
+    /// As they name their solvers, with progress.
+    pub const fn jobs(jobs: u32) -> Self {
+        Self {
+            jobs,
+            progress: true,
+            solver: None,
+        }
+    }
+}
+
 /// Which harnesses.
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
@@ -39,14 +69,8 @@ pub enum Which<'a> {
     These(&'a [String]),
 }
 
-/// Runs harnesses of the workspace in `workspace`, `jobs` at a time; progress on standard error.
-pub fn run(
-    workspace: &Path,
-    target: &Path,
-    which: Which,
-    jobs: u32,
-    progress: bool,
-) -> Result<Left, String> {
+/// Runs harnesses of the workspace in `workspace`.
+pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Left, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
     let target = target
         .canonicalize()
@@ -54,16 +78,23 @@ pub fn run(
     let report = target.join("report.json");
     // An old one must not be taken for this run's.
     let _ = std::fs::remove_file(&report);
-    let (jobs, seconds) = (jobs.to_string(), format!("{TIMEOUT_S}s"));
+    let (jobs, seconds) = (how.jobs.to_string(), format!("{TIMEOUT_S}s"));
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let path = with_integers(&target, path)?;
+    let mut path = with_integers(&target, path)?;
+    let mut process_s = PROCESS_S;
+    let mut solver = Vec::new();
+    if let Some((folder, name, most_s)) = how.solver {
+        process_s = most_s;
+        path = before(folder, &path)?;
+        solver = vec!["--solver".to_owned(), format!("bin={name}")];
+    }
     // The shell's limit is inherited by all that is started. A shell that cannot set it does not run the checker.
     let mut command = Command::new("sh");
     command
         .current_dir(workspace)
         .args([
             "-c",
-            &format!("ulimit -v {MEMORY_KIB} && ulimit -t {PROCESS_S} && exec cargo kani \"$@\""),
+            &format!("ulimit -v {MEMORY_KIB} && ulimit -t {process_s} && exec cargo kani \"$@\""),
             "sh",
         ])
         .args([
@@ -79,6 +110,7 @@ pub fn run(
         .arg(&report)
         .arg("--target-dir")
         .arg(&target)
+        .args(solver)
         .env("PATH", path)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
@@ -94,7 +126,7 @@ pub fn run(
         }
     }
     let watch = Watch::start(&target);
-    let why = to_end(&mut command, progress)?;
+    let why = to_end(&mut command, how.progress)?;
     let taken = watch.finish();
     // The exit code says nothing that the report does not: it is 0 for an empty proof and 1 for a refutation.
     if !report.is_file() {
@@ -143,7 +175,12 @@ fn with_integers(target: &Path, path: OsString) -> Result<OsString, String> {
     {
         return Err(format!("{}: cannot be made a program", file.display()));
     }
-    let all = std::iter::once(folder.clone()).chain(std::env::split_paths(&path));
+    before(&folder, &path)
+}
+
+/// A search path with a folder before all others.
+fn before(folder: &Path, path: &OsString) -> Result<OsString, String> {
+    let all = std::iter::once(folder.to_path_buf()).chain(std::env::split_paths(path));
     std::env::join_paths(all).map_err(|why| why.to_string())
 }
 
@@ -233,7 +270,7 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
 /// Whether one named harness refutes what stands in a workspace. `Err`: anything else than a proof or a refutation of that
 /// very harness.
 pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, String> {
-    let left = run(workspace, target, Which::Named(harness), 1, false)?;
+    let left = run(workspace, target, Which::Named(harness), How::QUIET)?;
     let words = [
         "refuted".as_ref(),
         left.report.as_os_str(),

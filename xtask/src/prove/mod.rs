@@ -6,6 +6,7 @@
 //! obligations run, and the answer is "not run". The theorems over traces ([`coq`]) need no checker, but Coq; properties with few
 //! inputs ([`every`]) neither.
 
+mod certified;
 pub mod checker;
 mod coq;
 mod every;
@@ -19,11 +20,13 @@ use std::time::Instant;
 
 use crate::outcome::Outcome;
 use crate::{inspect, mutants, shell};
-use checker::{Left, MEMORY_KIB, Which};
+use checker::{How, Left, MEMORY_KIB, Which};
 pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs]]";
+/// What the proofs are made of; nothing else has to build.
+pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
 /// What was proved, beside the report.
 const MEMO: &str = "proved.tsv";
@@ -40,6 +43,8 @@ pub fn run(args: &[String]) -> Outcome {
     }
     match words.as_slice() {
         ["--theorems"] => return coq::run(),
+        ["--certified"] => return certified::run(""),
+        ["--certified", part] => return certified::run(part),
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
@@ -146,7 +151,7 @@ fn target() -> std::path::PathBuf {
 /// Those whose name contains `part`; says nothing about the others, nor about the lock.
 fn some(part: &str, jobs: u32) -> Outcome {
     let which = Which::Containing(part);
-    match checker::run(Path::new("."), &target(), which, jobs, true) {
+    match checker::run(Path::new("."), &target(), which, How::jobs(jobs)) {
         Ok(left) => gate(&left, &[part]),
         Err(why) => Outcome::Failed(why),
     }
@@ -160,7 +165,8 @@ fn whole(bless: bool, resume: bool, jobs: u32) -> Outcome {
     } else {
         // What an older run proved does not count in a whole one.
         let _ = std::fs::remove_file(target().join(MEMO));
-        checker::run(Path::new("."), &target(), Which::All, jobs, true).map(|left| (left, None))
+        checker::run(Path::new("."), &target(), Which::All, How::jobs(jobs))
+            .map(|left| (left, None))
     };
     let (left, list) = match left {
         Ok(left) => left,
@@ -195,7 +201,12 @@ fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
     println!("{outcome}");
     let mut last = None;
     for names in names.chunks(AT_A_TIME) {
-        let left = checker::run(Path::new("."), &target(), Which::These(names), jobs, true)?;
+        let left = checker::run(
+            Path::new("."),
+            &target(),
+            Which::These(names),
+            How::jobs(jobs),
+        )?;
         let outcome = gate(&left, &["::"]);
         println!("{outcome}");
         last = Some(left);
@@ -207,8 +218,7 @@ fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
             Path::new("."),
             &target(),
             Which::Containing("p9_angle16"),
-            jobs,
-            true,
+            How::jobs(jobs),
         )?,
     };
     Ok((left, Some(list)))

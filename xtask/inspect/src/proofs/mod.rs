@@ -273,6 +273,20 @@ pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
     })
 }
 
+/// The harnesses that were proved, whatever they took.
+pub fn proved(report: &str) -> Result<Answer, String> {
+    let found = report::read(report)?;
+    let proved: Vec<&String> = found
+        .iter()
+        .filter(|(_, verdict)| verdict.proved())
+        .map(|(name, _)| name)
+        .collect();
+    for name in &proved {
+        println!("{name}");
+    }
+    Ok(Answer::Right(format!("{} proved", proved.len())))
+}
+
 /// The harnesses of which an assertion of their own failed.
 pub fn refuting(report: &str) -> Result<Answer, String> {
     let found = report::read(report)?;

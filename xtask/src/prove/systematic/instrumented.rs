@@ -5,11 +5,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
+use super::super::PARTS;
 use crate::outcome::Outcome;
 use crate::{changes, inspect, shell};
 
-/// What is built.
-pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 /// What is asked, the quick ones first.
 const TESTED: [&str; 3] = [
     "touchstone-proofs",

@@ -7,8 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::super::checker::{self, Which};
-use super::instrumented::{Listed, PARTS, folder, list};
+use super::super::PARTS;
+use super::super::checker::{self, How, Which};
+use super::instrumented::{Listed, folder, list};
 use super::{LIKELY, Outcomes, Shard};
 use crate::{changes, inspect, shell};
 
@@ -140,7 +141,7 @@ impl Asking {
         let work = alone(&self.folder, one)?;
         for harness in harnesses {
             let which = Which::Named(harness);
-            let Ok(left) = checker::run(&work, &self.folder.join("kani"), which, 1, false) else {
+            let Ok(left) = checker::run(&work, &self.folder.join("kani"), which, How::QUIET) else {
                 continue;
             };
             let (lines, _) = inspect::ask(["refuting".as_ref(), left.report.as_os_str()]);
