@@ -2,7 +2,7 @@
 //! installed.
 //!
 //! Everything here needs the feature `probe-rs`. Without it this crate is empty, and what builds the whole workspace builds none of
-//! the packages that a probe needs. Probes come from a [`Lister`], so that the tests bring one of their own, with a chip in software
+//! the packages that a probe needs. Probes come from a `Lister`, so that the tests bring one of their own, with a chip in software
 //! behind it.
 
 #[cfg(feature = "probe-rs")]
