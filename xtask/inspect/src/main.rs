@@ -27,7 +27,7 @@ use cortex::ProgramCode;
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      dist FOLDER NAME SECONDS VERSION PROGRAM BOARD=ELF... metadata=FILE... | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
-                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | proved REPORT | \
+                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | reached FOLDER | proved REPORT | \
                      operators instrument WORK WITHOUT | operators refused WORK MESSAGES | operators alone NUMBER WORK | operators table OUTCOMES; \
                      `cargo xtask` calls it from the workspace's folder";
 
@@ -77,6 +77,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
         ["operators", "refused", work, messages] => operators::refused(path(work), path(messages)),
         ["operators", "alone", number, work] => operators::alone(number, path(work)),
         ["operators", "table", outcomes] => operators::table(path(outcomes)),
+        ["reached", folder] => proofs::reached(path(folder)),
         ["proved", report] => proofs::proved(&text(report)?),
         ["refuting", report] => proofs::refuting(&text(report)?),
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),

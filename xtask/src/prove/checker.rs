@@ -69,6 +69,26 @@ pub enum Which<'a> {
     These(&'a [String]),
 }
 
+/// The checker's programs of all harnesses, made and not run: the folder that they are in.
+pub fn programs(workspace: &Path, target: &Path) -> Result<PathBuf, String> {
+    let mut command = Command::new("cargo");
+    command
+        .current_dir(workspace)
+        .args(["kani", "-p", "touchstone-proofs", "--only-codegen"])
+        .arg("--target-dir")
+        .arg(target)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let why = to_end(&mut command, false)?;
+    // Below the name of the machine that they were made on.
+    let machines = std::fs::read_dir(target.join("kani")).map_err(|_| why.clone())?;
+    machines
+        .filter_map(Result::ok)
+        .map(|entry| entry.path().join("debug/deps"))
+        .find(|path| path.is_dir())
+        .ok_or(why)
+}
+
 /// Runs harnesses of the workspace in `workspace`.
 pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Left, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;

@@ -7,6 +7,7 @@
 mod lock;
 mod memo;
 mod properties;
+mod reach;
 mod report;
 mod table;
 mod usage;
@@ -15,6 +16,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::answer::Answer;
+pub use reach::reached;
+
 use lock::{LOCK, Statements};
 use report::Verdict;
 use usage::Usage;

@@ -1,7 +1,8 @@
 //! `--mutants --systematic --proofs`: the wrong changes by rule, asked of the checker.
 //!
-//! First, of each function, changes that a test refuted, until the proof that belongs to the test refutes one too: so that there is a
-//! wrong change of every function that a named proof finds. Then what survived the tests, of the harnesses of its subject.
+//! First, of each function, changes that a test refuted, until a proof refutes one too, the proof that belongs to the test first and
+//! then those that reach the function, as the names in the checker's programs say: so that there is a wrong change of every function
+//! that a named proof finds, or it is known that no proof reaches it. Then what survived the tests, of the harnesses that reach it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,13 +11,17 @@ use std::time::Instant;
 use super::super::PARTS;
 use super::super::checker::{self, How, Which};
 use super::instrumented::{Listed, folder, list};
-use super::{LIKELY, Outcomes, Shard};
+use super::{Outcomes, Shard};
+use crate::outcome::Outcome;
 use crate::{changes, inspect, shell};
 
 /// The committed list of what is proved.
 const LOCK: &str = "proofs/harnesses.lock";
 /// How many changes of a function are asked before the next function's turn.
-const TRIES: usize = 4;
+const TRIES: usize = 3;
+/// How many harnesses are asked of a change at a time, and how many times: the smaller ones first.
+const AT_A_TIME: usize = 4;
+const TIMES: usize = 2;
 /// A tick beside its specification, by samples; and the proofs of the same.
 const REFINEMENTS: [(&str, &[&str]); 6] = [
     ("every_tick_of_tdpa_is_its_specification", &["p11_tdpa"]),
@@ -46,12 +51,14 @@ const REFINEMENTS: [(&str, &[&str]); 6] = [
 struct Asking {
     /// Harnesses of the lock.
     names: BTreeSet<String>,
+    /// Of each harness, the smaller programs first: the functions in it.
+    reached: Vec<(String, Vec<String>)>,
     folder: PathBuf,
 }
 
 /// The command.
 pub fn asked(shard: Shard) -> Result<(), String> {
-    let folder = folder().join("by-proofs");
+    let folder = folder().join(format!("by-proofs-{}", shard.index));
     let list = list(&folder)?;
     let mut outcomes = Outcomes::open()?;
     let lock = std::fs::read_to_string(shell::root().join(LOCK))
@@ -61,7 +68,11 @@ pub fn asked(shard: Shard) -> Result<(), String> {
         .filter_map(|line| line.split(' ').next())
         .map(str::to_owned)
         .collect();
-    let asking = Asking { names, folder };
+    let asking = Asking {
+        names,
+        reached: reached()?,
+        folder,
+    };
     let mut functions = BTreeMap::<String, Vec<&Listed>>::new();
     for one in &list {
         functions.entry(one.function()).or_default().push(one);
@@ -74,9 +85,7 @@ pub fn asked(shard: Shard) -> Result<(), String> {
     for one in list.iter().filter(|one| shard.has(one.number)) {
         if outcomes.of(one) == Some("survived") {
             let begun = Instant::now();
-            let likely = LIKELY.iter().find(|(file, _)| one.row.contains(file));
-            let parts = likely.map_or(&[][..], |(_, parts)| parts);
-            let refuted = asking.refuting(one, &asking.containing(parts))?;
+            let refuted = asking.refuting(one, &asking.reaching(one))?;
             let outcome = refuted.map_or_else(
                 || "survived: the checker too".into(),
                 |name| format!("refuted: {name}"),
@@ -87,29 +96,69 @@ pub fn asked(shard: Shard) -> Result<(), String> {
     Ok(())
 }
 
-/// Of a function: changes that a test refuted, until a proof does.
+/// Which functions the harnesses reach: their programs are made for it.
+fn reached() -> Result<Vec<(String, Vec<String>)>, String> {
+    let programs = checker::programs(&shell::root(), &folder().join("programs"))?;
+    let (lines, outcome) = inspect::ask(["reached".as_ref(), programs.as_os_str()]);
+    if !matches!(outcome, Outcome::Ok(_)) {
+        return Err(outcome.reason().into());
+    }
+    let mut found: Vec<(u64, String, Vec<String>)> = lines
+        .iter()
+        .filter_map(|line| {
+            let mut words = line.split('\t');
+            let (name, size, functions) = (words.next()?, words.next()?, words.next()?);
+            let functions = functions.split(';').map(str::to_owned).collect();
+            Some((size.parse().ok()?, name.to_owned(), functions))
+        })
+        .collect();
+    found.sort();
+    Ok(found
+        .into_iter()
+        .map(|(_, name, functions)| (name, functions))
+        .collect())
+}
+
+/// Of a function: changes that a test refuted, then the others, until a proof refutes one.
 fn a_proof_of(changes: &[&Listed], asking: &Asking, outcomes: &mut Outcomes) -> Result<(), String> {
-    let by = |one: &Listed| Some(outcomes.of(one)?.strip_prefix("refuted: ")?.to_owned());
-    let mut candidates: Vec<(&Listed, Vec<String>)> = Vec::new();
+    let mut candidates: Vec<(usize, &Listed, Vec<String>)> = Vec::new();
     for one in changes {
-        match by(one) {
-            Some(name) if name.contains("::proof") => return Ok(()),
-            Some(name) => candidates.push((*one, asking.belonging(&name))),
-            None => {}
+        let reaching = asking.reaching(one);
+        match outcomes.of(one) {
+            Some(by) if by.contains("::proof") => return Ok(()),
+            Some("not Rust") => {}
+            Some(by) if by.starts_with("refuted: ") => {
+                let test = by.trim_start_matches("refuted: ");
+                let mut harnesses = asking.belonging(test);
+                let rank = usize::from(harnesses.is_empty());
+                for other in reaching {
+                    if !harnesses.contains(&other) {
+                        harnesses.push(other);
+                    }
+                }
+                candidates.push((rank, one, harnesses));
+            }
+            Some(_) => candidates.push((3, one, reaching)),
+            None => candidates.push((2, one, reaching)),
         }
     }
-    candidates.retain(|(_, harnesses)| !harnesses.is_empty());
-    // The fewer harnesses there are to ask, the better is known which.
-    candidates.sort_by_key(|(_, harnesses)| harnesses.len());
-    for (one, harnesses) in candidates.into_iter().take(TRIES) {
+    candidates.retain(|(_, _, harnesses)| !harnesses.is_empty());
+    if let (true, Some(one)) = (candidates.is_empty(), changes.first()) {
+        println!("{:>5} no proof reaches  {}", one.number, one.function());
+    }
+    // What a proof belongs to comes first; the fewer harnesses there are to ask, the better is known which.
+    candidates.sort_by_key(|(rank, _, harnesses)| (*rank, harnesses.len()));
+    for (_, one, harnesses) in candidates.into_iter().take(TRIES) {
         let begun = Instant::now();
         let refuted = asking.refuting(one, &harnesses)?;
         let seconds = begun.elapsed().as_secs_f64();
         match refuted {
             Some(name) => return outcomes.keep(one, format!("refuted: {name}"), seconds),
             None => println!(
-                "{:>5} {seconds:>5.1} s  not refuted by {harnesses:?}  {}",
+                "{:>5} {seconds:>5.1} s  not refuted by {} proofs, {} first  {}",
                 one.number,
+                harnesses.len().min(TIMES * AT_A_TIME),
+                harnesses.first().map_or("", String::as_str),
                 one.row.replace('\t', " ")
             ),
         }
@@ -133,24 +182,55 @@ impl Asking {
         self.names.iter().filter(has).cloned().collect()
     }
 
+    /// The harnesses that reach the function of a change, the smaller ones first.
+    fn reaching(&self, one: &Listed) -> Vec<String> {
+        let function = one.row.split('\t').nth(1).unwrap_or_default();
+        self.reached
+            .iter()
+            .filter(|(name, functions)| {
+                self.names.contains(name) && functions.iter().any(|of| is_of(of, function))
+            })
+            .map(|(name, _)| name.clone())
+            .collect()
+    }
+
     /// The first of these harnesses an assertion of which fails with the change.
     fn refuting(&self, one: &Listed, harnesses: &[String]) -> Result<Option<String>, String> {
         if harnesses.is_empty() {
             return Ok(None);
         }
         let work = alone(&self.folder, one)?;
-        for harness in harnesses {
-            let which = Which::Named(harness);
+        for some in harnesses.chunks(AT_A_TIME).take(TIMES) {
+            let which = Which::These(some);
+            // What does not compile, or does not end, refutes nothing.
             let Ok(left) = checker::run(&work, &self.folder.join("kani"), which, How::QUIET) else {
-                continue;
+                return Ok(None);
             };
             let (lines, _) = inspect::ask(["refuting".as_ref(), left.report.as_os_str()]);
-            if lines.contains(harness) {
-                return Ok(Some(harness.clone()));
+            if let Some(name) = some.iter().find(|name| lines.contains(name)) {
+                return Ok(Some(name.clone()));
             }
         }
         Ok(None)
     }
+}
+
+/// Whether a name in a program, `filter::VirtualMass::drive`, is that of a function of the list, `VirtualMass::drive`, or of one that a
+/// macro makes for several types, `name::work`.
+fn is_of(in_program: &str, function: &str) -> bool {
+    let mut names = function.split("::");
+    let of_type = names.next().filter(|_| function.contains("::"));
+    let method = function.rsplit("::").next().unwrap_or_default();
+    let of_macro = |name: &str| name.len() == 1 || name.starts_with(|c: char| c.is_lowercase());
+    let Some((path, last)) = in_program.rsplit_once("::") else {
+        return false;
+    };
+    let named = match method.strip_prefix('_') {
+        // The name is the macro's, and each type has its own.
+        Some(stem) => last.contains(stem),
+        None => last == method,
+    };
+    named && of_type.is_none_or(|name| of_macro(name) || path.split("::").any(|of| of == name))
 }
 
 /// The sources with one change alone in them.
@@ -181,6 +261,7 @@ mod tests {
         ];
         let asking = Asking {
             names: names.map(str::to_owned).into(),
+            reached: Vec::new(),
             folder: PathBuf::new(),
         };
         assert_eq!(asking.belonging("heart::w8::p5_root::sampled"), [names[0]]);
@@ -190,6 +271,19 @@ mod tests {
         );
         for other in ["heart::w8::p5_unproved::sampled", "a_test_of_its_own"] {
             assert!(asking.belonging(other).is_empty(), "{other}");
+        }
+    }
+
+    #[test]
+    fn a_function_is_known_in_the_checkers_program() {
+        for (in_program, function, is) in [
+            ("filter::VirtualMass::drive", "VirtualMass::drive", true),
+            ("Fixed8::work", "name::work", true),
+            ("law::Tdpa::tick", "Fba::tick", false),
+            ("magnitude::divide_16", "_divide", true),
+            ("space::Cuboid::exit", "Cuboid::Surface::exit", true),
+        ] {
+            assert_eq!(is_of(in_program, function), is, "{function}");
         }
     }
 }
