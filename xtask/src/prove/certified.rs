@@ -92,7 +92,8 @@ fn asked(part: &str) -> Result<(usize, usize, String), String> {
     let how = How {
         jobs: JOBS,
         progress: true,
-        solver: Some((&solver, NAME, PROCESS_S)),
+        process_s: PROCESS_S,
+        solver: Some((&solver, NAME)),
     };
     for names in left.chunks(AT_A_TIME) {
         let left = checker::run(&work, &folder.join("kani"), Which::These(names), how)?;

@@ -34,9 +34,11 @@ pub struct How<'a> {
     pub jobs: u32,
     /// On standard error.
     pub progress: bool,
-    /// A program that is asked in the place of the solver that a harness names: its folder, which comes first in the search path, its
-    /// name, and the processor time of each process, in seconds.
-    pub solver: Option<(&'a Path, &'a str, u32)>,
+    /// Processor time that each process may take, in seconds.
+    pub process_s: u32,
+    /// A program that is asked in the place of the solver that a harness names: its folder, which comes first in the search path, and
+    /// its name.
+    pub solver: Option<(&'a Path, &'a str)>,
 }
 
 impl How<'_> {
@@ -44,6 +46,7 @@ impl How<'_> {
     pub const QUIET: Self = Self {
         jobs: 1,
         progress: false,
+        process_s: PROCESS_S,
         solver: None,
     };
 
@@ -52,6 +55,7 @@ impl How<'_> {
         Self {
             jobs,
             progress: true,
+            process_s: PROCESS_S,
             solver: None,
         }
     }
@@ -101,10 +105,8 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     let (jobs, seconds) = (how.jobs.to_string(), format!("{TIMEOUT_S}s"));
     let path = std::env::var_os("PATH").unwrap_or_default();
     let mut path = with_integers(&target, path)?;
-    let mut process_s = PROCESS_S;
     let mut solver = Vec::new();
-    if let Some((folder, name, most_s)) = how.solver {
-        process_s = most_s;
+    if let Some((folder, name)) = how.solver {
         path = before(folder, &path)?;
         solver = vec!["--solver".to_owned(), format!("bin={name}")];
     }
@@ -114,7 +116,10 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
         .current_dir(workspace)
         .args([
             "-c",
-            &format!("ulimit -v {MEMORY_KIB} && ulimit -t {process_s} && exec cargo kani \"$@\""),
+            &format!(
+                "ulimit -v {MEMORY_KIB} && ulimit -t {} && exec cargo kani \"$@\"",
+                how.process_s
+            ),
             "sh",
         ])
         .args([

@@ -101,6 +101,9 @@ fn by_rule(words: &[&str]) -> Outcome {
         [words @ .., "--proofs"] => (true, words),
         words => (false, words),
     };
+    if proofs && !has_checker() {
+        return Outcome::NotRun(INSTALL.into());
+    }
     part(words).map_or_else(usage, |shard| systematic::run(shard, proofs))
 }
 

@@ -11,7 +11,7 @@ use std::time::Instant;
 use super::super::PARTS;
 use super::super::checker::{self, How, Which};
 use super::instrumented::{Listed, folder, list};
-use super::{Outcomes, Shard};
+use super::{LIKELY, Outcomes, Shard};
 use crate::outcome::Outcome;
 use crate::{changes, inspect, shell};
 
@@ -19,9 +19,14 @@ use crate::{changes, inspect, shell};
 const LOCK: &str = "proofs/harnesses.lock";
 /// How many changes of a function are asked before the next function's turn.
 const TRIES: usize = 3;
-/// How many harnesses are asked of a change at a time, and how many times: the smaller ones first.
-const AT_A_TIME: usize = 4;
-const TIMES: usize = 2;
+/// How many harnesses are asked of a change: the smaller ones first.
+const ASKED: usize = 5;
+/// Processor time of a process, in seconds: most harnesses that refute a change do so in a few.
+const PROCESS_S: u32 = 45;
+/// Part of the names of what is proved of all settings.
+const OF_SETTINGS: &str = "_accepted";
+/// Part of the names of what proves a tick to be its specification.
+const OF_A_TICK: &str = "p11_";
 /// A tick beside its specification, by samples; and the proofs of the same.
 const REFINEMENTS: [(&str, &[&str]); 6] = [
     ("every_tick_of_tdpa_is_its_specification", &["p11_tdpa"]),
@@ -157,7 +162,7 @@ fn a_proof_of(changes: &[&Listed], asking: &Asking, outcomes: &mut Outcomes) -> 
             None => println!(
                 "{:>5} {seconds:>5.1} s  not refuted by {} proofs, {} first  {}",
                 one.number,
-                harnesses.len().min(TIMES * AT_A_TIME),
+                harnesses.len().min(ASKED),
                 harnesses.first().map_or("", String::as_str),
                 one.row.replace('\t', " ")
             ),
@@ -182,16 +187,28 @@ impl Asking {
         self.names.iter().filter(has).cloned().collect()
     }
 
-    /// The harnesses that reach the function of a change, the smaller ones first.
+    /// The harnesses that reach the function of a change: those that say all of a tick first, then those of its subject, the smaller
+    /// ones first.
     fn reaching(&self, one: &Listed) -> Vec<String> {
         let function = one.row.split('\t').nth(1).unwrap_or_default();
-        self.reached
+        let (subject, others): (Vec<String>, Vec<String>) = self
+            .reached
             .iter()
             .filter(|(name, functions)| {
                 self.names.contains(name) && functions.iter().any(|of| is_of(of, function))
             })
             .map(|(name, _)| name.clone())
-            .collect()
+            .partition(|name| {
+                let of_file = LIKELY.iter().find(|(file, _)| one.row.contains(file));
+                of_file.is_some_and(|(_, parts)| parts.iter().any(|part| name.contains(part)))
+            });
+        // All settings reach much that they say nothing of, and take long.
+        let others = others
+            .into_iter()
+            .filter(|name| !name.contains(OF_SETTINGS));
+        let mut all: Vec<String> = subject.into_iter().chain(others).collect();
+        all.sort_by_key(|name| !name.contains(OF_A_TICK));
+        all
     }
 
     /// The first of these harnesses an assertion of which fails with the change.
@@ -200,18 +217,18 @@ impl Asking {
             return Ok(None);
         }
         let work = alone(&self.folder, one)?;
-        for some in harnesses.chunks(AT_A_TIME).take(TIMES) {
-            let which = Which::These(some);
-            // What does not compile, or does not end, refutes nothing.
-            let Ok(left) = checker::run(&work, &self.folder.join("kani"), which, How::QUIET) else {
-                return Ok(None);
-            };
-            let (lines, _) = inspect::ask(["refuting".as_ref(), left.report.as_os_str()]);
-            if let Some(name) = some.iter().find(|name| lines.contains(name)) {
-                return Ok(Some(name.clone()));
-            }
-        }
-        Ok(None)
+        let some = &harnesses[..harnesses.len().min(ASKED)];
+        let how = How {
+            process_s: PROCESS_S,
+            ..How::QUIET
+        };
+        // What does not compile, or does not end, refutes nothing.
+        let Ok(left) = checker::run(&work, &self.folder.join("kani"), Which::These(some), how)
+        else {
+            return Ok(None);
+        };
+        let (lines, _) = inspect::ask(["refuting".as_ref(), left.report.as_os_str()]);
+        Ok(some.iter().find(|name| lines.contains(name)).cloned())
     }
 }
 
