@@ -55,6 +55,23 @@ property! {
     }
 }
 
+property! {
+    /// P10: a fault's number on the wire says which it is, other numbers say nothing; a machine that was just made is at its start.
+    equation "from_wire(to_wire(code)) = code; new: Boot, off"
+    over "byte"
+    fn p10_wire(s) {
+        let byte = s.u8();
+        let code = FaultCode::from_wire(byte);
+        assert!(code.is_some() == (1..=23).contains(&byte));
+        assert!(code.is_none_or(|code| code.to_wire() == byte));
+        let machine = Machine::new();
+        assert!(machine.state() == State::Boot && machine.outputs() == Outputs::Off);
+        assert!(machine.fault().is_none());
+        cover!(s, code == Some(FaultCode::StopButton), "the last");
+        cover!(s, byte == 0, "none");
+    }
+}
+
 fn any_code<S: Source>(s: &mut S) -> FaultCode {
     FaultCode::ALL[usize::from(s.u8()) % FaultCode::ALL.len()]
 }

@@ -11,6 +11,7 @@
 #![allow(clippy::missing_panics_doc)]
 
 pub mod accepted;
+pub mod controller;
 pub mod device;
 pub mod divided;
 pub mod drive;
@@ -34,3 +35,5 @@ pub mod spring_sfa;
 pub mod stage;
 pub mod tdpa;
 pub mod valid;
+pub mod vectors;
+pub mod views;

@@ -16,7 +16,7 @@ use fixed::types::I1F7;
 use touchstone_control::{Energy, Fixed8, Force, Guard, GuardState, Guarded, Position};
 
 /// Any stage whose memory satisfies the guard's invariant.
-fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
+pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     let mut stage = Guarded::new(Guard::any(s));
     stage.state = <Guard<N> as Valid<N>>::any_state(s);
     stage.last = s.bool().then(|| N::any_position(s));
@@ -38,7 +38,8 @@ fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
     (still(stage.state.force) || before_end(2)) && (still(stage.state.older) || before_end(1))
 }
 
-fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
+/// What `Guard::new` sees to, the guard's invariant, and that a force that acts can end.
+pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let still = stage.state.force == Force::zero();
     stage.guard.valid()
         && stage.guard.holds(&stage.state)

@@ -1,0 +1,205 @@
+//! The controller around its law: a tick is the law and then the guard, whatever law it is, and all that is told of it is what it holds.
+//!
+//! ```text
+//! any law = the law                        p11_any_law_*; of TDPA and the enhanced law by samples, tests/controller.rs
+//! f = guard(law(e, e - e(n-1)))            p11_controller_tick
+//! told: f(n-1) = told, in the guard too    p11_controller_told
+//! resumed: memory new, B' = min(B, C')     p7_controller_resumes
+//! ```
+
+use crate::format::Format;
+use crate::source::{Source, one_with};
+use crate::stage::{any_stage, stage_holds};
+use crate::valid::Valid;
+use crate::{assume, cover, property, such};
+use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring};
+use touchstone_control::{
+    AnyLaw, Controller, Fixed8, Force, Guarded, LawKind, Settings, Si, States,
+};
+
+type N = Fixed8;
+
+/// A controller that 8 bits can hold, to put any law and any guard into.
+fn plain() -> Controller<N> {
+    let settings = Settings {
+        law: LawKind::Spring,
+        k_desired: Si::const_from_int(8),
+        k_soft: Si::const_from_int(8),
+        force_limit: const { Si::lit("0.5") },
+        ..Settings::thesis()
+    };
+    // No word of why: the checker would follow it letter by letter.
+    let Ok(wall) = Controller::new(&settings) else {
+        unreachable!("8 bits hold these")
+    };
+    wall
+}
+
+/// For `AnyLaw::new`: a spring that is none; the law is put in afterwards, and what is made of settings is `accepted.rs`.
+#[cfg(kani)]
+pub fn new_law<N: touchstone_control::Number>(
+    _: &Settings,
+) -> Result<AnyLaw<N>, touchstone_control::SettingsError> {
+    let none = touchstone_control::Stiffness::zero();
+    let spring = Spring {
+        desired: none,
+        damping: none,
+        limit: Force::zero(),
+    };
+    Ok(AnyLaw::Spring(
+        spring,
+        touchstone_control::law::SpringState::default(),
+    ))
+}
+
+/// A property of a controller whatever its law is.
+macro_rules! any_law_property {
+    ($($property:tt)*) => {
+        $crate::replaced_property! {
+            [(touchstone_control::AnyLaw::new, crate::controller::new_law)
+            (touchstone_control::Guarded::tick, crate::controller::kept)]
+            $($property)*
+        }
+    };
+}
+
+/// For `Guarded::tick`: it keeps what it is told, and shows a force that is none of it.
+#[cfg(kani)]
+pub fn kept<N: touchstone_control::Number>(
+    guarded: &mut Guarded<N>,
+    e: touchstone_control::Position<N>,
+    at_change: Option<touchstone_control::Position<N>>,
+    wanted: Force<N>,
+) -> Force<N> {
+    guarded.last = Some(e);
+    guarded.state.force = wanted;
+    guarded.state.older = Force(at_change.map_or(N::QUANTUM, |x| x.0));
+    guarded.limited = at_change.is_some();
+    guarded.tripped |= wanted == Force::zero();
+    -wanted
+}
+
+/// Any spring, any last sample, any guard or none, after any force.
+fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
+    let mut wall = plain();
+    let law = one_with(s, <Spring<N> as Valid<N>>::any, Spring::valid);
+    wall.law = AnyLaw::Spring(law, <Spring<N> as Valid<N>>::any_state(s));
+    wall.commanded(N::any_force(s));
+    wall.states = States::Measured {
+        last: N::any_position(s),
+    };
+    wall.guard = s
+        .bool()
+        .then(|| one_with(s, any_stage::<N, S>, stage_holds));
+    wall
+}
+
+macro_rules! dispatched {
+    ($(#[doc = $doc:literal])* fn $name:ident, $kind:ident, $law:ident) => {
+        property! {
+            $(#[doc = $doc])*
+            equation "tick, view, forget = the law's"
+            over "valid configuration, memory in the invariant, sample"
+            by kissat fn $name(s) {
+                let law = such!(s, <$law<N> as Valid<N>>::any(s), |law| law.valid(), "validate");
+                let before = such!(s, <$law<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
+                let mut any = AnyLaw::$kind(law, before);
+                let sample = Sample { e: N::any_position(s), moved: N::any_position(s) };
+                let mut state = before;
+                let force = law.tick(&mut state, sample);
+                assert!(any.tick(sample) == force && any == AnyLaw::$kind(law, state));
+                assert!(any.view() == law.view(&state));
+                any.forget();
+                assert!(any == AnyLaw::$kind(law, Default::default()));
+                cover!(s, force != Force::zero(), "a force");
+            }
+        }
+    };
+}
+
+dispatched! {
+    /// P11: any law that is a spring does as the spring.
+    fn p11_any_law_spring, Spring, Spring
+}
+dispatched! {
+    /// P11: any law that is force bounding does as force bounding.
+    fn p11_any_law_fba, Fba, Fba
+}
+dispatched! {
+    /// P11: any law that is SFA does as SFA.
+    fn p11_any_law_sfa, Sfa, Sfa
+}
+any_law_property! {
+    /// P11: a tick is the law, told the penetration and its change, and then the guard, told what was measured and what the law wants.
+    equation "f = guard(e, at_change, law(e, e - e(n-1)))"
+    over "spring, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told"
+    by kissat fn p11_controller_tick(s) {
+        let before = any_wall(s);
+        assume!(s, cfg!(kani) || before.guard.as_ref().is_none_or(stage_holds), "Guard::new; invariant, kept by p1_account_stays, p4_overspeed and p9_no_way_uncounted");
+        let AnyLaw::Spring(law, mut state) = before.law else { return };
+        assume!(s, law.valid(), "validate");
+        let States::Measured { last } = before.states else { return };
+        let e = N::any_position(s);
+        let at_change = s.bool().then(|| N::any_position(s));
+        let mut wall = before;
+        let shown = match at_change {
+            None => wall.tick(e),
+            Some(_) => wall.tick_with_change(e, at_change),
+        };
+        let wanted = law.tick(&mut state, Sample { e, moved: e - last });
+        let mut guard = before.guard;
+        let force = match &mut guard {
+            Some(guard) => guard.tick(e, at_change, wanted),
+            None => wanted,
+        };
+        assert!(shown == force && wall.last_commanded() == force);
+        assert!(wall.law == AnyLaw::Spring(law, state) && wall.view() == law.view(&state));
+        assert!(wall.guard == guard && wall.states == States::Measured { last: e });
+        assert!(wall.tripped() == guard.is_some_and(|guard| guard.tripped));
+        cover!(s, guard.is_some() && force != Force::zero(), "a force, guarded");
+        cover!(s, guard.is_none() && force != Force::zero(), "a force, not guarded");
+        cover!(s, wall.tripped(), "overspeed");
+    }
+}
+any_law_property! {
+    /// P11: what the controller is told of the force that a later stage left, its guard is told, and it is what it says next.
+    equation "told f: f(n-1) = f, guard(f)"
+    over "guard or none, memories, force told"
+    by cadical fn p11_controller_told(s) {
+        let mut wall = any_wall(s);
+        let mut guard = wall.guard;
+        let told = N::any_force(s);
+        if let Some(Guarded { guard, state, .. }) = &mut guard {
+            guard.commanded(state, told);
+        }
+        let before = wall;
+        wall.commanded(told);
+        assert!(wall.last_commanded() == told && wall.guard == guard);
+        assert!(wall.law == before.law && wall.states == before.states);
+        cover!(s, wall.guard != before.guard, "the guard counts with it");
+    }
+}
+any_law_property! {
+    /// P7: resumed, a controller is as it was made, but for what is left in its guard's account.
+    equation "memory = new; B' = min(B, C'), f = 0"
+    over "guard or none before and after, memories"
+    by cadical fn p7_controller_resumes(s) {
+        let before = any_wall(s);
+        let mut fresh = plain();
+        fresh.guard = s.bool().then(|| Guarded::new(touchstone_control::Guard::<N>::any(s)));
+        let mut wall = before;
+        wall.resume(&fresh);
+        assert!(wall.law == fresh.law && wall.states == fresh.states);
+        assert!(wall.last_commanded() == Force::zero());
+        let guard = match (fresh.guard, before.guard) {
+            (Some(fresh), Some(before)) => Some(fresh.resumed(&before)),
+            (fresh, _) => fresh,
+        };
+        assert!(wall.guard == guard);
+        if let (Some(after), Some(before)) = (&wall.guard, &before.guard) {
+            assert!(after.state.account == before.state.account.min(after.guard.capacity));
+        }
+        cover!(s, before.guard.is_some() && wall.guard.is_some(), "an account is kept");
+        cover!(s, before.guard.is_some() && wall.guard.is_none(), "no guard any more");
+    }
+}

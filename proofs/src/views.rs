@@ -1,0 +1,145 @@
+//! What is shown and what is measured: the laws' views, the observers on their own, a sample, the guard from the other end of the axis.
+//!
+//! ```text
+//! view = what the memory holds             p11_view_*
+//! E' = E + f(n-1) (x - x(n-1))             p1_observer_exact
+//! E' = E + f (x - x(n-1))                  p1_observer_thesis
+//! Δ = e - e(n-1)                           p11_sample
+//! f = -guard(-Δ, -f_wanted | -f(n-1))      p11_guard_mirrored
+//! ```
+
+use crate::format::Format;
+use crate::stage::{any_stage, stage_holds};
+use crate::valid::Valid;
+use crate::{cover, property, such};
+use touchstone_control::law::{Contact, EnhancedSfa, Fba, Law, Sample, Sfa, Spring, Tdpa, View};
+use touchstone_control::observer::{ExactObserver, ThesisObserver};
+use touchstone_control::{Energy, Fixed8, Force, Position};
+
+type N = Fixed8;
+
+const fn contact(inside: bool) -> Contact {
+    match inside {
+        true => Contact::First,
+        false => Contact::Free,
+    }
+}
+
+property! {
+    /// P11: a law without an offset shows whether it is in contact, and its energy if it observes one.
+    equation "view = (inside, E)"
+    over "law, memory"
+    fn p11_view_without_offset(s) {
+        let none = View { contact: Contact::Free, energy: None, offset: Position::zero(), mass: None };
+        let state = <Spring<N> as Valid<N>>::any_state(s);
+        assert!(Spring::<N>::any(s).view(&state) == View { contact: contact(state.inside), ..none });
+        let state = <Tdpa<N> as Valid<N>>::any_state(s);
+        let view = View { contact: contact(state.inside), energy: Some(state.energy), ..none };
+        assert!(Tdpa::<N>::any(s).view(&state) == view);
+        cover!(s, state.inside, "in contact");
+        let state = <Fba<N> as Valid<N>>::any_state(s);
+        let view = View { contact: contact(state.inside), energy: Some(state.energy), ..none };
+        assert!(Fba::<N>::any(s).view(&state) == view);
+        cover!(s, !state.inside, "free");
+    }
+}
+property! {
+    /// P11: SFA shows its contact and its offset; the enhanced law its energy without the loan, and the mass while it is in use.
+    equation "view = (contact, E - loan, O, x_m)"
+    over "law, memory"
+    fn p11_view_with_offset(s) {
+        let (law, state) = (Sfa::<N>::any(s), <Sfa<N> as Valid<N>>::any_state(s));
+        let view = View { contact: state.contact, energy: None, offset: state.offset, mass: None };
+        assert!(law.view(&state) == view);
+        let (law, state) = (EnhancedSfa::<N>::any(s), <EnhancedSfa<N> as Valid<N>>::any_state(s));
+        let view = law.view(&state);
+        assert!(view.contact == state.contact && view.offset == state.augmented.offset);
+        let energy = match state.contact {
+            Contact::Free => 0,
+            Contact::First | Contact::Augmenting => {
+                (N::of_energy(state.energy.0) - N::of_energy(law.credit.0)).clamp(i64::from(i16::MIN), i64::from(i16::MAX))
+            }
+        };
+        assert!(view.energy.map(|shown| N::of_energy(shown.0)) == Some(energy));
+        let mass = match state.contact {
+            Contact::Augmenting => Some(state.augmented.mass.position),
+            Contact::Free | Contact::First => None,
+        };
+        assert!(view.mass == mass);
+        cover!(s, mass.is_some() && energy < 0, "on loan");
+        cover!(s, state.contact == Contact::Free, "free");
+    }
+}
+property! {
+    /// P1: the exact observer's energy is the sum of the force that acted times the way, as far as 16 bits go.
+    equation "E(n) = E(n-1) + f(n-1) (x(n) - x(n-1))"
+    over "start, two ticks of position and force"
+    by cadical fn p1_observer_exact(s) {
+        let mut at = N::any_position(s);
+        let mut observer = ExactObserver::new(at);
+        assert!(observer.energy == Energy::zero());
+        let (mut energy, mut acted) = (0, 0);
+        for _ in 0..2 {
+            let (x, force) = (N::any_position(s), N::any_force(s));
+            let moved = (N::of_signal(x.0) - N::of_signal(at.0)).clamp(-128, 127);
+            energy = (energy + acted * moved).clamp(i64::from(i16::MIN), i64::from(i16::MAX));
+            (at, acted) = (x, N::of_signal(force.0));
+            let shown = observer.tick(x, force);
+            assert!(N::of_energy(shown.0) == energy && shown == observer.energy);
+            cover!(s, energy < 0, "has given energy");
+        }
+    }
+}
+property! {
+    /// P1: the thesis' observer pairs the way with the new force.
+    equation "E(n) = E(n-1) + f(n) (x(n) - x(n-1))"
+    over "start, two ticks of position and force"
+    by cadical fn p1_observer_thesis(s) {
+        let mut at = N::any_position(s);
+        let mut observer = ThesisObserver::new(at);
+        assert!(observer.energy == Energy::zero());
+        let mut energy = 0;
+        for _ in 0..2 {
+            let (x, force) = (N::any_position(s), N::any_force(s));
+            let moved = (N::of_signal(x.0) - N::of_signal(at.0)).clamp(-128, 127);
+            energy = (energy + N::of_signal(force.0) * moved).clamp(i64::from(i16::MIN), i64::from(i16::MAX));
+            at = x;
+            let shown = observer.tick(x, force);
+            assert!(N::of_energy(shown.0) == energy && shown == observer.energy);
+            cover!(s, energy < 0, "has given energy");
+        }
+    }
+}
+property! {
+    /// P11: a sample's displacement is the difference of two positions, or the format's end; inside, no more than the penetration.
+    equation "Δ = e - e(n-1); inside min(Δ, e)"
+    over "two positions"
+    fn p11_sample(s) {
+        let (e, last) = (N::any_position(s), N::any_position(s));
+        let sample = Sample::measured(e, last);
+        let moved = (N::of_signal(e.0) - N::of_signal(last.0)).clamp(-128, 127);
+        assert!(sample.e == e && N::of_signal(sample.moved.0) == moved);
+        assert!(N::of_signal(sample.moved_inside().0) == moved.min(N::of_signal(e.0)));
+        cover!(s, moved > N::of_signal(e.0), "the surface lay between");
+    }
+}
+property! {
+    /// P11: from the other end of the axis the guard is the same, told ways and forces of the other sign.
+    equation "f = -guard(-Δ, -f_wanted | -f(n-1))"
+    over "valid guard, memory in the invariant, displacement, the part before the change, wanted force"
+    by kissat fn p11_guard_mirrored(s) {
+        let before = such!(s, any_stage::<N, S>(s), |it| stage_holds(&it), "Guard::new; invariant, kept by p1_account_stays and p4_overspeed");
+        let (moved, before_change, wanted) = (N::any_position(s), N::any_position(s), N::any_force(s));
+        let mut seen = before;
+        (seen.state.force, seen.state.older) = (-before.state.force, -before.state.older);
+        let other = seen.moved(-moved, -before_change, -wanted);
+        let mut stage = before;
+        let force = stage.moved_mirrored(moved, before_change, wanted);
+        assert!(force == -other && stage.tripped == seen.tripped && stage.limited == seen.limited);
+        let state = stage.state;
+        assert!(state.account == seen.state.account);
+        assert!(state.force == -seen.state.force && state.older == -seen.state.older);
+        cover!(s, force != Force::zero(), "a force");
+        cover!(s, stage.tripped, "overspeed");
+    }
+}
