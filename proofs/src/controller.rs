@@ -94,41 +94,64 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
     wall
 }
 
-macro_rules! dispatched {
-    ($(#[doc = $doc:literal])* fn $name:ident, $kind:ident, $law:ident) => {
-        property! {
-            $(#[doc = $doc])*
-            equation "tick, view, forget = the law's"
-            over "valid configuration, memory in the invariant, sample"
-            by kissat fn $name(s) {
-                let law = such!(s, <$law<N> as Valid<N>>::any(s), |law| law.valid(), "validate");
-                let before = such!(s, <$law<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
-                let mut any = AnyLaw::$kind(law, before);
-                let sample = Sample { e: N::any_position(s), moved: N::any_position(s) };
-                let mut state = before;
-                let force = law.tick(&mut state, sample);
-                assert!(any.tick(sample) == force && any == AnyLaw::$kind(law, state));
-                assert!(any.view() == law.view(&state));
-                any.forget();
-                assert!(any == AnyLaw::$kind(law, Default::default()));
-                cover!(s, force != Force::zero(), "a force");
-            }
-        }
+/// Tick, view and forgetting of any law that is this one, beside its own; the force.
+fn dispatched<L, S: Source>(
+    s: &mut S,
+    any_law: fn(L, L::State) -> AnyLaw<N>,
+    law: L,
+    before: L::State,
+) -> Force<N>
+where
+    L: Law<N> + Copy,
+{
+    let mut any = any_law(law, before);
+    let sample = Sample {
+        e: N::any_position(s),
+        moved: N::any_position(s),
     };
+    let mut state = before;
+    let force = law.tick(&mut state, sample);
+    assert!(any.tick(sample) == force && any == any_law(law, state));
+    assert!(any.view() == law.view(&state));
+    any.forget();
+    assert!(any == any_law(law, L::State::default()));
+    force
 }
 
-dispatched! {
+property! {
     /// P11: any law that is a spring does as the spring.
-    fn p11_any_law_spring, Spring, Spring
+    equation "tick, view, forget = the law's"
+    over "valid configuration, memory in the invariant, sample"
+    by kissat fn p11_any_law_spring(s) {
+        let law = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
+        let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
+        let force = dispatched(s, AnyLaw::Spring, law, before);
+        cover!(s, force != Force::zero(), "a force");
+    }
 }
-dispatched! {
+property! {
     /// P11: any law that is force bounding does as force bounding.
-    fn p11_any_law_fba, Fba, Fba
+    equation "tick, view, forget = the law's"
+    over "valid configuration, memory in the invariant, sample"
+    by kissat fn p11_any_law_fba(s) {
+        let law = such!(s, Fba::<N>::any(s), |law| law.valid(), "validate");
+        let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
+        let force = dispatched(s, AnyLaw::Fba, law, before);
+        cover!(s, force != Force::zero(), "a force");
+    }
 }
-dispatched! {
+property! {
     /// P11: any law that is SFA does as SFA.
-    fn p11_any_law_sfa, Sfa, Sfa
+    equation "tick, view, forget = the law's"
+    over "valid configuration, memory in the invariant, sample"
+    by kissat fn p11_any_law_sfa(s) {
+        let law = such!(s, Sfa::<N>::any(s), |law| law.valid(), "validate");
+        let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
+        let force = dispatched(s, AnyLaw::Sfa, law, before);
+        cover!(s, force != Force::zero(), "a force");
+    }
 }
+
 any_law_property! {
     /// P11: a tick is the law, told the penetration and its change, and then the guard, told what was measured and what the law wants.
     equation "f = guard(e, at_change, law(e, e - e(n-1)))"

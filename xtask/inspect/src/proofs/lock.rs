@@ -20,7 +20,12 @@ const BRIDGE: &str = "specified";
 const DIVIDED: &str = "divided";
 
 /// What a property is written in.
-pub const MACROS: [&str; 3] = ["property", "divided_property", "settings_property"];
+pub const MACROS: [&str; 4] = [
+    "property",
+    "divided_property",
+    "settings_property",
+    "any_law_property",
+];
 
 /// What a property or its file names after `by`.
 const SOLVERS: [&str; 5] = ["cadical", "kissat", "cvc5", "z3", "sampled"];
