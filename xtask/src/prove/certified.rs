@@ -164,7 +164,8 @@ fn solver(folder: &Path, log: &Path) -> Result<PathBuf, String> {
     }
 }
 
-/// kissat ends with 10 for a solution, with 20 for none; what it prints reaches the checker only then.
+/// kissat ends with 10 for a solution, with 20 for none; what it prints reaches the checker only then. drat-trim's lines begin with the
+/// return that overwrites its progress.
 const SCRIPT: &str = r#"if [ "$1" = --version ]; then exec kissat --version; fi
 folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
@@ -173,7 +174,7 @@ code=$?
 case $code in
   10) echo solution >> "$log" ;;
   20)
-    if drat-trim "$1" "$folder/proof" -w 2>/dev/null | grep -q '^s VERIFIED'; then
+    if drat-trim "$1" "$folder/proof" -w 2>/dev/null | tr '\r' '\n' | grep -qx 's VERIFIED'; then
       echo "verified $(wc -c < "$folder/proof")" >> "$log"
     else
       echo 'no certificate' >> "$log"
@@ -218,7 +219,10 @@ mod tests {
                 "kissat",
                 format!("printf 12345 > \"$3\"; echo s ANSWER; exit {code}"),
             ),
-            ("drat-trim", format!("echo 'c words'; echo '{verdict}'")),
+            (
+                "drat-trim",
+                format!("echo 'c words'; printf '\\r{verdict}\\n\\rc time\\n'"),
+            ),
         ] {
             let file = programs.join(name);
             std::fs::write(&file, format!("#!/bin/sh\n{text}\n")).expect("a program");
