@@ -17,6 +17,13 @@ pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
 /// The Cortex-M4 with its float unit.
 pub const BOARD: &str = "thumbv7em-none-eabihf";
 
+/// The control interrupt calls divisions and copies of the compiler's library: as installed they are made for speed, and so they are
+/// from source, whatever the program's own profile says.
+const QUICK_BUILTINS: [&str; 2] = [
+    "--config",
+    "profile.release.package.compiler_builtins.opt-level=3",
+];
+
 /// Where a compiler comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Origin {
@@ -141,6 +148,9 @@ impl Compiler {
         if self.from_source {
             cargo.env("RUSTC_BOOTSTRAP", "1");
             options.push(format!("-Zbuild-std={}", libraries.join(",")));
+            if self.target.starts_with("thumb") {
+                options.extend(QUICK_BUILTINS.map(str::to_owned));
+            }
         }
         (cargo, options)
     }
@@ -258,7 +268,8 @@ fn debian() -> Option<(Command, Vec<String>)> {
         .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld")
         .env_remove("RUSTUP_TOOLCHAIN");
     let options = [&format!("--target={BOARD}"), "-Zbuild-std=core"];
-    Some((cargo, options.map(str::to_owned).to_vec()))
+    let options = options.into_iter().chain(QUICK_BUILTINS);
+    Some((cargo, options.map(str::to_owned).collect()))
 }
 
 #[cfg(test)]
