@@ -8,15 +8,21 @@ use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 use crate::bench::{Bench, MS, Setup};
 use crate::board::{Board, Encoder, FaultLink};
 use crate::budgets::{CONTROL, CURRENT, LAW};
-use crate::cpu::core::Cost;
+use crate::cpu::core::{Cost, WAIT_STATES};
+use crate::cpu::decode::EXCEPTION;
 use crate::cpu::elf::Program;
 use crate::cpu::handler::Handler;
 use crate::cpu::nvic::FIRST;
 use crate::fil::fault::Fault;
 use crate::fil::jobs::Programs;
+use crate::peripheral::CORE_HZ;
 use crate::peripheral::spi::SlaveFault;
 use crate::peripheral::timer::gates::GateDriver;
 
+/// How often the current loop runs: once a period of the PWM.
+const PWM_HZ: u64 = 20_000;
+/// The fastest control rate.
+const FASTEST_HZ: u64 = 10_000;
 const CURRENT_LOOP: usize = FIRST + 18;
 const CONTROL_TICK: usize = FIRST + 49;
 
@@ -120,13 +126,20 @@ impl Table {
     /// Prints what was counted since the last time.
     fn row(&mut self, name: &str, result: Result<(), String>, bench: &mut Bench, stack_top: u32) {
         let counted = take(bench);
-        let show = |cost: Cost| format!("{} ({})", cost.instructions, cost.cycles);
+        let show = |cost: Cost| {
+            format!(
+                "{} ({}, {})",
+                cost.instructions,
+                cost.cycles,
+                cost.waiting()
+            )
+        };
         let law = match counted.law.instructions {
             0 => "-".into(),
             _ => show(counted.law),
         };
         let (control, current) = (show(counted.control.worst), show(counted.current.worst));
-        println!("{name:<36}{law:>18}{control:>22}{current:>20}");
+        println!("{name:<36}{law:>22}{control:>24}{current:>22}");
         let worst = &mut self.worst;
         worst.law = worst.law.worst(counted.law);
         worst.control.worst = worst.control.worst.worst(counted.control.worst);
@@ -179,8 +192,10 @@ pub fn run(programs: &Programs) -> u8 {
         }
     }
     println!(
-        "Cycles by the table of the Cortex-M4's manual, each class at its upper value, along the paths that ran; zero wait states \
-         assumed. Handlers without what interrupted them; entry and return, 12 cycles each, on top."
+        "Cycles by the table of the Cortex-M4's manual, each class at its upper value, along the paths that ran, without wait \
+         states; waiting: the same with {WAIT_STATES} for every double word of flash that is fetched and every constant read \
+         beside the code, as without cache and prefetch, tables left out. A board lies between. Handlers without what \
+         interrupted them; entry and return, 12 cycles each, on top."
     );
     println!("{}", summaries.join("; "));
     code
@@ -190,8 +205,8 @@ pub fn run(programs: &Programs) -> u8 {
 /// its budget, and a summary.
 fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> {
     println!(
-        "{:<36}{:>18}{:>22}{:>20}",
-        "instructions (table cycles), worst", "law", "control interrupt", "current loop"
+        "{:<36}{:>22}{:>24}{:>22}",
+        "instructions (cycles, waiting), worst", "law", "control interrupt", "current loop"
     );
     let top = program.symbol("_stack_start").unwrap_or(0);
     let size = top - program.symbol("_stack_end").unwrap_or(top);
@@ -241,12 +256,25 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         let count = cost.instructions;
         let within = if count > budget { "OVER" } else { "within" };
         println!(
-            "{name}: at most {count} instructions, {within} the budget of {budget}; {} cycles",
-            cost.cycles
+            "{name}: at most {count} instructions, {within} the budget of {budget}; {} cycles, waiting {}",
+            cost.cycles,
+            cost.waiting()
         );
         if count > budget {
             over.push(name);
         }
+    }
+    for rate_hz in [1_000, FASTEST_HZ] {
+        let taken = |control: u64, current: u64| {
+            let both = (control + 2 * EXCEPTION) * rate_hz + (current + 2 * EXCEPTION) * PWM_HZ;
+            100 * both / CORE_HZ
+        };
+        let (control, current) = (worst.control.worst, worst.current.worst);
+        println!(
+            "processor at {rate_hz} Hz, every run the worst: {} % without wait states, {} % waiting",
+            taken(control.cycles, current.cycles),
+            taken(control.waiting(), current.waiting())
+        );
     }
     if laws.is_empty() {
         println!(

@@ -50,6 +50,8 @@ pub struct Cost {
     pub instructions: u64,
     /// Cycles by the table, see [`super::decode`].
     pub cycles: u64,
+    /// Double words of flash that are not those of the fetch before, and constants read beside the code.
+    pub fetches: u64,
 }
 
 impl Cost {
@@ -59,6 +61,7 @@ impl Cost {
         Self {
             instructions: self.instructions - earlier.instructions,
             cycles: self.cycles - earlier.cycles,
+            fetches: self.fetches - earlier.fetches,
         }
     }
 
@@ -68,9 +71,20 @@ impl Cost {
         Self {
             instructions: self.instructions.max(other.instructions),
             cycles: self.cycles.max(other.cycles),
+            fetches: self.fetches.max(other.fetches),
         }
     }
+
+    /// Cycles if each fetch is waited for: no cache, no prefetch, nothing done meanwhile. A flash that helps takes fewer. Tables in
+    /// flash are not in it.
+    #[must_use]
+    pub const fn waiting(self) -> u64 {
+        self.cycles + WAIT_STATES * self.fetches
+    }
 }
+
+/// Of flash at 170 MHz, the voltage in range 1, boosted (RM0440, table 29): what the firmware must set, `registers.tsv`.
+pub const WAIT_STATES: u64 = 4;
 
 /// The counters.
 #[derive(Debug)]
@@ -96,6 +110,8 @@ pub struct Core {
     end: Option<u32>,
     /// Where the present IT block begins; `u32::MAX` outside of one.
     block_start: u32,
+    /// The double word of flash that was fetched last.
+    fetched: u32,
     caches: [Cache; 2],
     /// Functions that are counted.
     pub watches: Vec<Watch>,
@@ -126,6 +142,7 @@ impl Core {
             stretch: 256,
             end: None,
             block_start: u32::MAX,
+            fetched: u32::MAX,
             caches: [cache(flash), cache(ram)],
             watches: Vec::new(),
             watch_points: Vec::new(),
@@ -198,6 +215,12 @@ impl Core {
         };
     }
 
+    #[inline]
+    fn fetch(&mut self, times: u64) {
+        self.spent.fetches += times;
+        self.by_depth[self.depth.min(7)].fetches += times;
+    }
+
     /// Time that passes without instructions: an exception's entry or return.
     pub fn spend_cycles(&mut self, cycles: u64) {
         self.now += cycles;
@@ -208,6 +231,14 @@ impl Core {
     /// `link` and `stack` are asked for only where a watched function begins.
     #[inline]
     pub fn step(&mut self, address: u32, size: u32, info: Info) -> bool {
+        let [first, last] = [address / 8, (address + size - 1) / 8];
+        if address < self.caches[1].base && (first != self.fetched || last != first) {
+            self.fetch(u64::from(first != self.fetched) + u64::from(last != first));
+            self.fetched = last;
+        }
+        if info.reads_literal {
+            self.fetch(1);
+        }
         if let Some(end) = self.end.take() {
             if address < end && address >= self.block_start {
                 // In an IT block, which counts as one instruction and cannot be stopped in. Its head was charged with a cycle

@@ -43,6 +43,8 @@ pub struct Info {
     pub cycles: u8,
     /// What else.
     pub kind: Kind,
+    /// Reads a constant that lies beside the code.
+    pub reads_literal: bool,
 }
 
 impl Info {
@@ -54,7 +56,22 @@ const fn info(cycles: u32, kind: Kind) -> Info {
     Info {
         cycles: cycles as u8,
         kind,
+        reads_literal: false,
     }
+}
+
+/// Whether it loads from an address relative to its own: `LDR` and its kin, `LDRD`, `VLDR` and the table branches with the program
+/// counter as base.
+#[must_use]
+pub const fn reads_literal(first: u16, second: u16) -> bool {
+    if !is_wide(first) {
+        return first >> 11 == 0b0_1001;
+    }
+    let one = first & 0xfe1f == 0xf81f && second >> 12 != 15;
+    let two = first & 0xfe5f == 0xe85f && first & 0x0120 != 0;
+    let float = first & 0xff3f == 0xed1f && second & 0x0e00 == 0x0a00;
+    let table = first == 0xe8df;
+    one || two || float || table
 }
 
 /// Whether the first half-word begins an instruction of two.
@@ -188,6 +205,29 @@ const fn system(first: u16, second: u16) -> Info {
 mod tests {
     use super::*;
 
+    #[test]
+    fn constants_beside_the_code_are_known() {
+        for (first, second, reads) in [
+            // ldr r0, [pc, #4]; ldr.w r3, [pc, #16]; ldrd r0, r1, [pc, #8]; vldr s0, [pc, #4]; tbb [pc, r0].
+            (0x4801, 0, true),
+            (0xf8df, 0x3010, true),
+            (0xe9df, 0x0102, true),
+            (0xed9f, 0x0a01, true),
+            (0xe8df, 0xf000, true),
+            // ldr r0, [r1, #4]; ldr.w r3, [r4, #16]; pld [pc, #4]; ldrd r0, r1, [r2, #8]; bl.
+            (0x6848, 0, false),
+            (0xf8d4, 0x3010, false),
+            (0xf89f, 0xf004, false),
+            (0xe9d2, 0x0102, false),
+            (0xf000, 0xf800, false),
+        ] {
+            assert_eq!(
+                reads_literal(first, second),
+                reads,
+                "{first:04x} {second:04x}"
+            );
+        }
+    }
     #[test]
     fn instructions_of_each_class() {
         // By an assembler: add, ldr, push {r4-r7, lr}, pop {r4, pc}, itte, bkpt-free hints.

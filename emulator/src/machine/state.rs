@@ -6,7 +6,7 @@ use unicorn_engine::{ArmCpuModel, HookType, RegisterARM, Unicorn};
 use crate::chip::{Chip, ResetCause};
 use crate::cpu::RAM;
 use crate::cpu::core::{Core, Stop};
-use crate::cpu::decode::{decode, is_wide, with_block};
+use crate::cpu::decode::{decode, is_wide, reads_literal, with_block};
 use crate::cpu::elf::Program;
 use crate::peripheral::flash;
 
@@ -295,6 +295,7 @@ fn learn(uc: &mut Unicorn<'_, Chip>, address: u32) {
     let half = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
     let halves: Vec<u16> = (0..20).step_by(2).map(half).collect();
     let second = if is_wide(halves[0]) { halves[1] } else { 0 };
-    let info = with_block(decode(halves[0], second), &halves[1..]);
+    let mut info = with_block(decode(halves[0], second), &halves[1..]);
+    info.reads_literal = reads_literal(halves[0], second);
     uc.get_data_mut().core.learn(address, info);
 }

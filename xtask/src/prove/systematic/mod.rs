@@ -41,8 +41,8 @@ const LIKELY: [(&str, &[&str]); 16] = [
     ("reciprocal", &["reciprocal", "facts"]),
     ("space/guard", &["space"]),
     ("space", &["space"]),
-    ("controller", &["p8_"]),
-    ("observer", &["observer", "tdpa"]),
+    ("controller", &["controller::", "p8_"]),
+    ("observer", &["observer", "views", "tdpa"]),
     ("machine", &["device", "machine"]),
 ];
 

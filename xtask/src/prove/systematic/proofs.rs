@@ -23,8 +23,8 @@ const TRIES: usize = 3;
 const ASKED: usize = 5;
 /// Processor time of a process, in seconds: most harnesses that refute a change do so in a few.
 const PROCESS_S: u32 = 45;
-/// Part of the names of what is proved of all settings.
-const OF_SETTINGS: &str = "_accepted";
+/// Parts of the names of what builds a law of its settings.
+const BUILDING: [&str; 2] = ["_accepted", "controller::"];
 /// Part of the names of what proves a tick to be its specification.
 const OF_A_TICK: &str = "p11_";
 /// A tick beside its specification, by samples; and the proofs of the same.
@@ -202,11 +202,10 @@ impl Asking {
                 let of_file = LIKELY.iter().find(|(file, _)| one.row.contains(file));
                 of_file.is_some_and(|(_, parts)| parts.iter().any(|part| name.contains(part)))
             });
-        // All settings reach much that they say nothing of, and take long.
-        let others = others
-            .into_iter()
-            .filter(|name| !name.contains(OF_SETTINGS));
+        // What builds a law of settings reaches much that it says nothing of, and takes long.
+        let builds = |name: &String| BUILDING.iter().any(|part| name.contains(part));
         let mut all: Vec<String> = subject.into_iter().chain(others).collect();
+        all.retain(|name| one.row.contains("controller.rs") || !builds(name));
         all.sort_by_key(|name| !name.contains(OF_A_TICK));
         all
     }
