@@ -20,7 +20,7 @@ const LOCK: &str = "proofs/harnesses.lock";
 /// How many changes of a function are asked before the next function's turn.
 const TRIES: usize = 3;
 /// How many harnesses are asked of a change: the smaller ones first.
-const ASKED: usize = 5;
+const ASKED: usize = 3;
 /// Processor time of a process, in seconds: most harnesses that refute a change do so in a few.
 const PROCESS_S: u32 = 45;
 /// Parts of the names of what builds a law of its settings.
@@ -82,10 +82,27 @@ pub fn asked(shard: Shard) -> Result<(), String> {
     for one in &list {
         functions.entry(one.function()).or_default().push(one);
     }
-    for (number, changes) in functions.values().enumerate() {
-        if shard.has(number + 1) {
-            a_proof_of(changes, &asking, &mut outcomes)?;
+    let mut waiting: Vec<Candidates> = functions
+        .values()
+        .enumerate()
+        .filter(|(number, _)| shard.has(number + 1))
+        .filter_map(|(_, changes)| candidates(changes, &asking, &outcomes))
+        .collect();
+    waiting.sort_by_key(|of| {
+        of.first()
+            .map(|(rank, _, harnesses)| (*rank, harnesses.len()))
+    });
+    // One change of each function, then the second of those that are left.
+    for round in 0..TRIES {
+        let mut left = Vec::new();
+        for of in waiting {
+            if let Some((_, one, harnesses)) = of.get(round)
+                && !is_refuted(one, harnesses, &asking, &mut outcomes)?
+            {
+                left.push(of);
+            }
         }
+        waiting = left;
     }
     for one in list.iter().filter(|one| shard.has(one.number)) {
         if outcomes.of(one) == Some("survived") {
@@ -124,51 +141,65 @@ fn reached() -> Result<Vec<(String, Vec<String>)>, String> {
         .collect())
 }
 
-/// Of a function: changes that a test refuted, then the others, until a proof refutes one.
-fn a_proof_of(changes: &[&Listed], asking: &Asking, outcomes: &mut Outcomes) -> Result<(), String> {
-    let mut candidates: Vec<(usize, &Listed, Vec<String>)> = Vec::new();
+/// How well it is known which proof refutes a change, the change, and the harnesses to ask.
+type Candidates<'a> = Vec<(usize, &'a Listed, Vec<String>)>;
+
+/// Of a function that no proof has refuted a change of yet: changes that a test refuted, then the others.
+fn candidates<'a>(
+    changes: &[&'a Listed],
+    asking: &Asking,
+    outcomes: &Outcomes,
+) -> Option<Candidates<'a>> {
+    let mut found = Candidates::new();
     for one in changes {
         let reaching = asking.reaching(one);
-        match outcomes.of(one) {
-            Some(by) if by.contains("::proof") => return Ok(()),
-            Some("not Rust") => {}
+        let (rank, harnesses) = match outcomes.of(one) {
+            Some(by) if by.contains("::proof") => return None,
+            Some("not Rust") => continue,
             Some(by) if by.starts_with("refuted: ") => {
-                let test = by.trim_start_matches("refuted: ");
-                let mut harnesses = asking.belonging(test);
-                let rank = usize::from(harnesses.is_empty());
-                for other in reaching {
-                    if !harnesses.contains(&other) {
-                        harnesses.push(other);
-                    }
-                }
-                candidates.push((rank, one, harnesses));
+                let belonging = asking.belonging(by.trim_start_matches("refuted: "));
+                let (first, others): (Vec<_>, Vec<_>) = reaching
+                    .into_iter()
+                    .partition(|name| belonging.contains(name));
+                let rank = usize::from(first.is_empty());
+                (rank, first.into_iter().chain(others).collect())
             }
-            Some(_) => candidates.push((3, one, reaching)),
-            None => candidates.push((2, one, reaching)),
-        }
+            Some(_) => (3, reaching),
+            None => (2, reaching),
+        };
+        found.push((rank, *one, harnesses));
     }
-    candidates.retain(|(_, _, harnesses)| !harnesses.is_empty());
-    if let (true, Some(one)) = (candidates.is_empty(), changes.first()) {
+    found.retain(|(_, _, harnesses)| !harnesses.is_empty());
+    if let (true, Some(one)) = (found.is_empty(), changes.first()) {
         println!("{:>5} no proof reaches  {}", one.number, one.function());
     }
-    // What a proof belongs to comes first; the fewer harnesses there are to ask, the better is known which.
-    candidates.sort_by_key(|(rank, _, harnesses)| (*rank, harnesses.len()));
-    for (_, one, harnesses) in candidates.into_iter().take(TRIES) {
-        let begun = Instant::now();
-        let refuted = asking.refuting(one, &harnesses)?;
-        let seconds = begun.elapsed().as_secs_f64();
-        match refuted {
-            Some(name) => return outcomes.keep(one, format!("refuted: {name}"), seconds),
-            None => println!(
-                "{:>5} {seconds:>5.1} s  not refuted by {} proofs, {} first  {}",
-                one.number,
-                harnesses.len().min(ASKED),
-                harnesses.first().map_or("", String::as_str),
-                one.row.replace('\t', " ")
-            ),
-        }
+    // The fewer harnesses there are to ask, the better is known which.
+    found.sort_by_key(|(rank, _, harnesses)| (*rank, harnesses.len()));
+    Some(found)
+}
+
+/// Whether a proof refutes it: then it is written down.
+fn is_refuted(
+    one: &Listed,
+    harnesses: &[String],
+    asking: &Asking,
+    outcomes: &mut Outcomes,
+) -> Result<bool, String> {
+    let begun = Instant::now();
+    let refuted = asking.refuting(one, harnesses)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    if let Some(name) = refuted {
+        outcomes.keep(one, format!("refuted: {name}"), seconds)?;
+        return Ok(true);
     }
-    Ok(())
+    println!(
+        "{:>5} {seconds:>5.1} s  not refuted by {} proofs, {} first  {}",
+        one.number,
+        harnesses.len().min(ASKED),
+        harnesses.first().map_or("", String::as_str),
+        one.row.replace('\t', " ")
+    );
+    Ok(false)
 }
 
 impl Asking {
