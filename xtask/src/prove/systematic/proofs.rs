@@ -161,8 +161,10 @@ fn candidates<'a>(
                 let (first, others): (Vec<_>, Vec<_>) = reaching
                     .into_iter()
                     .partition(|name| belonging.contains(name));
-                let rank = usize::from(first.is_empty());
-                (rank, first.into_iter().chain(others).collect())
+                match first.is_empty() {
+                    true => (1, others),
+                    false => (0, first),
+                }
             }
             Some(_) => (3, reaching),
             None => (2, reaching),
