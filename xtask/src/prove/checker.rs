@@ -80,17 +80,25 @@ pub fn programs(workspace: &Path, target: &Path) -> Result<PathBuf, String> {
         .current_dir(workspace)
         .args(["kani", "-p", "touchstone-proofs", "--only-codegen"])
         .arg("--target-dir")
-        .arg(target)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
-    let why = to_end(&mut command, false)?;
+        .arg(target);
+    let done = command
+        .output()
+        .map_err(|why| format!("cargo kani: {why}"))?;
+    if !done.status.success() {
+        // Those of an earlier build must not be taken for these.
+        let errors = String::from_utf8_lossy(&done.stderr);
+        let errors: Vec<String> = errors.lines().map(str::to_owned).collect();
+        return Err(reason(&errors).unwrap_or_else(|| format!("cargo kani: {}", done.status)));
+    }
     // Below the name of the machine that they were made on.
-    let machines = std::fs::read_dir(target.join("kani")).map_err(|_| why.clone())?;
+    let folder = target.join("kani");
+    let machines =
+        std::fs::read_dir(&folder).map_err(|why| format!("{}: {why}", folder.display()))?;
     machines
         .filter_map(Result::ok)
         .map(|entry| entry.path().join("debug/deps"))
         .find(|path| path.is_dir())
-        .ok_or(why)
+        .ok_or_else(|| format!("{}: no programs", folder.display()))
 }
 
 /// Runs harnesses of the workspace in `workspace`.
