@@ -67,6 +67,9 @@ impl Chip {
             }
         }
         self.convert(now);
+        if self.bridge.pass(now) {
+            self.drive_world();
+        }
         self.timers.iter_mut().for_each(|timer| timer.advance(now));
         self.lpuart1.advance(now);
         self.usart2.advance(now);

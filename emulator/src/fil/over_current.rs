@@ -19,6 +19,8 @@ const LEADS_H: f64 = 4e-6;
 const WAY_OHM: f64 = 0.05;
 /// From a look at the short to the next one, us: ten cycles, as a division takes them in one instruction.
 const LOOK_US: f64 = 12.0 / 170.0;
+/// Eight samples of every 32nd cycle in which the comparator must say the same (docs/faults/08-hardware-break.md), us.
+const FILTER_US: f64 = 8.0 * 32.0 / 170.0;
 /// The current loop takes a PWM period to the next sample, and a part of one to act.
 const SOFTWARE: u64 = 100 * US;
 /// Nothing is switched on again.
@@ -152,10 +154,12 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
     if !(-STEP_A..=STEP_A + slope * LOOK_US).contains(&late) {
         return Err(format!("it comes at {amps:.2} A"));
     }
+    let filtered = FILTER_US..=FILTER_US + LOOK_US;
     match (found.off_us, found.code) {
-        (0.0, Some(FaultCode::HardwareBreak)) => Ok(format!(
-            "COMP{} at {amps:.2} A out of the motor, the outputs off with it",
-            comparator + 1
+        (us, Some(FaultCode::HardwareBreak)) if filtered.contains(&us) => Ok(format!(
+            "COMP{} at {amps:.2} A out of the motor, the outputs off {us:.2} us later, at {:.1} A",
+            comparator + 1,
+            amps + slope * us
         )),
         (us, code) => Err(format!("off {us:.2} us later with {code:?}")),
     }

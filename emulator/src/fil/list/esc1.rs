@@ -49,6 +49,13 @@ pub const ON_ESC1: &[Injection] = &[
         Off(TICK, &[HardwareBreak]),
     ),
     row(
+        "comparator of phase A, 1 us long: less than the break's filter",
+        Pressed,
+        12,
+        Fault::Comparator(1, 1),
+        GoesOn,
+    ),
+    row(
         "comparator of phase B, 300 us long",
         Calibrating,
         444,

@@ -25,6 +25,35 @@ const BIF: u32 = 1 << 7;
 const SBIF: u32 = 1 << 13;
 const UIF: u32 = 1;
 
+/// How long the break input must be active without a gap, cycles of the timer's clock: BDTR.BKF is a number of samples and the rate at which
+/// they are taken, of the clock itself or of that of the dead time, CR1.CKD (RM0440 Rev 4, p. 1209). 0: at once, without a clock.
+///
+/// `tim_brk` is the pin and the comparators together; that the filter is behind both is from memory of the manual's figure.
+fn filter_cycles(bdtr: u32, cr1: u32) -> u64 {
+    const BY_CODE: [(u64, u64); 16] = [
+        (1, 0),
+        (1, 2),
+        (1, 4),
+        (1, 8),
+        (2, 6),
+        (2, 8),
+        (4, 6),
+        (4, 8),
+        (8, 6),
+        (8, 8),
+        (16, 5),
+        (16, 6),
+        (16, 8),
+        (32, 5),
+        (32, 6),
+        (32, 8),
+    ];
+    let code = (bdtr >> 16 & 15) as usize;
+    let (every, samples) = BY_CODE[code];
+    let division = if code < 4 { 1 } else { 1 << (cr1 >> 8 & 3) };
+    every * samples * division
+}
+
 /// What happens in a period, at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
@@ -53,6 +82,8 @@ pub struct BridgeTimer {
     done: u64,
     break_pin: bool,
     comparators: u32,
+    /// Since when the break input has been active without a gap.
+    active_since: Option<u64>,
     /// A source inside of the chip holds the system's break: supply, lockup, an error in flash.
     system: bool,
     /// The drivers behind the outputs.
@@ -79,6 +110,7 @@ impl Default for BridgeTimer {
             // Pulled up: the break input is active low on the boards that use it.
             break_pin: true,
             comparators: 0,
+            active_since: None,
             system: false,
             gates: GateDriver::L6387,
             stage_off: false,
@@ -183,8 +215,26 @@ impl BridgeTimer {
         bdtr & BKE != 0 && (pin || active & (sources >> 1 & 15) != 0)
     }
 
+    /// When what is active at the break input now passes its filter.
+    fn passes_at(&self) -> Option<u64> {
+        let filter = filter_cycles(self.registers.get(BDTR), self.registers.get(CR1));
+        Some(self.active_since? + filter)
+    }
+
+    /// Time has passed: what has been active all along may be through the filter. Whether the outputs went off by it.
+    pub fn pass(&mut self, now: u64) -> bool {
+        let was_on = self.main_output;
+        self.look_at_break(now);
+        was_on && !self.main_output
+    }
+
     fn look_at_break(&mut self, now: u64) {
-        let pulls = [(self.break_is_active(), BIF), (self.system, SBIF)];
+        self.active_since = match self.break_is_active() {
+            true => Some(self.active_since.unwrap_or(now)),
+            false => None,
+        };
+        let passed = self.passes_at().is_some_and(|at| at <= now);
+        let pulls = [(passed, BIF), (self.system, SBIF)];
         for (_, flag) in pulls.into_iter().filter(|(pulls, _)| *pulls) {
             self.status |= flag;
             self.set_main_output(false, now);
@@ -192,8 +242,9 @@ impl BridgeTimer {
     }
 
     /// Whether the timer takes MOE.
-    fn may_start(&self) -> bool {
-        !self.break_is_active() && !self.system && self.status & SBIF == 0
+    fn may_start(&self, now: u64) -> bool {
+        let is_pulled = self.passes_at().is_some_and(|at| at <= now);
+        !is_pulled && !self.system && self.status & SBIF == 0
     }
 
     fn set_main_output(&mut self, on: bool, now: u64) {
@@ -360,7 +411,7 @@ impl Peripheral for BridgeTimer {
             BDTR => {
                 let value = self.unlocked(BDTR, value);
                 self.registers.write(BDTR, value & !MOE, now);
-                self.set_main_output(value & MOE != 0 && self.may_start(), now);
+                self.set_main_output(value & MOE != 0 && self.may_start(now), now);
             }
             _ => {
                 let value = self.unlocked(offset, value);
@@ -380,14 +431,16 @@ impl Peripheral for BridgeTimer {
     }
 
     fn next_event(&self) -> u64 {
+        let waits = self.main_output || self.status & BIF == 0;
+        let passes = self.passes_at().filter(|_| waits).unwrap_or(NEVER);
         if !self.runs() {
-            return NEVER;
+            return passes;
         }
         let next = self
             .edges()
             .into_iter()
             .find(|(at, _)| *at > self.done && *at != NEVER);
-        next.map_or(NEVER, |(at, _)| self.bottom + at)
+        passes.min(next.map_or(NEVER, |(at, _)| self.bottom + at))
     }
 
     fn lines(&self) -> u128 {

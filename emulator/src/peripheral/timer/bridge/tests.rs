@@ -118,6 +118,44 @@ fn the_break_switches_off_and_holds_off() {
     assert_eq!(tim.changes, [(200, true), (300, false), (600, true)]);
 }
 
+#[test]
+fn a_break_passes_its_filter_first() {
+    // BKF 3: eight samples of the clock; 15: eight of every 32nd cycle; with CKD 1, of the clock's half.
+    for (bkf, ckd, cycles) in [
+        (0, 0, 0),
+        (1, 0, 2),
+        (3, 1, 8),
+        (10, 0, 80),
+        (15, 0, 256),
+        (15, 1, 512),
+    ] {
+        let mut tim = BridgeTimer::default();
+        tim.write(CCER, 0x555, 0);
+        tim.write(AF1, 1, 0);
+        tim.write(CR1, CEN | ckd << 8, 0);
+        tim.write(BDTR, BKE | bkf << 16 | MOE, 0);
+        assert!(tim.is_on());
+        if cycles > 0 {
+            tim.set_break(false, 0, 1_000);
+            tim.pass(1_000 + cycles - 1);
+            assert!(tim.is_on(), "{bkf}: too short");
+            tim.set_break(true, 0, 1_000 + cycles - 1);
+            tim.pass(3_000);
+            assert!(tim.is_on(), "{bkf}: it was over");
+        }
+        tim.set_break(false, 0, 4_000);
+        assert_eq!(tim.is_on(), cycles > 0);
+        if cycles > 0 {
+            assert!(
+                tim.next_event() <= 4_000 + cycles,
+                "{bkf}: looked at in time"
+            );
+        }
+        tim.pass(4_000 + cycles);
+        assert!(!tim.is_on(), "{bkf}");
+    }
+}
+
 /// An STSPIN830 with the complementary outputs at its enables: off by their own bit, and inactive while high.
 fn with_enables(idle_levels: u32) -> BridgeTimer {
     let mut tim = started_with(idle_levels);
