@@ -18,5 +18,9 @@ pub const LAW: u64 = 850;
 /// another compiler may take some more.
 pub const CONTROL: u64 = 3_500;
 
+/// How much of the processor control interrupt and current loop may take at 10 kHz, every run the worst, %: with wait states for all that
+/// is fetched from flash, on a chip that runs them from a memory without.
+pub const PROCESSOR_PERCENT: u64 = 80;
+
 /// The current loop, 5.3 us of each PWM period of 50 us.
 pub const CURRENT: u64 = 900;

@@ -6,16 +6,22 @@ use std::path::{Path, PathBuf};
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    let map = match std::env::var_os("CARGO_FEATURE_G474RE") {
-        Some(_) => "memory-g474re.x",
-        None => "memory.x",
+    // The larger chip has room for the interrupts' code in a memory without wait states.
+    let is_large = std::env::var_os("CARGO_FEATURE_G474RE").is_some();
+    let map = if is_large {
+        "memory-g474re.x"
+    } else {
+        "memory.x"
     };
     let map_file = Path::new(&folder).join("..").join(map);
     if let Err(error) = std::fs::copy(&map_file, out.join("memory.x")) {
         println!("cargo::error={}: {error}", map_file.display());
     }
     println!("cargo::rustc-link-search={}", out.display());
-    for script in ["link.x", "defmt.x"] {
+    println!("cargo::rustc-link-search={folder}");
+    // The first to name a piece of code has it.
+    let first = is_large.then_some("fast.x");
+    for script in first.into_iter().chain(["link.x", "defmt.x"]) {
         println!("cargo::rustc-link-arg-bins=-T{script}");
     }
     // Sections start on no page of a file system: the image is for a flash memory.
@@ -27,6 +33,7 @@ fn main() {
         "protocol/src",
         "control/src",
         map,
+        "firmware/fast.x",
         "firmware/Cargo.lock",
     ] {
         let part = Path::new(&folder).join("..").join(part);

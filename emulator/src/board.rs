@@ -104,8 +104,10 @@ pub struct Board {
     pub device_id: u32,
     /// The chip's flash memory, bytes.
     pub flash_bytes: usize,
-    /// The chip's memory without a gap: SRAM1, SRAM2, and CCM behind them, bytes.
+    /// The chip's memory without a gap: SRAM1, SRAM2, and CCM behind them where it is not used at its own address, bytes.
     pub ram_bytes: usize,
+    /// The CCM at its own address, bytes; 0 where it is used at its second one. Both at once are not modelled.
+    pub ccm_bytes: usize,
     /// (converter, channel) to what is there.
     pub pins: &'static [(usize, u32, Source)],
     /// The gate drivers behind TIM1's outputs.
@@ -201,7 +203,8 @@ impl Board {
             option_bytes: 0xffef_f8aa | 1 << 22,
             device_id: 0x2003_6469,
             flash_bytes: 512 * 1024,
-            ram_bytes: 128 * 1024,
+            ram_bytes: 96 * 1024,
+            ccm_bytes: 32 * 1024,
             pins: &[
                 (0, 1, Source::Current(0)),
                 (1, 7, Source::Current(1)),
@@ -272,6 +275,7 @@ impl Board {
             device_id: same_chip.device_id,
             flash_bytes: same_chip.flash_bytes,
             ram_bytes: same_chip.ram_bytes,
+            ccm_bytes: same_chip.ccm_bytes,
             // The rest is the shield's, or the other NUCLEO's.
             ..Self::nucleo_g474re_ihm16m1(encoder, link)
         }
@@ -314,6 +318,7 @@ impl Board {
             device_id: 0x2003_6468,
             flash_bytes: 128 * 1024,
             ram_bytes: 32 * 1024,
+            ccm_bytes: 0,
             // The amplifiers' outputs inside the chip, PA0, PB14.
             pins: &[
                 (0, 13, Source::Current(0)),

@@ -7,15 +7,15 @@ use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
 use crate::board::{Board, Encoder, FaultLink};
-use crate::budgets::{CONTROL, CURRENT, LAW};
+use crate::budgets::{CONTROL, CURRENT, LAW, PROCESSOR_PERCENT};
 use crate::cpu::core::{Cost, WAIT_STATES};
 use crate::cpu::decode::EXCEPTION;
 use crate::cpu::elf::Program;
-use crate::cpu::handler::Handler;
-use crate::cpu::nvic::FIRST;
+use crate::cpu::handler::{CONTROL_TICK, CURRENT_LOOP, Handler};
 use crate::fil::fault::Fault;
 use crate::fil::jobs::Programs;
 use crate::peripheral::CORE_HZ;
+use crate::peripheral::flash::BASE as FLASH;
 use crate::peripheral::spi::SlaveFault;
 use crate::peripheral::timer::gates::GateDriver;
 
@@ -23,8 +23,6 @@ use crate::peripheral::timer::gates::GateDriver;
 const PWM_HZ: u64 = 20_000;
 /// The fastest control rate.
 const FASTEST_HZ: u64 = 10_000;
-const CURRENT_LOOP: usize = FIRST + 18;
-const CONTROL_TICK: usize = FIRST + 49;
 
 /// A piece of work.
 struct Case {
@@ -220,6 +218,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
             bench.machine.chip_mut().core.watch(name, *start);
         }
         println!("{} with {encoder:?}", board.name);
+        bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
         // The cases' walls are too stiff for a small knob, and its program is the NUCLEO's.
@@ -244,6 +243,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
                 bench.run(5_000 * MS)?;
             }
         }
+        tell_places(program, &bench);
     }
     println!("stack: {} of {size} bytes were used", table.stack_used);
     let worst = &table.worst;
@@ -275,6 +275,10 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
             taken(control.cycles, current.cycles),
             taken(control.waiting(), current.waiting())
         );
+        let is_fast = boards.iter().all(|board| board.ccm_bytes > 0);
+        if is_fast && taken(control.waiting(), current.waiting()) > PROCESSOR_PERCENT {
+            over.push("processor");
+        }
     }
     if laws.is_empty() {
         println!(
@@ -283,6 +287,27 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
     }
     let is_right = table.wrong.is_empty() && over.is_empty() && table.stack_used <= size;
     Ok((is_right, summary(worst, &over, table.stack_used, size)))
+}
+
+/// Which functions current loop and control tick fetched from flash most, where the others are in a memory without wait states.
+fn tell_places(program: &Program, bench: &Bench) {
+    if bench.machine.chip().board.ccm_bytes == 0 {
+        return;
+    }
+
+    let mut by_function = std::collections::BTreeMap::<&str, u64>::new();
+    let counts = bench.machine.chip().core.by_place.iter().enumerate();
+    for (at, count) in counts.filter(|(_, count)| **count > 0) {
+        let address = FLASH + 8 * at as u32;
+        let name = program.function_at(address).unwrap_or("?");
+        *by_function.entry(name).or_default() += u64::from(*count);
+    }
+    let mut most: Vec<_> = by_function.into_iter().collect();
+    most.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
+    let most = most.iter().take(5);
+    let most = most.map(|(name, count)| format!("{name} {count} times"));
+    let most = most.collect::<Vec<_>>().join(", ");
+    println!("  fetched from flash: {most}");
 }
 
 fn summary(worst: &Counted, over: &[&str], used: u32, size: u32) -> String {

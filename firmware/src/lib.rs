@@ -38,11 +38,14 @@ pub mod analogue;
 pub mod autostart;
 pub mod clock;
 pub mod control;
+mod copy;
 pub mod crash;
 pub mod critical;
 pub mod cycles;
 pub mod encoder;
 pub mod exchange;
+#[cfg(feature = "g474re")]
+mod fast;
 pub mod interrupts;
 #[cfg(not(feature = "b-g431b-esc1"))]
 pub mod magnetic;

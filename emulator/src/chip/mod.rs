@@ -9,9 +9,9 @@ mod time;
 
 use crate::board::{Board, Source};
 use crate::cpu::core::Core;
-use crate::cpu::handler::{Handler, Running};
+use crate::cpu::handler::{CONTROL_TICK, CURRENT_LOOP, Handler, Running};
 use crate::cpu::nvic::Nvic;
-use crate::cpu::{RAM, core::Cost};
+use crate::cpu::{CCM, RAM, core::Cost};
 use crate::peripheral::Peripheral;
 use crate::peripheral::adc::Adc;
 use crate::peripheral::exti::Exti;
@@ -96,7 +96,11 @@ impl Chip {
     /// A chip on a board in a world.
     #[must_use]
     pub fn new(board: Board, world: World, lsi_hz: u64) -> Self {
-        let core = Core::new((flash::BASE, board.flash_bytes), (RAM, board.ram_bytes));
+        let core = Core::new([
+            (flash::BASE, board.flash_bytes),
+            (CCM, board.ccm_bytes),
+            (RAM, board.ram_bytes),
+        ]);
         let mut chip = Self {
             core,
             nvic: Nvic::default(),
@@ -256,6 +260,13 @@ impl Chip {
             entered: self.core.now,
             begin,
         });
+        self.count_places();
+    }
+
+    /// Places in flash are counted for those that work in every period.
+    fn count_places(&mut self) {
+        let runs = self.running.last().map(|running| running.exception);
+        self.core.is_counting = matches!(runs, Some(CURRENT_LOOP | CONTROL_TICK));
     }
 
     /// A handler ends; `None` if none runs.
@@ -272,6 +283,7 @@ impl Chip {
         }
         handler.worst = handler.worst.worst(cost);
         self.nvic.leave(running.exception);
+        self.count_places();
         Some(())
     }
 

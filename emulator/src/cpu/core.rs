@@ -2,7 +2,7 @@
 
 use super::decode::{Info, Kind, REFILL};
 
-/// Where code may be: flash and RAM, each half-word with a decoded instruction or none yet.
+/// Where code may be, each half-word with a decoded instruction or none yet.
 #[derive(Debug)]
 struct Cache {
     base: u32,
@@ -112,7 +112,12 @@ pub struct Core {
     block_start: u32,
     /// The double word of flash that was fetched last.
     fetched: u32,
-    caches: [Cache; 2],
+    /// Flash, CCM, RAM: by their addresses.
+    caches: [Cache; 3],
+    /// How often each double word of flash was fetched while [`Core::is_counting`], where somebody made room for it.
+    pub by_place: Vec<u32>,
+    /// What runs is of those whose fetches are counted by their place.
+    pub is_counting: bool,
     /// Functions that are counted.
     pub watches: Vec<Watch>,
     /// Where they begin, and where calls of them return to.
@@ -124,9 +129,9 @@ pub struct Core {
 }
 
 impl Core {
-    /// With code in flash and RAM of these sizes.
+    /// With code in flash, CCM and RAM: where each begins, and its size.
     #[must_use]
-    pub fn new(flash: (u32, usize), ram: (u32, usize)) -> Self {
+    pub fn new(memories: [(u32, usize); 3]) -> Self {
         let cache = |(base, bytes): (u32, usize)| Cache {
             base,
             infos: vec![None; bytes / 2],
@@ -143,7 +148,9 @@ impl Core {
             end: None,
             block_start: u32::MAX,
             fetched: u32::MAX,
-            caches: [cache(flash), cache(ram)],
+            caches: memories.map(cache),
+            by_place: Vec::new(),
+            is_counting: false,
             watches: Vec::new(),
             watch_points: Vec::new(),
             depth: 0,
@@ -171,18 +178,24 @@ impl Core {
         self.float_used = false;
         self.event = false;
         self.depth = 0;
+        self.is_counting = false;
         self.interrupted = false;
         for watch in &mut self.watches {
             watch.call = None;
         }
     }
 
+    #[inline]
+    fn memory_of(&self, address: u32) -> usize {
+        let [_, ccm, ram] = &self.caches;
+        usize::from(address >= ccm.base) + usize::from(address >= ram.base)
+    }
+
     /// The decoded instruction, if it was met before.
     #[must_use]
     #[inline]
     pub fn known(&self, address: u32) -> Option<Info> {
-        let [flash, ram] = &self.caches;
-        let cache = if address < ram.base { flash } else { ram };
+        let cache = &self.caches[self.memory_of(address)];
         let at = address.wrapping_sub(cache.base) as usize / 2;
         match cache.infos.get(at) {
             Some(info) => *info,
@@ -193,8 +206,8 @@ impl Core {
 
     /// Remembers one.
     pub fn learn(&mut self, address: u32, info: Info) {
-        let [flash, ram] = &mut self.caches;
-        let cache = if address < ram.base { flash } else { ram };
+        let memory = self.memory_of(address);
+        let cache = &mut self.caches[memory];
         let at = address.wrapping_sub(cache.base) as usize / 2;
         if let Some(slot) = cache.infos.get_mut(at) {
             *slot = Some(info);
@@ -216,9 +229,15 @@ impl Core {
     }
 
     #[inline]
-    fn fetch(&mut self, times: u64) {
+    fn fetch(&mut self, address: u32, times: u64) {
         self.spent.fetches += times;
         self.by_depth[self.depth.min(7)].fetches += times;
+        if self.is_counting {
+            let at = (address - self.caches[0].base) as usize / 8;
+            if let Some(count) = self.by_place.get_mut(at) {
+                *count += times as u32;
+            }
+        }
     }
 
     /// Time that passes without instructions: an exception's entry or return.
@@ -231,13 +250,13 @@ impl Core {
     /// `link` and `stack` are asked for only where a watched function begins.
     #[inline]
     pub fn step(&mut self, address: u32, size: u32, info: Info) -> bool {
-        let [first, last] = [address / 8, (address + size - 1) / 8];
-        if address < self.caches[1].base && (first != self.fetched || last != first) {
-            self.fetch(u64::from(first != self.fetched) + u64::from(last != first));
-            self.fetched = last;
-        }
-        if info.reads_literal {
-            self.fetch(1);
+        if address < self.caches[1].base {
+            let [first, last] = [address / 8, (address + size - 1) / 8];
+            let fetches = u64::from(first != self.fetched) + u64::from(last != first);
+            if fetches > 0 || info.reads_literal {
+                self.fetch(address, fetches + u64::from(info.reads_literal));
+                self.fetched = last;
+            }
         }
         if let Some(end) = self.end.take() {
             if address < end && address >= self.block_start {

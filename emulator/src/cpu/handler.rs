@@ -1,6 +1,12 @@
 //! What handlers of exceptions run, and what they have cost.
 
 use super::core::Cost;
+use super::nvic::FIRST;
+
+/// The current loop, once a PWM period.
+pub const CURRENT_LOOP: usize = FIRST + 18;
+/// The control tick.
+pub const CONTROL_TICK: usize = FIRST + 49;
 
 /// A running exception.
 #[derive(Debug, Clone, Copy)]

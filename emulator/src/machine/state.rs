@@ -4,10 +4,10 @@ use unicorn_engine::unicorn_const::{Arch, MemType, Mode, Prot, uc_error};
 use unicorn_engine::{ArmCpuModel, HookType, RegisterARM, Unicorn};
 
 use crate::chip::{Chip, ResetCause};
-use crate::cpu::RAM;
 use crate::cpu::core::{Core, Stop};
 use crate::cpu::decode::{decode, is_wide, reads_literal, with_block};
 use crate::cpu::elf::Program;
+use crate::cpu::{CCM, RAM};
 use crate::peripheral::flash;
 
 /// R0 to R12.
@@ -67,7 +67,8 @@ impl Machine {
     /// # Errors
     /// What Unicorn refuses, or a segment outside of flash.
     pub fn new(chip: Chip, program: &Program) -> Result<Self, String> {
-        let (flash_bytes, ram_bytes) = (chip.board.flash_bytes, chip.board.ram_bytes);
+        let flash_bytes = chip.board.flash_bytes;
+        let memories = [(RAM, chip.board.ram_bytes), (CCM, chip.board.ccm_bytes)];
         let mut unicorn = Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, chip)
             .map_err(said("open"))?;
         unicorn
@@ -81,9 +82,11 @@ impl Machine {
                 Prot::READ | Prot::EXEC,
             )
             .map_err(&map)?;
-        unicorn
-            .mem_map(u64::from(RAM), ram_bytes as u64, Prot::ALL)
-            .map_err(&map)?;
+        for (base, bytes) in memories.into_iter().filter(|(_, bytes)| *bytes > 0) {
+            unicorn
+                .mem_map(u64::from(base), bytes as u64, Prot::ALL)
+                .map_err(&map)?;
+        }
         for (base, size) in [
             (0x4000_0000, 0x2000_0000),
             (0xe000_0000, 0x10_0000),
@@ -205,8 +208,10 @@ impl Machine {
 
     /// Switches the chip on: RAM is without a meaning.
     pub fn power_on(&mut self, cause: ResetCause) {
-        let ram_bytes = self.chip().board.ram_bytes;
-        self.set_memory(RAM, &vec![UNTOUCHED; ram_bytes]);
+        let board = &self.chip().board;
+        for (base, bytes) in [(RAM, board.ram_bytes), (CCM, board.ccm_bytes)] {
+            self.set_memory(base, &vec![UNTOUCHED; bytes]);
+        }
         self.reset(cause);
     }
 

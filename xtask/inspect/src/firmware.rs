@@ -11,15 +11,15 @@ use crate::cortex::{Depths, ProgramCode, is_panic, is_soft_float, word};
 struct Room {
     /// Flash for the program, bytes: without what is kept for settings.
     flash: u32,
-    /// Memory, the stack included, bytes.
+    /// Memory, the stack included, bytes: without what the interrupts' code has.
     memory: u32,
 }
 
 /// Each board's.
 const ROOMS: [(&str, Room); 5] = [
-    ("nucleo-g474re", room(240, 128)),
-    ("nucleo-g474re-ihm16m1", room(240, 128)),
-    ("nucleo-g474re-simplefoc-mini", room(240, 128)),
+    ("nucleo-g474re", room(240, 96)),
+    ("nucleo-g474re-ihm16m1", room(240, 96)),
+    ("nucleo-g474re-simplefoc-mini", room(240, 96)),
     ("nucleo-g431rb-ihm16m1", room(112, 32)),
     ("b-g431b-esc1", room(112, 32)),
 ];

@@ -11,7 +11,7 @@ use object::{
     LittleEndian, Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind,
 };
 
-use super::instruction::is_wide;
+use super::instruction::{is_wide, loads_half};
 
 /// A function of the program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -135,6 +135,16 @@ impl ProgramCode {
     pub fn address(&self, name: &str) -> Option<u32> {
         let is_it = |(_, function): &(&u32, &Function)| function.name == name;
         Some(*self.functions.iter().find(is_it)?.0)
+    }
+
+    /// Where a linker's bridge to far code leads: `MOVW` and `MOVT` of a register, and a jump by it, and nothing else.
+    pub fn bridge(&self, start: u32) -> Option<u32> {
+        let wide = |at: u32| loads_half(self.half(at)?, self.half(at + 2)?);
+        let ((false, low, bottom), (true, high, top)) = (wide(start)?, wide(start + 4)?) else {
+            return None;
+        };
+        let jumps = self.half(start + 8)? == 0x4700 | (low as u32) << 3;
+        (low == high && jumps).then_some((top << 16 | bottom) & !1)
     }
 
     /// Calls `look` with each instruction of a function: its address and its two half-words.

@@ -56,6 +56,10 @@ impl ProgramCode {
 
     /// Reads a function; the functions that it calls or jumps to.
     fn goals(&self, start: u32, name: &str, size: u32, reach: &mut Reach) -> Option<Vec<u32>> {
+        if let Some(goal) = self.bridge(start) {
+            reach.instructions += 3;
+            return Some(vec![goal]);
+        }
         let mut goals = Vec::new();
         let mut is_known = true;
         self.instructions(start, |at, first, second| {

@@ -45,6 +45,12 @@ impl<'p> Depths<'p> {
         for start in program.starts() {
             let size = program.function(start).map_or(0, |(_, size)| size);
             let mut frame = Frame::default();
+            // Its goal is called, and not taken for anybody's call through a register.
+            if let Some(goal) = program.bridge(start) {
+                frame.calls.insert(goal);
+                frames.insert(start, frame);
+                continue;
+            }
             let mut lower_halves = [0; 16];
             program.instructions(start, |at, first, second| {
                 match lowers(first, second) {
