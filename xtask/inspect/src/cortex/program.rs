@@ -193,4 +193,24 @@ mod tests {
         assert!(ProgramCode::read(b"").is_err());
         assert!(ProgramCode::read(b"\x7fELF\x02\x01 of 64 bits").is_err());
     }
+
+    #[test]
+    fn a_linkers_bridge_is_followed_and_nothing_else() {
+        // movw r12, #0x1235; movt r12, #0x0800; bx r12
+        let bridge = [0xf241, 0x2c35, 0xf6c0, 0x0c00, 0x4760];
+        let at = |halves: [u16; 5]| {
+            let bytes = halves.into_iter().flat_map(u16::to_le_bytes).collect();
+            let sections = vec![(0x100, bytes)];
+            let program = ProgramCode {
+                sections,
+                ..ProgramCode::default()
+            };
+            program.bridge(0x100)
+        };
+        assert_eq!(at(bridge), Some(0x0800_1234));
+        // Halves of two registers; a jump by another one; a call.
+        assert_eq!(at([0xf241, 0x2c35, 0xf6c0, 0x0b00, 0x4760]), None);
+        assert_eq!(at([0xf241, 0x2c35, 0xf6c0, 0x0c00, 0x4758]), None);
+        assert_eq!(at([0xf241, 0x2c35, 0xf6c0, 0x0c00, 0x47e0]), None);
+    }
 }
