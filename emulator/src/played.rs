@@ -116,7 +116,7 @@ fn hand_of(grip: &str) -> Result<Hand, String> {
 }
 
 /// Columns of the recording: those of `touchstone monitor` that tell of the wall, and what only a test stand sees.
-const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j";
+const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j,surface_rad";
 
 /// Plays a programme on a board, each grip on a device of its own; the recording's text.
 ///
@@ -168,6 +168,7 @@ fn with_a_grip(
 struct Stand {
     bench: Bench,
     rate_hz: u32,
+    surface_rad: f64,
     /// Angle of a count, rad.
     step_rad: f64,
     /// Counts that the device is ahead of those of the shaft.
@@ -218,6 +219,7 @@ impl Stand {
         let mut stand = Self {
             step_rad: std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev),
             rate_hz: programme.rate_hz,
+            surface_rad: programme.surface_rad,
             bench,
             ahead: 0,
             first_tick: None,
@@ -383,7 +385,7 @@ impl Stand {
             // Writing into a string cannot fail.
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+                "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
                 deed.grip,
                 deed.deed,
                 told.tick,
@@ -398,6 +400,7 @@ impl Stand {
                 -(next.impulse_n_m_s - shaft.impulse_n_m_s) / period_s,
                 -(next.motor_j - shaft.motor_j),
                 next.loss_j - shaft.loss_j,
+                self.surface_rad,
             );
         }
     }

@@ -15,6 +15,8 @@ const LOOP: [&str; 2] = [
     "device.current_loop.bandwidth_hz=600",
     "timing.computational_delay_s=0.00005",
 ];
+/// The surface's places within a count of the encoder at which the board is played, as shares of it; the scene's own first.
+const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
 /// Figures are the same within this share.
 const SAME: &str = "0.1";
 
@@ -30,22 +32,29 @@ fn played(is_whole: bool) -> Result<Outcome, Outcome> {
     let folder = shell::target("board-scorecard");
     let made = std::fs::create_dir_all(&folder);
     made.map_err(|why| Outcome::Failed(format!("{}: {why}", folder.display())))?;
-    let [programme, recording] = ["programme.csv", "recording.csv"].map(|name| folder.join(name));
-
-    let mut write = touchstone();
-    write
-        .args(["scorecard", SCENE, "--programme"])
-        .arg(&programme);
-    if !is_whole {
-        write.args(["--grip", "medium", "--deed", "press"]);
+    let places = if is_whole { &PLACES[..] } else { &PLACES[..1] };
+    let mut recordings = Vec::new();
+    for place in places {
+        let [programme, recording] =
+            ["programme", "recording"].map(|name| folder.join(format!("{name}-{place}.csv")));
+        let mut write = touchstone();
+        write.args(["scorecard", SCENE, "--place", place, "--programme"]);
+        write.arg(&programme);
+        if !is_whole {
+            write.args(["--grip", "medium", "--deed", "press"]);
+        }
+        shell::run(&mut write).went_well()?;
+        let mut play = shell::program(&emulator);
+        play.arg("play").args(&programs).arg(REFERENCE);
+        shell::run(play.arg(&programme).arg(&recording)).went_well()?;
+        recordings.push(recording);
     }
-    shell::run(&mut write).went_well()?;
-    let mut play = shell::program(&emulator);
-    play.arg("play").args(programs).arg(REFERENCE);
-    shell::run(play.arg(&programme).arg(&recording)).went_well()?;
     let compared = |name: &str| {
         let mut compare = touchstone();
-        compare.arg("compare").arg(&recording).arg(SCENE);
+        compare.arg("compare").arg(&recordings[0]).arg(SCENE);
+        for also in &recordings[1..] {
+            compare.arg("--also").arg(also);
+        }
         compare.args(["--hand", "programme", "--force", "--out"]);
         compare.arg(folder.join(name));
         compare

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::beside::{Beside, HandWas, PARTS, Told, beside, sections};
 use touchstone_lab::report::{Section, pages};
-use touchstone_sim::error::Result;
+use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
 /// Exit code where the two are further apart than was asked for.
@@ -33,6 +33,10 @@ pub struct Options {
     /// the wall and had let go 20 ms before it was there.
     #[arg(long, value_enum, default_value_t = Hand::Held)]
     hand: Hand,
+    /// With --hand programme: a recording of the same with the surface elsewhere within a count (`touchstone scorecard --programme FILE --place SHARE`),
+    /// so that the board has a scatter, too. May be given several times.
+    #[arg(long, value_name = "FILE.csv")]
+    also: Vec<PathBuf>,
     /// Begins at this time of the recording, s.
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::not_negative("in s"))]
     from: f64,
@@ -72,6 +76,13 @@ const REPLACED: [(&str, &str); 2] = [
 pub fn main(options: &Options) -> Result<ExitCode> {
     options.changes.refuse_replaced("compare", &REPLACED)?;
     let (scene, _) = options.changes.load(&options.scene)?;
+    if options.hand != Hand::Programme && !options.also.is_empty() {
+        return Err(Error::Option {
+            option: "--also".into(),
+            problem: "is of a hand that does a programme".into(),
+            fix: "add --hand programme, or leave it out".into(),
+        });
+    }
     let hand = match options.hand {
         Hand::Held => HandWas::Holding,
         Hand::Released => HandWas::Gone,

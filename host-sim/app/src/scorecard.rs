@@ -1,6 +1,7 @@
 //! `touchstone scorecard`: what a hand feels of a wall, law by law.
 
 use super::interrupt;
+use super::number;
 use super::out::{self, say, tell};
 use super::progress;
 use super::report_options::program;
@@ -48,6 +49,9 @@ pub struct Options {
     /// emulator, whose recording `touchstone compare --hand programme` puts beside the scorecard.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
+    /// With --programme: the surface is further by this share of a count of the encoder.
+    #[arg(long, value_name = "SHARE", requires = "programme", allow_negative_numbers = true, value_parser = number::up_to(1.0, "of a count"))]
+    place: Option<f64>,
     /// With --programme: this grip alone.
     #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
     grip: Option<String>,
@@ -120,7 +124,10 @@ fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     let grip = options.grip.as_deref();
     let asked = |it: &Grip| grip.is_none_or(|grip| it.name() == grip);
     let grips: Vec<Grip> = GRIPS.into_iter().filter(asked).collect();
-    let text = programme_csv(scene, &grips, &options.deeds)?;
+    let mut scene = scene.clone();
+    let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+    scene.wall.surface_rad += options.place.unwrap_or_default() * count_rad;
+    let text = programme_csv(&scene, &grips, &options.deeds)?;
     let written = std::fs::write(file, &text);
     written.map_err(|error| Error::Io {
         path: file.to_owned(),

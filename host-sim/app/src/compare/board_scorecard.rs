@@ -18,8 +18,9 @@ pub fn main(options: &Options, scene: &Scene) -> Result<ExitCode> {
             fix: "leave it out".into(),
         });
     }
-    let recording = BoardRecording::read(&options.recording)?;
-    let card = board_card(scene, &recording)?;
+    let files = std::iter::once(&options.recording).chain(&options.also);
+    let recordings: Result<Vec<_>> = files.map(|file| BoardRecording::read(file)).collect();
+    let card = board_card(scene, &recordings?)?;
     let result = serde_json::json!(card);
     let page = options.written(scene, &[section(&card)], &result)?;
     let beyond = options
@@ -42,8 +43,6 @@ pub fn main(options: &Options, scene: &Scene) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let share = options.tolerance.unwrap_or_default();
-    note!(
-        "apart: {beyond} figures by more than {share} of the scene's, and more than the scene's scatter"
-    );
+    note!("apart: {beyond} figures by more than {share} of the scene's, and more than the scatter");
     Ok(ExitCode::from(APART))
 }

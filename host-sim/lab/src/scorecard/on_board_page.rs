@@ -20,8 +20,8 @@ fn apart(figure: &FigureBeside) -> String {
     }
 }
 
-fn scatter(figure: &FigureBeside) -> String {
-    figure.scatter.map_or("-".to_owned(), |(low, high)| {
+fn scatter(figure: &FigureBeside, of: Option<(f64, f64)>) -> String {
+    of.map_or("-".to_owned(), |(low, high)| {
         format!(
             "{} to {}",
             value(figure, Some(low)),
@@ -33,6 +33,9 @@ fn scatter(figure: &FigureBeside) -> String {
 fn remark(figure: &FigureBeside) -> &'static str {
     let within = figure.apart().is_none_or(|it| it.abs() <= SAME);
     match (figure.holds(SAME), within) {
+        (false, _) if figure.is_in_scatter() && figure.board_scatter.is_some() => {
+            "APART, the scatters meet"
+        }
         (false, _) if figure.is_in_scatter() => "APART, within the scatter",
         (false, _) => "APART",
         (true, false) => "both smaller than the scatter",
@@ -56,7 +59,8 @@ fn cells(figure: &FigureBeside) -> Vec<String> {
         value(figure, figure.desktop),
         value(figure, figure.board),
         apart(figure),
-        scatter(figure),
+        scatter(figure, figure.scatter),
+        scatter(figure, figure.board_scatter),
         remark(figure).to_owned(),
     ]
 }
@@ -75,23 +79,31 @@ pub fn verdict(card: &BoardCard) -> String {
 }
 
 /// What the scatter is.
-pub const SCATTER: &str =
-    "Scatter: the desktop's own figure where the surface lies at eight places within a count.";
+pub const SCATTER: &str = "Scatter: the desktop's own figure where the surface lies at eight places within a count; and the board's at the places at which it was played, where those are several.";
+
+const HEADER: [&str; 7] = ["", "desktop", "board", "apart", "scatter", "board's", ""];
 
 /// As text: what is the scorecard's own, and every grip's where it is apart.
 #[must_use]
 pub fn text(card: &BoardCard) -> String {
-    let line = |[name, desktop, board, apart, scatter, remark]: [&str; 6]| {
-        let line = format!("{name:<34}{desktop:>9}{board:>9}{apart:>10}{scatter:>18}  {remark}");
+    let several = card.places > 1;
+    let line = |[name, desktop, board, apart, scatter, board_scatter, remark]: [&str; 7]| {
+        let board_scatter = match several {
+            true => format!("{board_scatter:>18}"),
+            false => String::new(),
+        };
+        let line = format!(
+            "{name:<34}{desktop:>9}{board:>9}{apart:>10}{scatter:>18}{board_scatter}  {remark}"
+        );
         format!("{}\n", line.trim_end())
     };
-    let mut text = line(["", "desktop", "board", "apart", "scatter", ""]);
+    let mut text = line(HEADER);
     let of_a_grip = |it: &&FigureBeside| it.grip.is_none() || !it.holds(SAME);
     let shown = card.figures.iter().filter(of_a_grip).chain(&card.moved);
     for figure in shown {
         let cells = cells(figure);
         if let Ok(cells) =
-            <[&str; 6]>::try_from(cells.iter().map(String::as_str).collect::<Vec<_>>())
+            <[&str; 7]>::try_from(cells.iter().map(String::as_str).collect::<Vec<_>>())
         {
             text += &line(cells);
         }
@@ -105,9 +117,7 @@ pub fn text(card: &BoardCard) -> String {
 pub fn section(card: &BoardCard) -> Section {
     let table = |caption: &str, figures: &[FigureBeside]| Block::Table {
         caption: caption.to_owned(),
-        header: ["figure", "desktop", "board", "apart", "scatter", ""]
-            .map(str::to_owned)
-            .to_vec(),
+        header: HEADER.map(str::to_owned).to_vec(),
         rows: figures.iter().map(cells).collect(),
     };
     Section {

@@ -23,6 +23,9 @@ const COLUMNS: [&str; 10] = [
     "device_loss_j",
 ];
 
+/// Where the wall was, if not where the scene has it.
+const SURFACE: &str = "surface_rad";
+
 /// Numbers of a row, in the columns' order.
 type Row = [f64; 7];
 
@@ -30,6 +33,7 @@ type Row = [f64; 7];
 #[derive(Debug, Clone)]
 pub struct BoardRecording {
     file: PathBuf,
+    surface_rad: Option<f64>,
     deeds: BTreeMap<(String, String), Vec<Row>>,
 }
 
@@ -53,6 +57,8 @@ impl BoardRecording {
             let found = header.iter().position(|column| column == name);
             *place = found.ok_or_else(|| wrong(format!("has no column {name}")))?;
         }
+        let surface = header.iter().position(|column| column == SURFACE);
+        let mut surface_rad = None;
         let mut deeds: BTreeMap<(String, String), Vec<Row>> = BTreeMap::new();
         for record in reader.records() {
             let record = record.map_err(|error| wrong(error.to_string()))?;
@@ -72,13 +78,37 @@ impl BoardRecording {
                     ))
                 })?;
             }
+            let here = surface.and_then(|column| record.get(column)?.parse::<f64>().ok());
+            if surface_rad.is_some() && here != surface_rad {
+                return Err(wrong(format!("line {line}: the wall is elsewhere")));
+            }
+            surface_rad = here;
             let deed = (cell(0).to_owned(), cell(1).to_owned());
             deeds.entry(deed).or_default().push(row);
         }
         Ok(Self {
             file: file.to_owned(),
+            surface_rad,
             deeds,
         })
+    }
+
+    /// The scene with the wall where it was.
+    ///
+    /// # Errors
+    /// It is further than a count from where the scene has it.
+    pub(super) fn scene(&self, scene: &Scene) -> Result<Scene> {
+        let mut here = scene.clone();
+        let Some(surface_rad) = self.surface_rad else {
+            return Ok(here);
+        };
+        let step = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+        let off = (surface_rad - scene.wall.surface_rad).abs();
+        if off > step {
+            return Err(self.wrong("the device's wall is not where the scene's is"));
+        }
+        here.wall.surface_rad = surface_rad;
+        Ok(here)
     }
 
     /// Something that is wrong with it as a whole.

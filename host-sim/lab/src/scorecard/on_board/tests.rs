@@ -20,7 +20,7 @@ fn gimbal() -> Scene {
 fn recorded(scene: &Scene, board: &Scene, deeds: &[Deed], name: &str) -> BoardRecording {
     let programme = board_programme(scene);
     let mut text = String::from(
-        "grip,deed,penetration_rad,force_n_m,state,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j\n",
+        "grip,deed,penetration_rad,force_n_m,state,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j,surface_rad\n",
     );
     for deed in deeds {
         let of_deed = programme.scene(board, Grip::Medium, *deed);
@@ -28,12 +28,13 @@ fn recorded(scene: &Scene, board: &Scene, deeds: &[Deed], name: &str) -> BoardRe
         let mut row = |told: f64, tick: &Tick, angle: f64, speed: f64| {
             writeln!(
                 text,
-                "medium,{},{told},{},armed,{angle},{speed},{},{},{}",
+                "medium,{},{told},{},armed,{angle},{speed},{},{},{},{}",
                 deed_word(*deed),
                 tick.force_n_m,
                 tick.motor_force_n_m,
                 tick.absorbed_j,
-                tick.device_loss_j
+                tick.device_loss_j,
+                board.wall.surface_rad
             )
             .unwrap();
         };
@@ -63,7 +64,7 @@ fn figure(card: &BoardCard, key: &str) -> FigureBeside {
 fn a_board_that_is_the_scene_has_its_figures_to_the_bit() {
     let scene = gimbal();
     let deeds = [Deed::Press, Deed::Move(2.0)];
-    let card = board_card(&scene, &recorded(&scene, &scene, &deeds, "same")).unwrap();
+    let card = board_card(&scene, &[recorded(&scene, &scene, &deeds, "same")]).unwrap();
     assert_eq!(
         (card.grips.as_slice(), card.figures.len()),
         (&["medium"][..], 18)
@@ -82,7 +83,7 @@ fn a_board_with_a_softer_wall_a_late_one_and_one_with_other_friction_are_apart()
     let apart = |change: &dyn Fn(&mut Scene), deed: Deed, name: &str| -> Vec<&'static str> {
         let mut board = scene.clone();
         change(&mut board);
-        let card = board_card(&scene, &recorded(&scene, &board, &[deed], name)).unwrap();
+        let card = board_card(&scene, &[recorded(&scene, &board, &[deed], name)]).unwrap();
         card.beyond(SAME).map(|it| it.key).collect()
     };
     let soft = |scene: &mut Scene| scene.wall.k_desired_n_m_per_rad *= 0.8;
@@ -101,11 +102,48 @@ fn a_board_with_a_softer_wall_a_late_one_and_one_with_other_friction_are_apart()
 }
 
 #[test]
+fn a_board_at_several_places_has_a_scatter_and_is_beyond_only_where_the_two_do_not_meet() {
+    let scene = gimbal();
+    let step = scene.encoder.as_ref().unwrap().step_rad();
+    let deeds = [Deed::Move(4.0)];
+    let at_places = |change: &dyn Fn(&mut Scene), name: &str| {
+        let of_place = |share: f64| {
+            let mut board = scene.clone();
+            change(&mut board);
+            board.wall.surface_rad += share * step;
+            recorded(&scene, &board, &deeds, name)
+        };
+        [0.0625, 0.3125, 0.5625, 0.8125].map(of_place)
+    };
+    let same = board_card(&scene, &at_places(&|_| (), "places")).unwrap();
+    assert_eq!(same.places, 4);
+    assert_eq!(
+        same.beyond(0.0).map(|it| it.key).collect::<Vec<_>>(),
+        [""; 0]
+    );
+    let phase = same.moved.iter().find(|it| it.key == "phase_deg").unwrap();
+    let (low, high) = phase.board_scatter.unwrap();
+    assert!(low < high, "{low} {high}");
+    let late = |scene: &mut Scene| scene.timing.computational_delay_s = 4e-4;
+    let found = board_card(&scene, &at_places(&late, "late-places")).unwrap();
+    assert!(found.beyond(SAME).any(|it| it.key == "phase_deg"));
+    // Not all have the same deeds.
+    let mut unequal = at_places(&|_| (), "unequal");
+    unequal[2] = recorded(&scene, &scene, &[Deed::Move(2.0)], "other-deed");
+    let said = board_card(&scene, &unequal).unwrap_err().to_string();
+    assert!(said.contains("not in all recordings"), "{said}");
+}
+
+#[test]
 fn what_is_no_recording_of_the_scene_is_refused() {
     let scene = gimbal();
     let deeds = [Deed::Press];
     let recording = recorded(&scene, &scene, &deeds, "other");
-    let said = |scene: &Scene| board_card(scene, &recording).unwrap_err().to_string();
+    let said = |scene: &Scene| {
+        board_card(scene, std::slice::from_ref(&recording))
+            .unwrap_err()
+            .to_string()
+    };
     let longer = scene.with(|scene| {
         if let touchstone_sim::scene::MotionSpec::TouchAndPress(press) = &mut scene.operator.motion
         {
