@@ -50,7 +50,7 @@ pub struct Options {
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
     /// With --programme: the surface is further by this share of a count of the encoder.
-    #[arg(long, value_name = "SHARE", requires = "programme", allow_negative_numbers = true, value_parser = number::up_to(1.0, "of a count"))]
+    #[arg(long, value_name = "SHARE", requires = "programme", allow_negative_numbers = true, value_parser = number::within(0.0, 1.0, "of a count"))]
     place: Option<f64>,
     /// With --programme: this grip alone.
     #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
