@@ -220,14 +220,14 @@ const WORLD: &[Effect] = &[
         name: "windings",
         place: Place::State,
         field: "device.current_loop.back_emf_n_m_s_per_rad",
-        typical: "318 Hz and 0.0104 N·m·s/rad",
-        source: "a gimbal motor of 6 Ω, 3 mH, 0.25 N·m/A at a voltage (host-sim/world/src/motor/windings.rs)",
+        typical: "318 Hz and 0.0069 N·m·s/rad",
+        source: "a gimbal motor of 6 Ω, 3 mH, 0.25 N·m/A at a voltage: `k_t²/(1.5 R)` (host-sim/world/src/motor/windings.rs)",
         of_hand: false,
         is_named: |scene| back_emf(scene).is_some_and(|it| it > 0.0),
         add: |scene| {
             scene.device.current_loop = Some(CurrentLoop {
                 bandwidth_hz: 318.0,
-                back_emf_n_m_s_per_rad: 0.0104,
+                back_emf_n_m_s_per_rad: 0.0069,
             });
         },
         remove: |scene| scene.device.current_loop = None,
