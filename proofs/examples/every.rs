@@ -11,17 +11,61 @@
 use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_proofs::source::Source;
-use touchstone_proofs::space::w8;
+use touchstone_proofs::{objects, planes, shells, space, vector_guard, vectors};
 
 /// A property's name, where it begins and its body.
 type Row = (&'static str, fn(&mut Every));
 
+macro_rules! every {
+    ($($part:ident)::+) => {
+        (
+            concat!($("::", stringify!($part)),+).split_at(2).1,
+            $($part)::+::body,
+        )
+    };
+}
+
 const PROPERTIES: &[Row] = &[
-    ("space::w8::p4_unit", w8::p4_unit::body),
-    ("space::w8::p4_within", w8::p4_within::body),
-    ("space::w8::p4_longer", w8::p4_longer::body),
-    ("space::w8::p4_polar", w8::p4_polar::body),
-    ("space::w8::p7_leaving", w8::p7_leaving::body),
+    every!(space::w8::p4_unit),
+    every!(space::w8::p4_within),
+    every!(space::w8::p4_longer),
+    every!(space::w8::p4_polar),
+    every!(space::w8::p7_leaving),
+    every!(objects::p4_ball_nearest),
+    every!(objects::p4_ball_exit),
+    every!(objects::p4_box_nearest),
+    every!(objects::p4_box_exit),
+    every!(objects::p4_cylinder_nearest),
+    every!(objects::p4_cylinder_exit),
+    every!(objects::p4_plate_keeps_its_side),
+    every!(objects::p4_plate_exit),
+    every!(planes::p4_plane_nearest),
+    every!(planes::p4_plane_exit),
+    every!(planes::p4_facets_nearest),
+    every!(planes::p4_facets_exit),
+    every!(planes::p4_edge_nearest),
+    every!(planes::p4_edge_exit),
+    every!(planes::p4_corner_nearest),
+    every!(planes::p4_corner_exit),
+    every!(planes::p4_shape_is_its_object),
+    every!(shells::p4_displacement),
+    every!(shells::p4_point_closest),
+    every!(shells::p4_point_of_penetration),
+    every!(shells::p4_point_restricted),
+    every!(shells::p4_friction_sticks_and_slides),
+    every!(shells::p4_friction_turns),
+    every!(shells::p4_magnitude_is_the_law),
+    every!(shells::p4_per_axis_is_three_laws),
+    every!(shells::p4_per_axis_is_told_its_part),
+    every!(shells::p1_bounding_is_the_sum),
+    every!(shells::p4_wall_is_its_parts),
+    every!(vectors::p4_scalar_products),
+    every!(vectors::p4_lengths),
+    every!(vectors::p4_across_is_shorter),
+    every!(vector_guard::w8::p1_vector_account),
+    every!(vector_guard::w8::p1_vector_change),
+    every!(vector_guard::w8::p9_no_force_at_the_end),
+    every!(vector_guard::w8::p4_vector_commanded),
 ];
 
 /// All inputs, one after the other: each number that is asked for is a digit of one large number that counts up.

@@ -1,4 +1,4 @@
-//! Three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction, the vector guard.
+//! Three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction.
 //!
 //! ```text
 //! r² <= n < (r + 1)²                       p5_root_karatsuba
@@ -8,40 +8,35 @@
 //! |u turned| <= 1, by no more than asked   p4_turned
 //! |F'| <= limit, no component grows        p4_within
 //! W = Σ F_i d_i                            p1_vector_work
-//! B' = max(min(sum of three axes, C), R)   p1_vector_account
 //! ```
 
 use crate::format::Format;
 use crate::source::Source;
-use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::space::{
-    Direction, Friction, FrictionState, Leaving, Spatial, Touch, Vector, VectorGuard,
-    VectorGuardState, root,
+    Direction, Friction, FrictionState, Leaving, Spatial, Touch, Vector, root,
 };
-use touchstone_control::{
-    Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Stiffness,
-};
+use touchstone_control::{Compliance, Fixed8, Fixed32, Force, Number, Position, Stiffness};
 
-fn positions<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Position<N>> {
+pub(crate) fn positions<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Position<N>> {
     Vector([N::any_position(s), N::any_position(s), N::any_position(s)])
 }
 
-fn forces<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Force<N>> {
+pub(crate) fn forces<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Force<N>> {
     Vector([N::any_force(s), N::any_force(s), N::any_force(s)])
 }
 
 /// The sum of the squares of three bit patterns.
-fn squares<N: Format>(bits: [i64; 3]) -> N::Exact {
+pub(crate) fn squares<N: Format>(bits: [i64; 3]) -> N::Exact {
     let [x, y, z] = bits.map(N::exact);
     x * x + y * y + z * z
 }
 
-fn force_bits<N: Format + Spatial>(v: Vector<Force<N>>) -> [i64; 3] {
+pub(crate) fn force_bits<N: Format + Spatial>(v: Vector<Force<N>>) -> [i64; 3] {
     v.0.map(|x| N::of_signal(x.0))
 }
 
-fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64; 3] {
+pub(crate) fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64; 3] {
     v.0.map(|x| N::of_signal(x.0))
 }
 
@@ -76,7 +71,7 @@ pub mod w64 {
         /// P5: the root by halves is the root: 64 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
-        by sampled fn p5_root_karatsuba(s) {
+        by sampled fn p5_root_of_words(s) {
             let n = s.u64();
             let root = u128::from(root::root_64(n));
             assert!(root * root <= u128::from(n) && (root + 1) * (root + 1) > u128::from(n));
@@ -298,92 +293,6 @@ pub mod turn {
             assert!((cosine - asked).abs() <= 8 * one);
             cover!(s, turn.sine > turn.cosine, "far");
             cover!(s, N::of_signal(turn.sine) < 1000, "by a hair");
-        }
-    }
-}
-
-/// The vector guard as shipped, on samples: three axes of products are beyond the solvers at 8 bits already.
-pub mod guard {
-    use super::*;
-    type N = Fixed32;
-
-    /// A configuration that the builder can give, and a memory within its limits.
-    fn any<S: Source>(s: &mut S) -> Option<(VectorGuard<N>, VectorGuardState<N>)> {
-        let mut of_length = None;
-        for _ in 0..200 {
-            let guard = Guard::<N>::any(s);
-            if guard.valid() {
-                of_length = Some(guard);
-                break;
-            }
-        }
-        let guard = VectorGuard::of(of_length?);
-        let most = guard.of_length.largest_force(guard.of_length.capacity);
-        let account = N::any_energy(s);
-        let force = |s: &mut S| forces::<N, S>(s).within(most);
-        let (against, older) = (force(s), force(s));
-        let account = if account >= Energy::zero() {
-            account.min(guard.of_length.capacity)
-        } else {
-            Energy::zero()
-        };
-        let state = VectorGuardState {
-            account,
-            against,
-            older,
-            size: against.length_up().min(most),
-        };
-        Some((guard, state))
-    }
-
-    property! {
-        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did.
-        equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
-        over "valid configuration, memory in the invariant, displacement, wanted force"
-        by sampled fn p1_vector_account(s) {
-            let Some((guard, before)) = any(s) else {
-                assume!(s, false, "Guard::new");
-                return;
-            };
-            let law = &guard.of_length;
-            let moved = positions::<N, S>(s).within(law.furthest);
-            let wanted = forces::<N, S>(s);
-            let mut state = before;
-            let answer = guard.tick(&mut state, moved, wanted);
-            let Ok(force) = answer else {
-                assert!(moved.length_up() > law.furthest);
-                return;
-            };
-            let wide = |x: i64| i128::from(x);
-            let energy = |e: Energy<N>| wide(N::of_energy(e.0));
-            let (f, older) = (force_bits(before.against), force_bits(before.older));
-            let x = position_bits(moved);
-            let late = wide(N::of_signal_ratio(law.late.0));
-            let stray = wide(N::of_signal_ratio(law.stray.0));
-            let mut sum = energy(before.account) + energy(law.refill);
-            for i in 0..3 {
-                let change = wide(f[i]) - wide(older[i]);
-                let under = (late * wide(x[i]) + stray * change) >> N::SIGNAL_BITS;
-                sum += wide(f[i]) * wide(x[i]) - change * under - change.abs() * wide(N::of_signal(law.slack.0));
-            }
-            let up = wide(N::of_signal(moved.length_up().0));
-            let surely = (up - wide(N::of_signal(law.count.0)) - 1).max(0);
-            // No longer than the true length less the counts.
-            assert!(surely == 0 || (surely + wide(N::of_signal(law.count.0))).pow(2) <= squares::<N>(x));
-            sum += ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely;
-            let reserve = wide(N::of_signal(before.size.0)) * wide(N::of_signal(law.in_flight.0));
-            assert!(energy(state.account) == sum.min(energy(law.capacity)).max(reserve));
-            // The force: no longer than the account pays for, no component grown or turned.
-            let free = state.account - law.reserve(before.size);
-            let limit = wide(N::of_signal(law.largest_force(free.max(Energy::zero())).0));
-            assert!(squares::<N>(force_bits(force)) <= limit * limit);
-            let smaller = force_bits(force).iter().zip(force_bits(wanted)).all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
-            assert!(smaller);
-            assert!(state.against == -force && state.older == before.against);
-            assert!(squares::<N>(force_bits(force)) <= wide(N::of_signal(state.size.0)).pow(2));
-            cover!(s, state.account < before.account, "paid");
-            cover!(s, force != wanted && force_bits(force) != [0; 3], "shortened");
-            cover!(s, surely > 0, "damped");
         }
     }
 }

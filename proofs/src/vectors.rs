@@ -4,13 +4,14 @@
 //! (v + w)_i = v_i + w_i, and v - w, -v     p1_vector_sums
 //! (u l)_i = u_i l towards zero             p4_direction_times, p4_direction_times_force
 //! opposite = -u, along(i) = e_i            p4_direction_signs
+//! u·v, |v|, v - (v·u) u                     p4_scalar_products, p4_lengths, p4_across_is_shorter
 //! ```
 
 use crate::format::Format;
 use crate::source::Source;
 use crate::{cover, property};
 use touchstone_control::space::{Direction, Vector};
-use touchstone_control::{Fixed8, Position};
+use touchstone_control::{Fixed8, Force, Number, Position};
 
 type N = Fixed8;
 
@@ -95,5 +96,77 @@ property! {
         }
         assert!(Direction::<N>::default() == Direction::along(2, false));
         cover!(s, against && axis == 1, "against y");
+    }
+}
+
+/// `floor(u·v)`, as far as the format goes.
+fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
+    let [x, y, z] = u.0.map(N::of_signal);
+    shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))
+}
+/// The direction of a vector of 4 bits an axis.
+fn short_direction<S: Source>(s: &mut S) -> Option<Direction<N>> {
+    let part = |s: &mut S| Position(<N as Number>::Signal::from_bits(s.bits(4) as i8 - 8));
+    Direction::of(Vector([part(s), part(s), part(s)]))
+}
+
+property! {
+    /// P4: the part of a displacement along a direction, that of a force and the cosine to another direction are scalar products, rounded down.
+    equation "u·v = floor(Σ u_i v_i)"
+    over "directions of 4 bits an axis, vectors of 4 bits an axis, four times as large"
+    by sampled fn p4_scalar_products(s) {
+        let Some(u) = short_direction(s) else {
+            return;
+        };
+        let part = |s: &mut S| Position::<N>(<N as Number>::Signal::from_bits(16 * (s.bits(4) as i8 - 8)));
+        let v = Vector([part(s), part(s), part(s)]);
+        let expected = scalar(u, v.0.map(|x| N::of_signal(x.0)));
+        assert!(N::of_signal(u.component(v).0) == expected);
+        assert!(N::of_signal(u.component_of_force(v.map(|x| Force(x.0))).0) == expected);
+        let lowest = -Position(N::HIGHEST);
+        let other = Direction::<N>(v.0.map(|x| x.max(lowest).0));
+        assert!(N::of_signal(u.cosine(&other)) == scalar(u, other.0.map(N::of_signal)));
+        cover!(s, expected == -128, "the lowest value");
+        cover!(s, expected == 127, "the highest value");
+    }
+}
+property! {
+    /// P4: the length of a vector is the root of its square, rounded down or up, as far as the format goes.
+    equation "floor |v|, ceil |v|"
+    over "every vector"
+    by sampled fn p4_lengths(s) {
+        let v = Vector([N::any_position(s), N::any_position(s), N::any_position(s)]);
+        let square: i64 = v.0.iter().map(|x| N::of_signal(x.0).pow(2)).sum();
+        let (down, up) = (N::of_signal(v.length_down().0), N::of_signal(v.length_up().0));
+        assert!(down >= 0 && down * down <= square && (down == 127 || (down + 1) * (down + 1) > square));
+        assert!(up == down || up == down + 1);
+        assert!(up == 127 || up * up >= square);
+        assert!(up == 0 || (up - 1) * (up - 1) < square);
+        cover!(s, up == down && up > 0, "a whole length");
+        cover!(s, square > 127 * 127, "longer than the format");
+    }
+}
+property! {
+    /// P4: the part of a vector across a direction is never longer than the vector, and is what the part along it leaves, to two quanta.
+    equation "|v - (v·u) u| <= |v|"
+    over "directions of 4 bits an axis, vectors of 4 bits an axis"
+    by sampled fn p4_across_is_shorter(s) {
+        let Some(u) = short_direction(s) else {
+            return;
+        };
+        let part = |s: &mut S| Position::<N>(<N as Number>::Signal::from_bits(5 * (s.bits(4) as i8 - 8)));
+        let v = Vector([part(s), part(s), part(s)]);
+        let across = u.across(v).0.map(|x| N::of_signal(x.0));
+        let was = v.0.map(|x| N::of_signal(x.0));
+        let square = |v: [i64; 3]| v.iter().map(|x| x * x).sum::<i64>();
+        assert!(square(across) <= square(was));
+        let [a, b, c] = u.0.map(N::of_signal);
+        let inner = a * was[0] + b * was[1] + c * was[2];
+        for (axis, u) in [a, b, c].into_iter().enumerate() {
+            // In quanta and their 128 times 128th parts.
+            let exact = was[axis] * 128 * 128 - inner * u;
+            assert!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
+        }
+        cover!(s, across != was && across != [0; 3], "a part is across");
     }
 }

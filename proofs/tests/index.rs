@@ -99,6 +99,38 @@ fn every_harness_has_its_row_and_every_row_its_harness() {
 }
 
 #[test]
+fn every_property_that_is_tried_on_all_inputs_has_its_row() {
+    let page = read(PAGE);
+    let (_, index) = page.split_once("<!-- every -->").expect("the table");
+    let (index, _) = index.split_once("<!-- end of every -->").expect("its end");
+    let program = read("proofs/examples/every.rs");
+    let equations = equations();
+    let mut names = Vec::new();
+    for rest in program.split("every!(").skip(1) {
+        let (name, _) = rest.split_once(')').expect("a name");
+        names.push(name);
+        let parts: Vec<&str> = name.split("::").collect();
+        let (file, last) = (parts[0], parts[parts.len() - 1]);
+        let equation = &equations[&format!("{file}::{last}")].replace('|', "\\|");
+        let row = format!(" | `{equation}` | [`{name}`](../proofs/src/{file}.rs) |");
+        assert!(
+            index.lines().any(|line| line.ends_with(&row)),
+            "{PAGE} has no row\n| (plain words){row}"
+        );
+    }
+    assert!(names.len() > 30, "{} properties", names.len());
+    let rows = index
+        .lines()
+        .filter(|line| line.contains("../proofs/src/"))
+        .count();
+    assert_eq!(
+        rows,
+        names.len(),
+        "rows of properties that are not tried any more"
+    );
+}
+
+#[test]
 fn the_walk_quotes_what_is_there_in_its_order() {
     let page = read(PAGE);
     let source = read("proofs/src/tdpa.rs");

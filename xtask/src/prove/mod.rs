@@ -21,10 +21,11 @@ use std::time::Instant;
 use crate::outcome::Outcome;
 use crate::{inspect, mutants, shell};
 use checker::{How, Left, MEMORY_KIB, Which};
+use systematic::Asked;
 pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs | --every]]";
 /// What the proofs are made of; nothing else has to build.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
@@ -92,19 +93,20 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// `--shard I/N` and `--proofs`, either, both or none; or `--sample`.
+/// `--shard I/N` and who is asked, either, both or none; or `--sample`.
 fn by_rule(words: &[&str]) -> Outcome {
     if words == ["--sample"] {
         return systematic::sample();
     }
-    let (proofs, words) = match words {
-        [words @ .., "--proofs"] => (true, words),
-        words => (false, words),
+    let (asked, words) = match words {
+        [words @ .., "--proofs"] => (Asked::Proofs, words),
+        [words @ .., "--every"] => (Asked::Every, words),
+        words => (Asked::Tests, words),
     };
-    if proofs && !has_checker() {
+    if asked == Asked::Proofs && !has_checker() {
         return Outcome::NotRun(INSTALL.into());
     }
-    part(words).map_or_else(usage, |shard| systematic::run(shard, proofs))
+    part(words).map_or_else(usage, |shard| systematic::run(shard, asked))
 }
 
 /// `--shard I/N`, or nothing: all.

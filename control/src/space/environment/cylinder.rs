@@ -6,7 +6,7 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A cylinder with flat ends. The depth is less than a quantum off, two at the rim.
+/// A cylinder with flat ends. The depth is less than a quantum off, four at the rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder<N: Spatial> {
     /// Its centre.

@@ -19,8 +19,7 @@ impl<N: Spatial> Surface<N> for Sphere<N> {
     fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N> {
         let (length, normal) = Direction::polar(at - self.centre);
         Nearest {
-            // At the centre all points are as close: the one that was.
-            normal: normal.unwrap_or(*side),
+            normal: normal.unwrap_or_else(|| at_centre(side)),
             depth: self.radius - length,
         }
     }
@@ -35,6 +34,16 @@ impl<N: Spatial> Surface<N> for Sphere<N> {
     fn ways(&self, _: &mut dyn FnMut(Direction<N>)) {}
     fn is_round(&self) -> bool {
         true
+    }
+}
+
+/// At the centre all points are as close: the one that was, and up where there was none yet, so that a direction is never without length.
+#[cold]
+fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
+    if side.0 == [N::Signal::default(); 3] {
+        Direction::default()
+    } else {
+        *side
     }
 }
 

@@ -56,6 +56,13 @@ impl Counts {
         }
     }
 
+    /// Whether a proof refuted one, by the checker or on all inputs.
+    fn by_a_proof(&self) -> bool {
+        self.by
+            .keys()
+            .any(|by| by.ends_with("::proof") || by.ends_with("::every"))
+    }
+
     fn cells(&self) -> String {
         let Self {
             all,
@@ -110,9 +117,10 @@ pub fn table(outcomes: &Path) -> Result<Answer, String> {
     let text = page(&all, &functions);
     std::fs::write(TABLE, text).map_err(|why| format!("{TABLE}: {why}"))?;
     let without = functions.values().filter(|of| of.refuted == 0).count();
+    let proofs = functions.values().filter(|of| of.by_a_proof()).count();
     Ok(Answer::Right(format!(
-        "{} wrong changes: {} refuted, {} survived, {} equivalent, {} not Rust, {} open; {without} of {} functions without one \
-         refuted",
+        "{} wrong changes: {} refuted, {} survived, {} equivalent, {} not Rust, {} open; of {} functions {proofs} have one that a \
+         proof refuted, and {without} none that was refuted",
         all.all,
         all.refuted,
         all.survived,
@@ -147,7 +155,7 @@ const COLUMNS: &str = "| function | changes | refuted | survived | equivalent | 
 const INTRODUCTION: &str = "# Wrong changes by rule\n\n\
 Every place of the law's code where one of our operators applies: comparisons, signs, sums, `min` and `max`, roundings, constants,\n\
 decisions, statements dropped, bodies that return at once ([the operators](../xtask/inspect/src/operators/find.rs)). \"Refuted\" names the\n\
-harness whose property failed, or the test, on samples (`sampled`) or under the checker (`proof`); an overflow or a time-out is not one.\n\
+harness whose property failed, or the test, on samples (`sampled`), under the checker (`proof`) or on all inputs at 8 bits (`every`); an overflow or a time-out is not one.\n\
 \"Open\": not run, or no answer. The list itself, with why what is called equivalent is: [`systematic.tsv`](systematic.tsv).\n\n\
 Written by `cargo xtask prove --mutants --systematic`.\n\n\
 | function | changes | refuted | survived | equivalent | not Rust | open | refuted by (most) |\n\

@@ -79,7 +79,7 @@ impl Statements {
                 specification = beside.wrapping_add(add(specification, file));
             }
         }
-        let mut numbers = BTreeMap::new();
+        let mut numbers = BTreeMap::<String, u64>::new();
         for (file, text) in files {
             let found = looked_at(file, text)?;
             let shared = if file == COMPARES {
@@ -90,7 +90,11 @@ impl Statements {
             for (property, number) in found.properties {
                 let all = [shared, found.beside, number].map(|number| number.to_string());
                 let number = all.iter().fold(EMPTY, |hash, text| add(hash, text));
-                numbers.insert(format!("{file}::{property}"), number);
+                // Two modules of a file may have one of the same name: then each is a part of the number.
+                numbers
+                    .entry(format!("{file}::{property}"))
+                    .and_modify(|other| *other = add(*other, &number.to_string()))
+                    .or_insert(number);
             }
         }
         Ok(Self(numbers))
@@ -219,6 +223,17 @@ mod tests {
         let by_another = LAW.replace("cadical", "sampled");
         assert!(by_another != LAW);
         assert_eq!(numbers(LAW, "").0, numbers(&by_another, "").0);
+    }
+
+    #[test]
+    fn of_two_with_one_name_each_is_a_part_of_the_number() {
+        let two = |first: &str| {
+            let law = format!(
+                "mod a {{ property! {{ fn p1_a(s) {{ assert!({first}); }} }} }} mod b {{ property! {{ fn p1_a(s) {{ assert!(y); }} }} }}"
+            );
+            numbers(&law, "").line("law::a::p1_a::proof")
+        };
+        assert_ne!(two("x > 0"), two("true"));
     }
 
     #[test]

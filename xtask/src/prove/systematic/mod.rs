@@ -4,8 +4,10 @@
 //! environment. A change is refuted when an assertion of a property or a test fails: not by a panic of the code itself, nor by a cover
 //! that is no longer reached, nor by the time. What was found is written down at once, so that a run can be broken off and taken up
 //! again, and several can share the list (`--shard 1/8`). One of each function comes first, then the second of each, and so on, so that
-//! a run that is broken off has been everywhere. With `--proofs` the checker is asked ([`proofs`]).
+//! a run that is broken off has been everywhere. With `--proofs` the checker is asked ([`proofs`]), with `--every`
+//! the properties of which all inputs are tried ([`every`]).
 
+mod every;
 mod instrumented;
 mod proofs;
 
@@ -71,11 +73,25 @@ impl Shard {
     }
 }
 
+/// Who is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Asked {
+    Tests,
+    Proofs,
+    Every,
+}
+
+/// Whether a proof refuted it, by the checker or on all inputs.
+fn is_proof(outcome: &str) -> bool {
+    outcome.ends_with("::proof") || outcome.ends_with("::every")
+}
+
 /// The command.
-pub fn run(shard: Shard, proofs: bool) -> Outcome {
-    let done = match proofs {
-        true => proofs::asked(shard),
-        false => asked(shard),
+pub fn run(shard: Shard, of: Asked) -> Outcome {
+    let done = match of {
+        Asked::Tests => asked(shard),
+        Asked::Proofs => proofs::asked(shard),
+        Asked::Every => every::asked(shard),
     };
     match done {
         Ok(()) => inspect::call([
@@ -107,8 +123,8 @@ fn sampled() -> Result<(usize, usize), String> {
         .lines()
         .filter_map(|line| line.rsplit_once('\t'))
         .filter_map(|(row, outcome)| Some((row, outcome.strip_prefix("refuted: ")?)))
-        // What the checker refuted may be one that no test finds.
-        .filter(|(_, by)| !by.ends_with("::proof"))
+        // What a proof refuted may be one that no test finds.
+        .filter(|(_, by)| !is_proof(by))
         .collect();
     let (work, list) = built(&folder())?;
     let binaries = binaries(&work)?;

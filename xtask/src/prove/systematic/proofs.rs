@@ -152,7 +152,7 @@ fn candidates<'a>(
     for one in changes {
         let reaching = asking.reaching(one);
         let (rank, harnesses) = match outcomes.of(one) {
-            Some(by) if by.contains("::proof") => return None,
+            Some(by) if super::is_proof(by) => return None,
             Some("not Rust") => continue,
             Some(by) if by.starts_with("refuted: ") => {
                 let belonging = asking.belonging(by.trim_start_matches("refuted: "));

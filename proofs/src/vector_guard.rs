@@ -1,0 +1,345 @@
+//! The energy guard of three axes: its books are the sum of three axes', and the force is paid for.
+//!
+//! As shipped on samples: three axes of products are beyond the solvers at 8 bits already. At 8 bits all inputs of one configuration
+//! each are tried (`cargo xtask prove --every vector_guard`).
+//!
+//! ```text
+//! B' = max(min(sum of three axes, C), R)   p1_vector_account
+//! |F| <= (B' - R)/D, as F was              p1_vector_account
+//! overspeed: B - s (o s + q)               p1_vector_account
+//! ```
+
+use crate::format::Format;
+use crate::objects::{position, signed, vector};
+use crate::source::Source;
+use crate::space::{force_bits, forces, position_bits, positions, squares};
+use crate::valid::Valid;
+use crate::{assume, cover, property};
+use touchstone_control::guard::Overspeed;
+use touchstone_control::space::{Spatial, Vector, VectorGuard, VectorGuardState};
+use touchstone_control::{
+    Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Ratio, Stiffness,
+};
+
+/// One tick of a guard: how the HIP moved, how much of it before the force changed, and the force that is wanted.
+struct Tick<N: Format + Spatial> {
+    moved: Vector<Position<N>>,
+    before_change: Vector<Position<N>>,
+    wanted: Vector<Force<N>>,
+}
+
+const fn wide(x: i64) -> i128 {
+    x as i128
+}
+fn energy<N: Format>(e: Energy<N>) -> i128 {
+    wide(N::of_energy(e.0))
+}
+fn length<N: Format>(x: Position<N>) -> i128 {
+    wide(N::of_signal(x.0))
+}
+fn sum_of_squares(v: [i64; 3]) -> i128 {
+    v.iter().map(|x| wide(*x) * wide(*x)).sum()
+}
+/// The root, rounded up.
+fn root_up(square: i128) -> i128 {
+    let root = square.isqrt();
+    root + i128::from(root * root < square)
+}
+/// What the trusted damping took of a displacement whose length is not sure by a count and a quantum.
+fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
+    let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
+    ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely
+}
+/// What a force of a size may still cost.
+fn reserve<N: Format>(law: &Guard<N>, size: Force<N>) -> i128 {
+    wide(N::of_signal(size.0)) * length(law.in_flight)
+}
+
+/// Three axes' books, exactly, without the damping.
+fn booked<N: Format + Spatial>(
+    law: &Guard<N>,
+    before: &VectorGuardState<N>,
+    tick: &Tick<N>,
+) -> i128 {
+    let (f, older) = (force_bits(before.against), force_bits(before.older));
+    let (x, early) = (position_bits(tick.moved), position_bits(tick.before_change));
+    let late = wide(N::of_signal_ratio(law.late.0));
+    let stray = wide(N::of_signal_ratio(law.stray.0));
+    let mut sum = energy(before.account) + energy(law.refill);
+    for i in 0..3 {
+        let (change, on) = (wide(f[i]) - wide(older[i]), wide(x[i]) - wide(early[i]));
+        let under = wide(early[i]) + ((late * on + stray * change) >> N::SIGNAL_BITS);
+        sum += wide(f[i]) * wide(x[i]) - change * under - change.abs() * length(law.slack);
+    }
+    sum
+}
+
+/// Whether a tick did what the equations say.
+fn is_as_said<N: Format + Spatial>(
+    guard: &VectorGuard<N>,
+    before: &VectorGuardState<N>,
+    tick: &Tick<N>,
+    after: &VectorGuardState<N>,
+    answer: Result<Vector<Force<N>>, Overspeed>,
+) {
+    let law = &guard.of_length;
+    let furthest = length(law.furthest).pow(2);
+    let moved = position_bits(tick.moved);
+    let cleared = |account: i128| {
+        energy(after.account) == account
+            && *after
+                == VectorGuardState {
+                    account: after.account,
+                    ..VectorGuardState::default()
+                }
+    };
+    if sum_of_squares(moved) > furthest
+        || sum_of_squares(position_bits(tick.before_change)) > furthest
+    {
+        // What the forces that acted, and the one that acts on, can have lost.
+        let older = root_up(sum_of_squares(force_bits(before.older)));
+        let size = wide(N::of_signal(before.size.0)).max(older);
+        let over = (wide(N::of_signal_ratio(law.overrun.0)) * size) >> N::SIGNAL_BITS;
+        let way = (over + 1).min(wide(N::of_signal(N::HIGHEST)));
+        assert!(answer == Err(Overspeed) && cleared(energy(before.account) - size * way));
+        return;
+    }
+    let Ok(force) = answer else {
+        panic!("no overspeed");
+    };
+    let refilled = energy(law.refill) + damped(law, moved);
+    if before.account < Energy::zero() {
+        // With a deficit no force is shown.
+        assert!(force_bits(force) == [0; 3]);
+        assert!(cleared(
+            (energy(before.account) + refilled).min(energy(law.capacity))
+        ));
+        return;
+    }
+    let kept = reserve(law, before.size);
+    let sum = booked(law, before, tick) + damped(law, moved);
+    assert!(energy(after.account) == sum.min(energy(law.capacity)).max(kept));
+    // No longer than the account pays for, no component grown or turned.
+    let free = after.account - law.reserve(before.size);
+    let limit = wide(N::of_signal(law.largest_force(free.max(Energy::zero())).0));
+    let shown = force_bits(force);
+    assert!(sum_of_squares(shown) <= limit * limit);
+    let wanted = force_bits(tick.wanted);
+    let smaller = shown
+        .iter()
+        .zip(wanted)
+        .all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
+    assert!(smaller);
+    assert!(root_up(sum_of_squares(wanted)) > limit || force == tick.wanted);
+    assert!(after.against == -force && after.older == before.against);
+    assert!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
+}
+
+/// As shipped, on samples.
+pub mod w32 {
+    use super::*;
+    type N = Fixed32;
+
+    /// A configuration that the builder can give, and a memory within its limits.
+    fn any<S: Source>(s: &mut S) -> Option<(VectorGuard<N>, VectorGuardState<N>)> {
+        let mut of_length = None;
+        for _ in 0..200 {
+            let guard = Guard::<N>::any(s);
+            if guard.valid() {
+                of_length = Some(guard);
+                break;
+            }
+        }
+        let guard = VectorGuard::of(of_length?);
+        let most = guard.of_length.largest_force(guard.of_length.capacity);
+        let account = N::any_energy(s);
+        let force = |s: &mut S| forces::<N, S>(s).within(most);
+        let (against, older) = (force(s), force(s));
+        let account = if account >= Energy::zero() {
+            account.min(guard.of_length.capacity)
+        } else {
+            Energy::zero()
+        };
+        let state = VectorGuardState {
+            account,
+            against,
+            older,
+            size: against.length_up().min(most),
+        };
+        Some((guard, state))
+    }
+
+    property! {
+        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did.
+        equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
+        over "valid configuration, memory in the invariant, displacement, wanted force"
+        by sampled fn p1_vector_account(s) {
+            let Some((guard, before)) = any(s) else {
+                assume!(s, false, "Guard::new");
+                return;
+            };
+            let furthest = guard.of_length.furthest;
+            let tick = Tick {
+                moved: positions::<N, S>(s).within(furthest),
+                before_change: Vector::default(),
+                wanted: forces::<N, S>(s),
+            };
+            let mut state = before;
+            let answer = guard.tick(&mut state, tick.moved, tick.wanted);
+            is_as_said(&guard, &before, &tick, &state, answer);
+            let wanted = squares::<N>(force_bits(tick.wanted));
+            cover!(s, state.account < before.account, "paid");
+            cover!(s, answer.is_ok_and(|force| force_bits(force) != [0; 3] && squares::<N>(force_bits(force)) < wanted), "shortened");
+            cover!(s, damped(&guard.of_length, position_bits(tick.moved)) > 0, "damped");
+        }
+    }
+}
+
+/// At 8 bits, all inputs.
+pub mod w8 {
+    use super::*;
+    type N = Fixed8;
+
+    fn force(x: i64) -> Force<N> {
+        Force(position(x).0)
+    }
+    /// Along two axes.
+    fn flat<S: Source>(s: &mut S, width: u32, by: i64) -> [i64; 3] {
+        [by * signed(s, width), 0, by * signed(s, width)]
+    }
+    fn as_force(v: [i64; 3]) -> Vector<Force<N>> {
+        Vector(v.map(force))
+    }
+    /// One that `Guard::new` could give, with everything in it that a delayed device has.
+    pub(crate) fn guard() -> VectorGuard<N> {
+        let of_length = Guard::<N> {
+            capacity: Energy(<N as Number>::Energy::from_bits(900)),
+            refill: Energy(<N as Number>::Energy::from_bits(7)),
+            damping: Stiffness(<N as Number>::Gain::from_bits(9)),
+            furthest: position(9),
+            count: position(1),
+            late: Ratio(<N as Number>::Ratio::from_bits(40)),
+            stray: Compliance(<N as Number>::Ratio::from_bits(30)),
+            slack: position(1),
+            per_reach: Stiffness(<N as Number>::Gain::from_bits(20)),
+            in_flight: position(3),
+            overrun: Compliance(<N as Number>::Ratio::from_bits(50)),
+        };
+        assert!(of_length.valid());
+        VectorGuard::of(of_length)
+    }
+    /// A memory within its limits, or a deficit.
+    fn memory<S: Source>(s: &mut S, guard: &VectorGuard<N>) -> VectorGuardState<N> {
+        let account = Energy(<N as Number>::Energy::from_bits(
+            (150 * signed(s, 4)) as i16,
+        ));
+        if account < Energy::zero() {
+            return VectorGuardState {
+                account,
+                ..VectorGuardState::default()
+            };
+        }
+        let against = as_force(flat(s, 3, 4));
+        let older = as_force([0, 4 * signed(s, 2), 3]);
+        let size = against.length_up();
+        let most = guard.of_length.largest_force(guard.of_length.capacity);
+        VectorGuardState {
+            account: account
+                .min(guard.of_length.capacity)
+                .max(guard.of_length.reserve(size.min(most))),
+            against: if size <= most {
+                against
+            } else {
+                Vector::default()
+            },
+            older,
+            size: if size <= most { size } else { Force::zero() },
+        }
+    }
+
+    property! {
+        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did;
+        /// overspeed costs what the forces that acted can have lost, and a deficit shows none.
+        equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
+        over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, displacements of 4 and 3 bits, wanted forces of 2 bits"
+        by sampled fn p1_vector_account(s) {
+            let guard = guard();
+            let before = memory(s, &guard);
+            let tick = Tick {
+                moved: vector([signed(s, 4), 0, 3 * signed(s, 3)]),
+                before_change: Vector::default(),
+                wanted: as_force(flat(s, 2, 9)),
+            };
+            let mut state = before;
+            let answer = guard.tick(&mut state, tick.moved, tick.wanted);
+            is_as_said(&guard, &before, &tick, &state, answer);
+            cover!(s, answer == Err(Overspeed), "overspeed");
+            cover!(s, before.account < Energy::zero() && state.account > before.account, "a deficit");
+            cover!(s, state.account < before.account, "paid");
+            cover!(s, answer.is_ok_and(|force| force != tick.wanted && force_bits(force) != [0; 3]), "shortened");
+        }
+    }
+    property! {
+        /// P1: where the position was also taken when the force changed, what came before the change is booked under the older force alone.
+        equation "u = b + floor(late (Δ - b) + stray g)"
+        over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, both parts of a displacement of 2 bits an axis"
+        by sampled fn p1_vector_change(s) {
+            let guard = guard();
+            let before = memory(s, &guard);
+            let tick = Tick {
+                moved: vector(flat(s, 2, 4)),
+                before_change: vector([5 * signed(s, 2), signed(s, 2), 0]),
+                wanted: as_force([0, 0, 9]),
+            };
+            let mut state = before;
+            let answer = guard.tick_with_change(&mut state, tick.moved, tick.before_change, tick.wanted);
+            is_as_said(&guard, &before, &tick, &state, answer);
+            cover!(s, answer == Err(Overspeed), "overspeed before the change");
+            cover!(s, answer.is_ok_and(|force| force != tick.wanted), "shortened");
+        }
+    }
+    property! {
+        /// P9: from two furthest displacements before the end of positions on no force is shown, in any coordinate, and one that is wanted there is
+        /// refused; elsewhere it is the tick of any place.
+        equation "|x_i| >= end - 2 d: 0, and Err where F ≠ 0"
+        over "one configuration; every coordinate of 8 bits, along each axis, displacements of 2 bits along two axes, wanted forces of 2 bits"
+        by sampled fn p9_no_force_at_the_end(s) {
+            let guard = guard();
+            let mut at = [0; 3];
+            at[(s.bits(2) % 3) as usize] = signed(s, 8);
+            let (moved, wanted) = (vector(flat(s, 2, 4)), as_force(flat(s, 2, 3)));
+            let before = VectorGuardState { against: as_force([3, 0, -4]), size: force(5), ..guard.full() };
+            let (mut state, mut other) = (before, before);
+            let answer = guard.tick_at(&mut state, vector(at), moved, wanted);
+            // 127 less two furthest displacements of 9.
+            let ends = at.iter().any(|x| x.abs() >= 127 - 18) && wanted != Vector::default();
+            let shown = if ends { Vector::default() } else { wanted };
+            let expected = guard.tick(&mut other, moved, shown);
+            assert!(state == other && answer == if ends { Err(Overspeed) } else { expected });
+            assert!(guard.full() == VectorGuardState { account: guard.of_length.capacity, ..VectorGuardState::default() });
+            cover!(s, ends && at[1] < 0, "at an end");
+        }
+    }
+    property! {
+        /// P4: a force that was made smaller after the guard counts as that, and one that was made larger as the guard's.
+        equation "|F| <= s: against = -F, s' = |F| up"
+        over "forces of 4 bits along two axes, sizes of 4 bits"
+        by sampled fn p4_vector_commanded(s) {
+            let guard = guard();
+            let size = s.bits(4).cast_signed();
+            let before = VectorGuardState { against: as_force([1, 0, 0]), size: force(size), ..guard.full() };
+            let told = flat(s, 4, 1);
+            let mut state = before;
+            guard.commanded(&mut state, as_force(told));
+            let up = root_up(sum_of_squares(told));
+            let expected = if up <= wide(size) {
+                VectorGuardState { against: as_force(told.map(|x| -x)), size: force(up as i64), ..before }
+            } else {
+                before
+            };
+            assert!(state == expected);
+            cover!(s, state != before, "smaller");
+            cover!(s, state == before, "larger");
+        }
+    }
+}
