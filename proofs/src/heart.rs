@@ -210,7 +210,7 @@ heart!(
 );
 heart!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, u8, u16, products cadical, bits cadical
+    w8, u8, u16, products kissat, bits kissat
 );
 
 /// The whole root, at 8 bits: 32 products in a row do not finish at full width, where the digit and induction carry it.

@@ -94,7 +94,7 @@ property! {
     /// P1: the thesis' observer pairs the way with the new force.
     equation "E(n) = E(n-1) + f(n) (x(n) - x(n-1))"
     over "start, two ticks of position and force"
-    by cadical fn p1_observer_thesis(s) {
+    by kissat fn p1_observer_thesis(s) {
         let mut at = N::any_position(s);
         let mut observer = ThesisObserver::new(at);
         assert!(observer.energy == Energy::zero());
