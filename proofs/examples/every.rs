@@ -62,6 +62,8 @@ const PROPERTIES: &[Row] = &[
     every!(vectors::p4_scalar_products),
     every!(vectors::p4_lengths),
     every!(vectors::p4_across_is_shorter),
+    every!(vectors::p4_within_is_hardly_shorter),
+    every!(space::root32::p5_root_of_halves),
     every!(vector_guard::w8::p1_vector_account),
     every!(vector_guard::w8::p1_vector_change),
     every!(vector_guard::w8::p9_no_force_at_the_end),
@@ -110,6 +112,7 @@ impl Source for Every {
         }
         let digit = &mut self.digits[self.at];
         if self.at == 0 {
+            assert!(bits <= 8, "the first question is of one byte");
             digit.1 = bits;
         }
         assert!(digit.1 == bits, "another question after the same answers");

@@ -22,7 +22,7 @@ pub(crate) type N = Fixed8;
 /// 1 of a signal; directions end a quantum below.
 pub(crate) const ONE: i64 = 1 << <N as Format>::SIGNAL_BITS;
 /// The centre of every object here.
-const CENTRE: [i64; 3] = [1, -2, 3];
+const CENTRE: [i64; 3] = [3, -6, 3];
 
 pub(crate) fn position(bits: i64) -> Position<N> {
     Position(<N as Number>::Signal::from_bits(bits as i8))
@@ -109,9 +109,9 @@ property! {
 property! {
     /// P4: from inside a ball the way out ends on its surface, to three quanta.
     equation "| |v + t u| - R | <= 3 quanta"
-    over "inside; places of 4 bits an axis, radius up to 15 quanta, directions of 3 bits an axis"
+    over "inside; even places of 5 bits an axis, even radii up to 30 quanta, directions of 3 bits an axis"
     by sampled fn p4_ball_exit(s) {
-        let (radius, at) = (s.bits(4).cast_signed(), place(s, 4));
+        let (radius, at) = (2 * s.bits(4).cast_signed(), place(s, 4).map(|x| 2 * x));
         let v = from_centre(at);
         assume!(s, squares(v) <= radius * radius, "case: inside, as SurfacePoint::tick asks");
         let Some(u) = direction(s, 3) else {
@@ -156,7 +156,7 @@ property! {
         for i in 0..3 {
             assert!(both(i).iter().all(|way| ways(&body).contains(way)));
         }
-        assert!(!Surface::<N>::is_round(&body));
+        assert!(ways(&body).len() == 6 && !Surface::<N>::is_round(&body));
         cover!(s, x == [0; 3], "the middle");
         cover!(s, beyond.iter().all(|x| *x != 0), "off a vertex");
         cover!(s, bits(seen.depth) == 0, "on a face");
@@ -192,17 +192,20 @@ property! {
     }
 }
 
+/// How far, in quanta, a normal at a cylinder's rim may lead aside over the way from it.
+const RIM: f64 = 2.5;
+/// Sizes of cylinders, in quanta: steps of it.
+const STEP: i64 = 3;
+
 /// A radius, half a length, an axis and a place seen from the centre: the part across the axis, and that along it.
-fn round<S: Source>(s: &mut S, width: u32) -> (Cylinder<N>, [i64; 3], [i64; 3], i64) {
-    let (radius, half) = (
-        1 + s.bits(width).cast_signed(),
-        1 + s.bits(width).cast_signed(),
-    );
-    let (axis, at) = (s.bits(2) as usize, place(s, 4));
+fn round<S: Source>(s: &mut S) -> (Cylinder<N>, [i64; 3], [i64; 3], i64) {
+    let mut size = || position(STEP * (1 + s.bits(2).cast_signed()));
+    let (radius, half) = (size(), size());
+    let (axis, at) = (s.bits(2) as usize, place(s, 4).map(|x| STEP * x));
     let body = Cylinder {
         centre: vector(CENTRE),
-        radius: position(radius),
-        half: position(half),
+        radius,
+        half,
         axis,
     };
     let mut across = from_centre(at);
@@ -212,10 +215,10 @@ fn round<S: Source>(s: &mut S, width: u32) -> (Cylinder<N>, [i64; 3], [i64; 3], 
 
 property! {
     /// P4: a cylinder's surface is its radius from its axis and its half length from its middle; beyond both, at the rim, to three quanta.
-    equation "depth = min (R - floor |v|, h - |z|); at a rim -3 <= |depth| - sqrt((|v| - R)² + (|z| - h)²) <= 0"
-    over "places of 4 bits an axis, radii and half lengths up to 8 quanta, axis, side"
+    equation "depth = min (R - floor |v|, h - |z|); at a rim -3 <= |depth| - sqrt((floor |v| - R)² + (|z| - h)²) <= 0"
+    over "places of 4 bits an axis, three times as large, radii and half lengths from 3 to 12 quanta, axis, side"
     by sampled fn p4_cylinder_nearest(s) {
-        let (body, at, across, along) = round(s, 3);
+        let (body, at, across, along) = round(s);
         let side = axis(s);
         let seen = body.nearest(vector(at), &side);
         let (radius, half) = (bits(body.radius), bits(body.half));
@@ -233,12 +236,12 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            let normal = parts(&seen.normal);
-            // Of a way of one quantum along the axis nothing is left.
-            assert!(normal[axis] * along >= 0);
-            for i in (0..3).filter(|i| *i != axis) {
-                assert!(normal[i] * across[i] >= 0);
-            }
+            // Of the way from the rim, of which each part along an axis was shortened by up to two quanta.
+            let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
+            way[axis] = (along.signum() * -cap) as f64;
+            let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let normal = parts(&seen.normal).map(|x| x as f64 / ONE as f64 * size);
+            assert!(way.iter().zip(normal).all(|(way, normal)| (way - normal).abs() <= RIM));
         } else {
             assert!(depth == wall.min(cap));
             let end = Direction::along(axis, along < 0);
@@ -250,11 +253,11 @@ property! {
     }
 }
 property! {
-    /// P4: from inside a cylinder the way out ends on its wall or on an end, to two quanta, and within both.
-    equation "| |v + t u| - R | <= 2 quanta, or | |z + t u_z| - h | <= 2 quanta"
-    over "inside; places of 4 bits an axis, radii and half lengths up to 4 quanta, axis, directions of 3 bits an axis"
+    /// P4: from inside a cylinder the way out ends on its wall or on an end, to three quanta, and within both.
+    equation "| |v + t u| - R | <= 3 quanta, or | |z + t u_z| - h | <= 3 quanta"
+    over "inside; places of 4 bits an axis, three times as large, radii and half lengths from 3 to 12 quanta, axis, directions of 3 bits an axis"
     by sampled fn p4_cylinder_exit(s) {
-        let (body, at, across, along) = round(s, 2);
+        let (body, at, across, along) = round(s);
         let (radius, half) = (bits(body.radius), bits(body.half));
         assume!(s, squares(across) <= radius * radius && along.abs() <= half, "case: inside, as SurfacePoint::tick asks");
         let Some(u) = direction(s, 3) else {
@@ -266,8 +269,8 @@ property! {
         };
         let mut left = end(from_centre(at), bits(way), &u);
         let height = std::mem::take(&mut left[body.axis.min(2)]).abs();
-        let (wall, cap) = (is_at(left, radius, 2), (height - half * ONE).abs() <= 2 * ONE);
-        let within = height <= (half + 2) * ONE && squares(left) <= ((radius + 2) * ONE) * ((radius + 2) * ONE);
+        let (wall, cap) = (is_at(left, radius, 3), (height - half * ONE).abs() <= 3 * ONE);
+        let within = height <= (half + 3) * ONE && squares(left) <= ((radius + 3) * ONE) * ((radius + 3) * ONE);
         assert!((wall || cap) && within);
         cover!(s, wall && !cap, "through the wall");
         cover!(s, cap && !wall, "through an end");
@@ -319,7 +322,7 @@ property! {
 }
 property! {
     /// P4: through a plate the way out leads to the face on the side from which the HIP came, or nowhere.
-    equation "t = floor(depth / (normal·u)), none for normal·u <= 0 or beside"
+    equation "t = depth / floor(normal·u) towards zero, of an axis of 127/128; none for normal·u <= 0 or beside"
     over "places of 3 bits an axis, half lengths from 1 to 4 quanta, axis, side, directions of 3 bits an axis"
     by sampled fn p4_plate_exit(s) {
         let (plate, at, x) = plate(s, 2, 3);

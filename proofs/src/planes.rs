@@ -11,7 +11,7 @@
 
 use crate::objects::{N, ONE, axis, bits, direction, parts, place, position, signed, vector, ways};
 use crate::source::Source;
-use crate::{cover, property};
+use crate::{assume, cover, property};
 use touchstone_control::space::environment::{
     Corner, Cuboid, Cylinder, Edge, Facets, Plane, Plate, Sphere,
 };
@@ -34,7 +34,7 @@ fn plane(normal: Direction<N>, height: i64) -> Plane<N> {
 }
 
 property! {
-    /// P4: how deep a place is below a plane is the part of it along the normal, rounded down, less the plane's height; a plane seen from below
+    /// P4: how deep a place is below a plane is the plane's height less the part of the place along the normal, rounded down; a plane seen from below
     /// has the opposite of both.
     equation "depth = h - floor(n·x)"
     over "normals and places of 3 bits an axis, heights of 6 bits"
@@ -55,7 +55,7 @@ property! {
 }
 property! {
     /// P4: the way out through a plane is the depth over the cosine, and there is none along it or inwards.
-    equation "t = depth / floor(n·u)"
+    equation "t = depth / floor(n·u) towards zero, of a 1 of 127/128"
     over "normals and directions of 3 bits an axis, depths of 7 bits"
     by sampled fn p4_plane_exit(s) {
         let (Some(normal), Some(u)) = (direction(s, 3), direction(s, 3)) else {
@@ -132,10 +132,10 @@ property! {
 fn two<S: Source>(s: &mut S, width: u32) -> Option<([Plane<N>; 2], [i64; 3])> {
     let mut one = || {
         let normal = Direction::of(vector([signed(s, 3), 0, signed(s, 3)]))?;
-        Some(plane(normal, signed(s, 2)))
+        Some(plane(normal, 4 * signed(s, 2)))
     };
     let planes = [one()?, one()?];
-    Some((planes, [signed(s, width), 0, signed(s, width)]))
+    Some((planes, [3 * signed(s, width), 0, 3 * signed(s, width)]))
 }
 /// Heights over both, `n₁·n₂` and the square of the sine.
 fn seen_from(planes: &[Plane<N>; 2], at: [i64; 3]) -> ([i64; 2], i64, i64) {
@@ -151,11 +151,14 @@ fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }
 
+/// How exact the distance to an edge is, and how far over that way its normal may lead aside of both planes', in quanta.
+const EDGE: i64 = 7;
+
 property! {
-    /// P4: below two planes the higher plane counts; above one, from where its foot is below the other, that one; else the edge itself, at least as far
-    /// as either plane, and between their normals.
-    equation "depth = -max(a, b);  a > 0 and b - (n·m) a <= 0: -a;  else |depth| >= max(a, b) less the rounding"
-    over "normals of 3 bits along two axes, heights of 2 bits, places of 4 bits along two axes"
+    /// P4: below two planes the higher plane counts; above one, from where its foot is below the other, that one; else the edge itself, to seven quanta
+    /// where the planes stand by more than 30 degrees, and between their normals.
+    equation "depth = -max(a, b);  a > 0 and b - (n·m) a <= 0: -a;  else depth² = (a² + b² - 2 (n·m) a b)/(1 - (n·m)²), to 7 quanta"
+    over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_edge_nearest(s) {
         let Some((planes, at)) = two(s, 4) else {
             return;
@@ -176,10 +179,17 @@ property! {
             assert!(depth == -b);
             other
         } else {
-            // n·x of a vector between the two is positive, and the edge is never nearer than a plane.
-            let quanta = 1 + 4 * ONE * ONE / sine2.max(1);
-            assert!(depth <= 0 && -depth >= a.max(b) - quanta);
-            cover!(s, sine2 > ONE * ONE / 2, "the edge itself");
+            assume!(s, sine2 > ONE * ONE / 4, "Edge::new: flatter edges are less exact, as it says");
+            // By the law of cosines, of the two heights.
+            let (square, far) = (ONE * ONE * (a * a + b * b) - 2 * cosine * ONE * a * b, -depth);
+            assert!(far >= 0 && (far + EDGE) * (far + EDGE) * sine2 >= square);
+            assert!((far - EDGE).max(0) * (far - EDGE).max(0) * sine2 <= square);
+            // Between both normals.
+            let turn = |u: &Direction<N>, v: &Direction<N>| parts(u)[0] * parts(v)[2] - parts(u)[2] * parts(v)[0];
+            let sign = turn(&one, &other).signum();
+            let aside = EDGE * ONE * ONE;
+            assert!(far * sign * turn(&one, &seen.normal) >= -aside && far * sign * turn(&seen.normal, &other) >= -aside);
+            cover!(s, far > 2 * EDGE, "the edge itself");
             return;
         };
         assert!(seen.normal == normal);
@@ -188,7 +198,7 @@ property! {
 property! {
     /// P4: the way out of an edge is the shorter of those through its planes.
     equation "t = min(t_1, t_2)"
-    over "normals of 3 bits along two axes, heights of 2 bits, places of 3 bits along two axes, an axis"
+    over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_edge_exit(s) {
         let Some((planes, at)) = two(s, 3) else {
             return;
@@ -205,7 +215,7 @@ property! {
 property! {
     /// P4: a concave corner is what an edge of both planes seen from below leaves free: inside below either, and the normal of its closest point the other way.
     equation "nearest = -(nearest of the free space)"
-    over "normals of 3 bits along two axes, heights of 2 bits, places of 4 bits along two axes"
+    over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_corner_nearest(s) {
         let Some((planes, at)) = two(s, 4) else {
             return;
@@ -228,7 +238,7 @@ property! {
     /// P4: the way out of a concave corner is the longer of those through the planes that the place is below, and only where it ends above both, to four
     /// quanta.
     equation "t = max over planes below of depth / (n·u)"
-    over "normals of 3 bits along two axes, heights of 2 bits, places of 3 bits along two axes, an axis"
+    over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_corner_exit(s) {
         let Some((planes, at)) = two(s, 3) else {
             return;

@@ -63,6 +63,24 @@ pub mod w16 {
     }
 }
 
+/// The next level.
+pub mod root32 {
+    use super::*;
+
+    property! {
+        /// P5: the root by halves is the root: 32 bits.
+        equation "r r <= n < (r + 1) (r + 1)"
+        over "every number"
+        by sampled fn p5_root_of_halves(s) {
+            let n = u32::from(s.u8()) << 24 | s.bits(24) as u32;
+            let root = u64::from(root::root_32(n));
+            assert!(root * root <= u64::from(n) && (root + 1) * (root + 1) > u64::from(n));
+            cover!(s, root == 65_535, "the largest");
+            cover!(s, root * root == u64::from(n) && root > 256, "a square");
+        }
+    }
+}
+
 /// The root that is shipped.
 pub mod w64 {
     use super::*;
@@ -89,8 +107,9 @@ macro_rules! space {
             type N = $number;
 
             property! {
-                /// P4: a direction is never longer than one, its components have the signs of the vector's, and only the zero vector has none.
-                equation "|u| <= 1"
+                /// P4: a direction is never longer than one, its components have the signs of the vector's and are what they should be to two quanta (three
+                /// at 8 bits), and only the zero vector has none.
+                equation "|u| <= 1, |v_i|/|v| - 2 quanta <= |u_i| <= |v_i|/|v|"
                 over "every vector"
                 by $unit fn p4_unit(s) {
                     let v = positions::<N, S>(s);
@@ -105,6 +124,13 @@ macro_rules! space {
                     assert!(squares::<N>(unit) <= one * one);
                     let signs = unit.iter().zip(bits).all(|(u, v)| *u == 0 || (*u < 0) == (v < 0));
                     assert!(signs);
+                    let (slack, square) = (if N::BITS == 8 { 3 } else { 2 }, squares::<N>(bits));
+                    let near = unit.iter().zip(bits).all(|(u, v)| {
+                        let (u, v) = (N::exact(u.abs()), N::exact(v.abs()));
+                        let most = v * v * (one * one);
+                        u * u * square <= most && (u + N::exact(slack)) * (u + N::exact(slack)) * square >= most
+                    });
+                    assert!(near);
                     cover!(s, unit[0] == 0 && bits[0] != 0, "a component of less than a quantum");
                     cover!(s, bits[0] == N::of_signal(N::LOWEST), "the lowest value");
                 }
@@ -142,13 +168,18 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4: a vector's length and direction by one root are those by two.
-                equation "polar(v) = (|v|, v/|v|)"
+                /// P4: a vector's length with its direction is its length alone, and there is a direction of all but the zero vector.
+                equation "polar(v) = (floor |v|, v/|v|)"
                 over "every vector"
                 by $longer fn p4_polar(s) {
                     let v = positions::<N, S>(s);
                     let (length, direction) = Direction::polar(v);
-                    assert!(length == v.length_down() && direction == Direction::of(v));
+                    let square = squares::<N>(position_bits(v));
+                    let long = N::exact(N::of_signal(length.0));
+                    let one = N::exact(1);
+                    assert!(long >= N::exact(0) && long * long <= square);
+                    assert!(length.0 == N::HIGHEST || (long + one) * (long + one) > square);
+                    assert!(direction.is_none() == (square == N::exact(0)));
                     cover!(s, direction.is_none(), "the zero vector");
                     cover!(s, length.0 == N::HIGHEST, "longer than the format");
                 }
@@ -253,7 +284,7 @@ macro_rules! space {
     };
 }
 space!(
-    /// 8 bits, all inputs.
+    /// 8 bits: in `PROPERTIES` of `examples/every.rs`, proved, or sampled (across, friction).
     w8, Fixed8, unit sampled, across sampled, longer sampled, within sampled, work cadical, leaving sampled, friction sampled
 );
 space!(

@@ -120,8 +120,8 @@ fn is_as_said<N: Format + Spatial>(
     let sum = booked(law, before, tick) + damped(law, moved);
     assert!(energy(after.account) == sum.min(energy(law.capacity)).max(kept));
     // No longer than the account pays for, no component grown or turned.
-    let free = after.account - law.reserve(before.size);
-    let limit = wide(N::of_signal(law.largest_force(free.max(Energy::zero())).0));
+    let free = energy(after.account) - kept;
+    let limit = (wide(N::of_gain(law.per_reach.0)) * (free >> N::SIGNAL_BITS)) >> N::GAIN_BITS;
     let shown = force_bits(force);
     assert!(sum_of_squares(shown) <= limit * limit);
     let wanted = force_bits(tick.wanted);
@@ -130,7 +130,14 @@ fn is_as_said<N: Format + Spatial>(
         .zip(wanted)
         .all(|(a, b)| a.abs() <= b.abs() && (*a == 0 || (*a < 0) == (b < 0)));
     assert!(smaller);
-    assert!(root_up(sum_of_squares(wanted)) > limit || force == tick.wanted);
+    let long = root_up(sum_of_squares(wanted));
+    assert!(long > limit || force == tick.wanted);
+    // Shortened, and not by more than three quanta an axis, nor turned by more.
+    assert!(long <= limit || sum_of_squares(shown) >= (limit - 6).max(0).pow(2));
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let turned = wide(shown[i]) * wide(wanted[j]) - wide(shown[j]) * wide(wanted[i]);
+        assert!(turned.abs() <= 3 * wide(wanted[i].abs() + wanted[j].abs()));
+    }
     assert!(after.against == -force && after.older == before.against);
     assert!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
@@ -225,7 +232,6 @@ pub mod w8 {
             in_flight: position(3),
             overrun: Compliance(<N as Number>::Ratio::from_bits(50)),
         };
-        assert!(of_length.valid());
         VectorGuard::of(of_length)
     }
     /// A memory within its limits, or a deficit.
@@ -341,5 +347,12 @@ pub mod w8 {
             cover!(s, state != before, "smaller");
             cover!(s, state == before, "larger");
         }
+    }
+
+    /// What the properties are tried with is one that the builder could give.
+    #[cfg(all(test, not(kani)))]
+    #[test]
+    fn the_configuration_is_valid() {
+        assert!(guard().of_length.valid());
     }
 }
