@@ -11,7 +11,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_proofs::source::Source;
-use touchstone_proofs::{objects, planes, shells, space, vector_guard, vectors};
+use touchstone_proofs::{contact, objects, planes, shells, space, vector_guard, vectors};
 
 /// A property's name, where it begins and its body.
 type Row = (&'static str, fn(&mut Every));
@@ -48,12 +48,12 @@ const PROPERTIES: &[Row] = &[
     every!(planes::p4_corner_nearest),
     every!(planes::p4_corner_exit),
     every!(planes::p4_shape_is_its_object),
-    every!(shells::p4_displacement),
-    every!(shells::p4_point_closest),
-    every!(shells::p4_point_of_penetration),
-    every!(shells::p4_point_restricted),
-    every!(shells::p4_friction_sticks_and_slides),
-    every!(shells::p4_friction_turns),
+    every!(contact::p4_displacement),
+    every!(contact::p4_point_closest),
+    every!(contact::p4_point_of_penetration),
+    every!(contact::p4_point_restricted),
+    every!(contact::p4_friction_sticks_and_slides),
+    every!(contact::p4_friction_turns),
     every!(shells::p4_magnitude_is_the_law),
     every!(shells::p4_per_axis_is_three_laws),
     every!(shells::p4_per_axis_is_told_its_part),

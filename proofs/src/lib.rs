@@ -11,6 +11,7 @@
 #![allow(clippy::missing_panics_doc)]
 
 pub mod accepted;
+pub mod contact;
 pub mod controller;
 pub mod device;
 pub mod divided;
