@@ -75,6 +75,14 @@ def obligations(s):
     D0 = I("total")
     yield ("P6: rounding towards zero only dissipates", [D0 > 0, q >= 0, D0 * q <= r, q * D0 + D0 > r, r >= 0],
            (r - D0 * q) * q >= 0, ([D0 > 0, q >= 0, r >= 0], (r - D0 * q) * q >= 0))
+    b1, b2 = I("b1"), I("b2")
+    factors = [a >= 0, b1 >= 0, q >= a, b2 >= b1]
+    yield ("P11: products of smaller factors are not larger, by one factor", factors[:3], a * b1 <= q * b1,
+           ([factors[0], factors[2]], a * b1 <= q * b1))
+    yield ("P11: products of smaller factors are not larger, by both", [*factors, a * b1 <= q * b1], a * b1 <= q * b2,
+           (factors[:3] + [a * b1 <= q * b1], a * b1 <= q * b2))
+    yield ("P11: the product with the largest number", [], (W // 2 - 1) * b1 == W // 2 * b1 - b1,
+           ([], (W // 2 - 1) * b1 == W // 2 * b1 + b1))
 
 
 def answer(s, assumptions, claim):

@@ -26,6 +26,11 @@ fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 
+/// The product of two signed words.
+pub fn times<N: Format>(a: i64, b: i64) -> N::Exact {
+    N::exact(a) * N::exact(b)
+}
+
 impl<N: Format> Valid<N> for Guard<N> {
     type State = GuardState<N>;
     fn any<S: Source>(s: &mut S) -> Self {
@@ -91,15 +96,20 @@ impl<N: Format> Valid<N> for Guard<N> {
         if !(not_negative && rooms) {
             return false;
         }
-        let product = |k: Stiffness<N>, x| (N::exact(N::of_gain(k.0)) * x) >> N::GAIN_BITS;
-        let largest = product(self.per_reach, bits(self.capacity) >> N::SIGNAL_BITS);
-        let damping = product(self.damping, N::exact(N::of_signal(self.furthest.0)));
-        let stray = N::exact(N::of_signal_ratio(self.stray.0)) * (largest + largest);
-        largest <= most
-            && damping <= most
-            && stray >> N::SIGNAL_BITS <= most
+        let product = |k: Stiffness<N>, x| times::<N>(N::of_gain(k.0), x) >> N::GAIN_BITS;
+        let largest = product(
+            self.per_reach,
+            N::of_energy(self.capacity.0) >> N::SIGNAL_BITS,
+        );
+        let damping = product(self.damping, N::of_signal(self.furthest.0));
+        if largest > most || damping > most {
+            return false;
+        }
+        let largest = N::of_signal(self.largest_force(self.capacity).0);
+        let stray = times::<N>(N::of_signal_ratio(self.stray.0), largest + largest);
+        stray >> N::SIGNAL_BITS <= most
             // The reserve of the largest force is less than the account that allows it.
-            && largest * N::exact(N::of_signal(self.in_flight.0)) <= bits(self.capacity)
+            && times::<N>(largest, N::of_signal(self.in_flight.0)) <= bits(self.capacity)
     }
     fn holds(&self, state: &GuardState<N>) -> bool {
         let largest = self.largest_force(self.capacity);

@@ -25,6 +25,7 @@ pub mod format;
 pub mod functions;
 pub mod guard;
 pub mod heart;
+pub mod multiplied;
 pub mod objects;
 pub mod offset;
 pub mod parts;

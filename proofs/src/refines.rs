@@ -10,7 +10,7 @@
 use crate::format::Format;
 use crate::source::Source;
 use crate::valid::{Valid, drive_ok};
-use crate::{assume, cover, divided_property, property, such};
+use crate::{assume, cover, divided_property, multiplied, multiplied_property, property, such};
 use touchstone_control::filter::VirtualMass;
 use touchstone_control::law::{
     Contact, EnhancedSfa, EnhancedState, Fba, Law, Sample, Sfa, Spring, Tdpa,
@@ -61,7 +61,7 @@ fn at<N: Number>(contact: Contact, state: EnhancedState<N>) -> EnhancedState<N> 
 }
 
 macro_rules! refines {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $at:ident, by $solver:ident, spring $spring:ident, thesis $thesis:ident, energy $energy:ident, first $first:ident, held $held:ident, rest $rest:ident, forces $forces:ident, paid $paid:ident, whole $whole:ident, guard $guard:ident, ends $ends:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $at:ident, by $solver:ident, spring $spring:ident, thesis $thesis:ident, energy $energy:ident, sfa $sfa:ident, offset $offset:ident, first $first:ident, held $held:ident, rest $rest:ident, forces $forces:ident, paid $paid:ident, whole $whole:ident, guard $guard:ident, ends $ends:ident, products $products:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -69,7 +69,8 @@ macro_rules! refines {
             use specified::position;
             type N = $number;
 
-            property! {
+            multiplied_property! {
+                $products
                 /// P11, spring with damping.
                 equation "f = spec(e, Δe), inside' = (e > 0)"
                 over "valid configuration, sample"
@@ -77,7 +78,9 @@ macro_rules! refines {
                     let law = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
                     let mut state = <Spring<N> as Valid<N>>::any_state(s);
                     let sample = any_sample::<N, S>(s);
+                    multiplied::of_code();
                     let force = law.tick(&mut state, sample);
+                    multiplied::of_specification();
                     let (k, b, limit) = (specified::gain(law.desired), specified::gain(law.damping), specified::force(law.limit));
                     let expected = specified::spring(k, b, limit, position(sample.e), position(sample.moved));
                     assert!(specified::force(force) == expected && state.inside == (sample.e > Position::zero()));
@@ -158,11 +161,12 @@ macro_rules! refines {
                     cover!(s, force > 0 && force < specified::force(law.limit), "bounded");
                 }
             }
-            property! {
+            multiplied_property! {
+                $products
                 /// P11, SFA, original and continuous, from every memory.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration with a limit above 0 and ratios not negative, memory in the invariant, sample"
-                by $solver fn p11_sfa(s) {
+                by $sfa fn p11_sfa(s) {
                     let law = such!(
                         s, Sfa::<N>::any(s),
                         |law| law.valid() && law.limit > Force::zero() && law.gain >= Ratio::zero() && law.compliance >= Compliance::zero(),
@@ -171,7 +175,9 @@ macro_rules! refines {
                     let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
                     let sample = any_sample::<N, S>(s);
                     let mut state = before;
+                    multiplied::of_code();
                     let force = specified::force(law.tick(&mut state, sample));
+                    multiplied::of_specification();
                     let spec = specified::sfa(&law);
                     let expected = spec.tick(&specified::of_sfa(&before), position(sample.e), position(sample.moved));
                     assert!(expected == (specified::of_sfa(&state), force));
@@ -253,16 +259,19 @@ macro_rules! refines {
                     cover!(s, state.augmented.mass.position != before.last, "behind");
                 }
             }
-            property! {
+            multiplied_property! {
+                $products
                 /// P11, enhanced law, the step of the offset (Algorithm 3.1, lines 7 to 13).
                 equation "O' = spec(memory, e)"
                 over "valid configuration, memory in the invariant after the first contact, position"
-                by $solver fn p11_offset(s) {
+                by $offset fn p11_offset(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let before = such!(s, at(Contact::Augmenting, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
                     let e = N::any_position(s);
-                    let spec = specified::enhanced(&law, specified::gain(series));
+                    multiplied::of_code();
                     let after = law.offset(&before, e);
+                    multiplied::of_specification();
+                    let spec = specified::enhanced(&law, specified::gain(series));
                     assert!(position(after) == spec.offset(&specified::of_enhanced(&before), position(e)));
                     cover!(s, after > before.augmented.offset, "grows");
                     cover!(s, after < before.augmented.offset, "shrinks");
@@ -388,12 +397,14 @@ macro_rules! refines {
                     cover!(s, step < Position::zero(), "pulled out");
                 }
             }
-            property! {
+            multiplied_property! {
+                $products
                 /// P11, guard: a tick that is neither overspeed nor a deficit: account and force.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $guard fn p11_guard(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    multiplied::of_memory();
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
                         |state| law.holds(&state) && state.account >= Energy::zero(),
@@ -402,7 +413,9 @@ macro_rules! refines {
                     let (moved, wanted) = (N::any_position(s), N::any_force(s));
                     assume!(s, moved.modulus() <= law.furthest, "case; the other is p11_guard_over");
                     let mut state = before;
+                    multiplied::of_code();
                     let fine = law.tick(&mut state, moved, wanted).is_ok();
+                    multiplied::of_specification();
                     let spec = specified::guard(&law);
                     let expected = spec.tick(&specified::of_guard(&before), position(moved), 0, specified::force(wanted));
                     assert!(expected == (specified::of_guard(&state), fine));
@@ -410,12 +423,14 @@ macro_rules! refines {
                     cover!(s, state.account == law.capacity && law.capacity > Energy::zero(), "full");
                 }
             }
-            property! {
+            multiplied_property! {
+                $products
                 /// P11, guard: overspeed.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $ends fn p11_guard_over(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    multiplied::of_memory();
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
                         |state| law.holds(&state),
@@ -425,7 +440,9 @@ macro_rules! refines {
                     let over = moved.0 == N::LOWEST || moved.modulus() > law.furthest;
                     assume!(s, over, "case; the others are p11_guard and p11_guard_deficit");
                     let mut state = before;
+                    multiplied::of_code();
                     let fine = law.tick(&mut state, moved, wanted).is_ok();
+                    multiplied::of_specification();
                     let spec = specified::guard(&law);
                     let expected = spec.tick(&specified::of_guard(&before), position(moved), 0, specified::force(wanted));
                     assert!(expected == (specified::of_guard(&state), fine));
@@ -433,12 +450,14 @@ macro_rules! refines {
                     cover!(s, before.account < Energy::zero(), "with a deficit");
                 }
             }
-            property! {
+            multiplied_property! {
+                $products
                 /// P11, guard: a deficit.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $ends fn p11_guard_deficit(s) {
                     let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    multiplied::of_memory();
                     let before = such!(
                         s, <Guard<N> as Valid<N>>::any_state(s),
                         |state| law.holds(&state),
@@ -448,7 +467,9 @@ macro_rules! refines {
                     let over = moved.0 == N::LOWEST || moved.modulus() > law.furthest;
                     assume!(s, !over && before.account < Energy::zero(), "case; the others are p11_guard and p11_guard_over");
                     let mut state = before;
+                    multiplied::of_code();
                     let fine = law.tick(&mut state, moved, wanted).is_ok();
+                    multiplied::of_specification();
                     let spec = specified::guard(&law);
                     let expected = spec.tick(&specified::of_guard(&before), position(moved), 0, specified::force(wanted));
                     assert!(expected == (specified::of_guard(&state), fine));
@@ -462,9 +483,9 @@ macro_rules! refines {
 
 refines!(
     /// At 8 bits: every case.
-    w8, Fixed8, at8, by kissat, spring kissat, thesis kissat, energy kissat, first cadical, held kissat, rest kissat, forces kissat, paid kissat, whole sampled, guard kissat, ends kissat
+    w8, Fixed8, at8, by kissat, spring kissat, thesis kissat, energy kissat, sfa kissat, offset kissat, first cadical, held kissat, rest kissat, forces kissat, paid kissat, whole sampled, guard kissat, ends kissat, products plain
 );
 refines!(
-    /// As shipped, on samples from every memory of the invariant, reachable or not.
-    w32, Fixed32, at32, by sampled, spring sampled, thesis sampled, energy sampled, first sampled, held sampled, rest sampled, forces sampled, paid sampled, whole sampled, guard sampled, ends sampled
+    /// As shipped: the guard with products of which facts are known, the rest on samples from every memory of the invariant, reachable or not.
+    w32, Fixed32, at32, by sampled, spring minisat, thesis sampled, energy sampled, sfa minisat, offset minisat, first sampled, held sampled, rest sampled, forces sampled, paid sampled, whole sampled, guard minisat, ends minisat, products multiplied
 );

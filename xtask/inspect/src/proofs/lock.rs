@@ -16,19 +16,20 @@ const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 const COMPARES: &str = "refines";
 const SPECIFICATION: &str = "proofs/src/spec";
 const BRIDGE: &str = "specified";
-/// And the divisions of those that divide.
-const DIVIDED: &str = "divided";
+/// And the divisions and multiplications of those that have shared ones.
+const REPLACED: [&str; 2] = ["divided", "multiplied"];
 
 /// What a property is written in.
-pub const MACROS: [&str; 4] = [
+pub const MACROS: [&str; 5] = [
     "property",
     "divided_property",
+    "multiplied_property",
     "settings_property",
     "any_law_property",
 ];
 
 /// What a property or its file names after `by`.
-const SOLVERS: [&str; 5] = ["cadical", "kissat", "cvc5", "z3", "sampled"];
+const SOLVERS: [&str; 6] = ["cadical", "minisat", "kissat", "cvc5", "z3", "sampled"];
 
 /// The number of each property, by file and name: `tdpa::p7_leaves`.
 pub struct Statements(BTreeMap<String, u64>);
@@ -74,7 +75,8 @@ impl Statements {
         }
         let mut specification = EMPTY;
         for (file, text) in files {
-            if [BRIDGE, DIVIDED].contains(&file.as_str()) || file.starts_with("spec/") {
+            let of_comparisons = file == BRIDGE || REPLACED.contains(&file.as_str());
+            if of_comparisons || file.starts_with("spec/") {
                 let beside = looked_at(file, text)?.beside;
                 specification = beside.wrapping_add(add(specification, file));
             }
