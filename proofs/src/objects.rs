@@ -99,7 +99,7 @@ property! {
         let ([x, y, z], [a, b, c]) = (v, CENTRE);
         let seen = ball.nearest(vector([x + a, y + b, z + c]), &side);
         assert!(is_root(radius - bits(seen.depth), squares(v)));
-        let at_centre = if side == none { Direction::default() } else { side };
+        let at_centre = if side == none { Direction::along(2, false) } else { side };
         let along = Direction::of(vector(v)).unwrap_or(at_centre);
         assert!(seen.normal == along);
         assert!(Surface::<N>::is_round(&ball) && ways(&ball).is_empty());
