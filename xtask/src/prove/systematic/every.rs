@@ -3,14 +3,13 @@
 //! Those are proofs at 8 bits that rest on no solver (`proofs/examples/every.rs`), and most of what they refute fails in the first second.
 //! The same copy is built as for the tests, with all changes in it, and each is asked of the properties of its source.
 
-use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use super::instrumented::{Listed, built, folder};
-use super::{Outcomes, Shard};
+use super::{Outcomes, Shard, in_turns};
 use crate::shell;
 
 /// Processor time of one property with a change, in seconds: some take half of it where they hold.
@@ -65,18 +64,13 @@ const ABOUT: [(&str, &[&str]); 33] = [
     ),
 ];
 
-/// The command: one change of each function, then the second of each, and so on.
+/// The command.
 pub fn asked(shard: Shard) -> Result<(), String> {
     let (work, mut list) = built(&folder())?;
     let program = program(&work)?;
     let names = trusted(&program)?;
     let mut outcomes = Outcomes::open()?;
-    let mut of_function = BTreeMap::<String, usize>::new();
-    list.sort_by_cached_key(|one| {
-        let before = of_function.entry(one.function()).or_default();
-        *before += 1;
-        (*before, one.number)
-    });
+    in_turns(&mut list);
     for one in list.iter().filter(|one| shard.has(one.number)) {
         let about = about(one, &names);
         let is_answered = |outcome: &str| is_answered(outcome, &names);

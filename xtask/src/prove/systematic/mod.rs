@@ -195,17 +195,22 @@ impl Outcomes {
     }
 }
 
-fn asked(shard: Shard) -> Result<(), String> {
-    let (work, mut list) = built(&folder())?;
-    let binaries = binaries(&work)?;
-    let noise = noise(&binaries)?;
-    let mut outcomes = Outcomes::open()?;
+/// One change of each function, then the second of each, and so on.
+fn in_turns(list: &mut [Listed]) {
     let mut of_function = BTreeMap::<String, usize>::new();
     list.sort_by_cached_key(|one| {
         let before = of_function.entry(one.function()).or_default();
         *before += 1;
         (*before, one.number)
     });
+}
+
+fn asked(shard: Shard) -> Result<(), String> {
+    let (work, mut list) = built(&folder())?;
+    let binaries = binaries(&work)?;
+    let noise = noise(&binaries)?;
+    let mut outcomes = Outcomes::open()?;
+    in_turns(&mut list);
     for one in list.iter().filter(|one| shard.has(one.number)) {
         if outcomes.of(one).is_some() {
             continue;
