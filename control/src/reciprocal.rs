@@ -17,11 +17,12 @@ macro_rules! reciprocal {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
         pub struct $name {
-            divisor: $word,
+            /// What is divided by.
+            pub divisor: $word,
             /// The power of two that shifts the divisor up; to multiply by it is to shift, in fewer instructions.
-            scale: $word,
+            pub scale: $word,
             /// `m` above.
-            inverse: $wide,
+            pub inverse: $wide,
         }
 
         impl $name {

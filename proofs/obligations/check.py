@@ -83,6 +83,14 @@ def obligations(s):
            (factors[:3] + [a * b1 <= q * b1], a * b1 <= q * b2))
     yield ("P11: the product with the largest number", [], (W // 2 - 1) * b1 == W // 2 * b1 - b1,
            ([], (W // 2 - 1) * b1 == W // 2 * b1 + b1))
+    yield ("P11: the products of two parts are together that of the whole", [f == a - b1], b1 * b2 + f * b2 == a * b2,
+           ([], b1 * b2 + f * b2 == a * b2))
+    below = [E >= 0, a > 0, q >= 0, q * a <= E, E < q * a + a]
+    yield ("P11: a quotient fits a word where the dividend is less than half a word of divisors", [*below, E < W // 2 * a], q < W // 2,
+           (below, q < W // 2))
+    yield ("P11: and does not where it is not", [*below, E >= W // 2 * a], q >= W // 2, (below, q >= W // 2))
+    yield ("P11: the root of less than half a double word's square fits a word", [q >= 0, q * q <= E, E < W // 2 * (W // 2)], q < W // 2,
+           ([q >= 0, q * q <= E], q < W // 2))
 
 
 def answer(s, assumptions, claim):

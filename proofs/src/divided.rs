@@ -1,11 +1,20 @@
-//! Division for the checker: one quotient for one question, at 8 bits.
+//! Division and roots for the checker: one quotient for one question, at 32 bits.
 //!
-//! The checker makes of each division a quotient and a rest of its own, and then has to find out that two divisions of the same numbers
-//! have the same quotient, which takes it longer than all the rest. Here a quotient is what division says it is,
-//! `q b <= a < (q + 1) b`, and who asks the same again gets the same again. A `divided_property!` puts these functions in the place
-//! of the code's divisions and of the specification's; that the code's own are the same for all arguments is tried on all of them
-//! (`proofs/tests/exhaustive.rs`). Settings are divided in 128 bits; there what a proof rests on is a quotient's sign.
+//! As a product in [`crate::multiplied`], a quotient is here any number that has the facts of [`facts`]; the specification's next
+//! question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a product
+//! with the facts of products. A `divided_property!` puts these functions, and those of [`crate::multiplied`], in the place of the
+//! code's divisions, products and roots and of the specification's.
+//!
+//! ```text
+//! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py
+//! r < 2^31 where r^2 <= x < 2^62                           p3_root, obligations/check.py
+//! ```
+//!
+//! That the code's are these: `heart::p1_divide`, `p1_affordable`, `p6_quotient`, `p5_root_digit`, and around them `edges::p1_edge_*` and
+//! `p6_edge_divide`; that the reciprocal gives the same, `control/src/reciprocal.rs`. Settings are divided in 128 bits; there what a
+//! proof rests on is a quotient's sign.
 
+use crate::{cover, property};
 #[cfg(kani)]
 use fixed::{FixedI64, types::extra::LeEqU64};
 #[cfg(kani)]
@@ -45,16 +54,37 @@ macro_rules! replaced_property {
     };
 }
 
-/// A property of code and specification at 8 bits that both divide, with the divisions of this file.
+/// A property of code and specification that both divide: at the shipped width with the divisions, roots and products of this file
+/// and of [`crate::multiplied`], `multiplied`; at 8 bits with their own, `plain`. `and [..]` names further pairs.
 #[macro_export]
 macro_rules! divided_property {
-    ($($property:tt)*) => {
+    (plain and [$($pair:tt)*] $($property:tt)*) => {
+        $crate::property!($($property)*);
+    };
+    (plain $($property:tt)*) => {
+        $crate::property!($($property)*);
+    };
+    (multiplied and [$($pair:tt)*] $($property:tt)*) => {
         $crate::replaced_property! {
-            [(<touchstone_control::Fixed8 as touchstone_control::Number>::divide_by, $crate::divided::divide_by)
-            (<touchstone_control::Fixed8 as touchstone_control::Number>::affordable, $crate::divided::affordable)
-            ($crate::spec::at8::over, $crate::divided::over)]
+            [(<touchstone_control::Fixed32 as touchstone_control::Number>::product, $crate::multiplied::product)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::work, $crate::multiplied::work)
+            (<u32 as touchstone_control::magnitude::Word>::times, $crate::multiplied::words)
+            (<u32 as touchstone_control::magnitude::Word>::divides_within, $crate::divided::divides_within)
+            (touchstone_control::magnitude::divide_u32, $crate::divided::divide)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::divisor, $crate::divided::divisor)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::divide_by, $crate::divided::divide_by)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::affordable, $crate::divided::affordable)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::root, $crate::divided::root)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::root_of_four, $crate::divided::root_of_four)
+            ($crate::spec::times, $crate::divided::times)
+            ($crate::spec::over, $crate::divided::over)
+            ($crate::spec::fba::root, $crate::divided::specified_root)
+            $($pair)*]
             $($property)*
         }
+    };
+    (multiplied $($property:tt)*) => {
+        $crate::divided_property!(multiplied and [] $($property)*);
     };
 }
 
@@ -72,7 +102,7 @@ macro_rules! settings_property {
 }
 
 #[cfg(kani)]
-pub use by_one_quotient::{affordable, divide_by, over};
+pub use by_one_quotient::*;
 
 /// For `quotient` of settings: any number with that sign; `p8_quotient_sign64` has the code's own.
 #[cfg(kani)]
@@ -92,72 +122,222 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
+/// What is known of quotients and roots.
+pub mod facts {
+    /// Of a quotient, and of the part of the dividend that it accounts for; what is beyond a signed word has no part.
+    #[must_use]
+    pub fn is_quotient(dividend: u64, divisor: u32, quotient: u64, part: u64) -> bool {
+        let fits = dividend < u64::from(divisor) << 31;
+        (quotient < 1 << 31) == fits
+            && (!fits || part <= dividend && dividend - part < u64::from(divisor))
+    }
+    /// Of a root.
+    #[must_use]
+    pub fn is_root(radicand: u64, root: u32) -> bool {
+        radicand >= 1 << 62 || root < 1 << 31
+    }
+}
+
+property! {
+    /// P3: what is known of a quotient holds of the floor: over the integers, in two solvers, `obligations/check.py`.
+    equation "q = floor(a / b): q b <= a < q b + b, and q < 2^31 where a < 2^31 b"
+    over "double word, word above 0"
+    by sampled fn p3_quotient(s) {
+        let (dividend, divisor) = (s.u64(), s.u32().max(1));
+        let quotient = dividend / u64::from(divisor);
+        assert!(facts::is_quotient(dividend, divisor, quotient, quotient.wrapping_mul(divisor.into())));
+        cover!(s, quotient >= 1 << 31, "beyond");
+        cover!(s, quotient > 0 && quotient < 1 << 31, "within");
+    }
+}
+property! {
+    /// P3: what is known of a root holds of the floor: over the integers, in two solvers, `obligations/check.py`.
+    equation "r = floor(sqrt(x)) < 2^31 where x < 2^62"
+    over "double word"
+    by sampled fn p3_root(s) {
+        let radicand = s.u64();
+        let root = touchstone_control::magnitude::root::<u32>(radicand).root;
+        assert!(facts::is_root(radicand, root) && u64::from(root) * u64::from(root) <= radicand);
+        cover!(s, root >= 1 << 31, "beyond");
+        cover!(s, root > 0 && root < 1 << 31, "within");
+    }
+}
+
 #[cfg(kani)]
 mod by_one_quotient {
-    use core::sync::atomic::{AtomicU16, AtomicUsize, Ordering::Relaxed};
-    use touchstone_control::{Fixed8, Number};
+    use super::facts;
+    use crate::multiplied::{
+        adds_up_with_the_code, in_order_with_the_code, known, magnitude, signed as product,
+        specifies, word,
+    };
+    use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
+    use touchstone_control::reciprocal::Reciprocal32;
+    use touchstone_control::{Fixed32, Number};
 
-    /// More divisions than a law and its specification make in a tick; a further one is answered without memory.
-    const ROWS: usize = 8;
-    static USED: AtomicUsize = AtomicUsize::new(0);
-    static ROW: [[AtomicU16; 3]; ROWS] = [const { [const { AtomicU16::new(0) }; 3] }; ROWS];
+    type Signal = <Fixed32 as Number>::Signal;
+    type Gain = <Fixed32 as Number>::Gain;
+    type Energy = <Fixed32 as Number>::Energy;
 
-    /// `floor(a / b)`; 0 for a `b` of 0.
-    fn floor(a: u16, b: u16) -> u16 {
-        let used = USED.load(Relaxed);
-        let mut at = 0;
-        while at < ROWS {
-            let [of, by, found] = &ROW[at];
-            if at < used && of.load(Relaxed) == a && by.load(Relaxed) == b {
-                return found.load(Relaxed);
-            }
-            at += 1;
+    /// More than a law divides, or takes roots, in a tick.
+    const ROWS: usize = 3;
+    const HIGHEST: u64 = (1 << 31) - 1;
+
+    /// The code's next row, and the specification's.
+    static DIVIDED: AtomicUsize = AtomicUsize::new(0);
+    static AGAIN: AtomicUsize = AtomicUsize::new(0);
+    static DIVIDEND: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
+    static DIVISOR: [AtomicU32; ROWS] = [const { AtomicU32::new(0) }; ROWS];
+    static QUOTIENT: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
+    static PART: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
+
+    /// The code's quotient, with its part.
+    fn quotient(dividend: u64, divisor: u32) -> (u64, u64) {
+        let (quotient, part): (u64, u64) = (kani::any(), kani::any());
+        if divisor == 0 {
+            return (0, 0);
         }
-        let quotient: u16 = kani::any();
-        if b == 0 {
-            kani::assume(quotient == 0);
-        } else {
-            let part = u32::from(quotient) * u32::from(b);
-            kani::assume(part <= u32::from(a) && u32::from(a) - part < u32::from(b));
+        kani::assume(facts::is_quotient(dividend, divisor, quotient, part));
+        if quotient <= HIGHEST {
+            let (factors, turned) = ([divisor, quotient as u32], [quotient as u32, divisor]);
+            known(factors, part);
+            in_order_with_the_code(factors, part);
+            in_order_with_the_code(turned, part);
         }
-        if used < ROWS {
-            let [of, by, found] = &ROW[used];
-            of.store(a, Relaxed);
-            by.store(b, Relaxed);
-            found.store(quotient, Relaxed);
-            USED.store(used + 1, Relaxed);
-        }
-        quotient
+        let at = DIVIDED.load(Relaxed);
+        DIVIDED.store(at + 1, Relaxed);
+        DIVIDEND[at].store(dividend, Relaxed);
+        DIVISOR[at].store(divisor, Relaxed);
+        QUOTIENT[at].store(quotient, Relaxed);
+        PART[at].store(part, Relaxed);
+        (quotient, part)
     }
 
-    type Signal = <Fixed8 as Number>::Signal;
-    type Energy = <Fixed8 as Number>::Energy;
-
-    fn signed(size: u16, negative: bool) -> Signal {
-        let size = size.min(127) as i8;
+    fn signed(size: u64, negative: bool) -> Signal {
+        let size = size.min(HIGHEST) as i32;
         Signal::from_bits(if negative { -size } else { size })
     }
 
+    /// For [`touchstone_control::magnitude::divide_u32`].
+    pub fn divide(wide: u64, by: u32) -> (u64, u64) {
+        quotient(wide, by)
+    }
+    /// For [`touchstone_control::magnitude::Word::divides_within`].
+    pub fn divides_within(by: u32, wide: u64) -> Option<(u32, u64)> {
+        let (quotient, part) = quotient(wide, by);
+        (quotient <= HIGHEST).then_some((quotient as u32, part))
+    }
+    /// For [`Number::divisor`]: what it is made of only the reciprocal looks at.
+    pub fn divisor(k: Gain) -> Reciprocal32 {
+        let divisor = k.to_bits().unsigned_abs();
+        Reciprocal32 {
+            divisor,
+            scale: 0,
+            inverse: 0,
+        }
+    }
     /// For [`Number::divide_by`].
-    pub fn divide_by(p: i16, k: &u8) -> Signal {
-        signed(floor(p.unsigned_abs(), u16::from(*k)), p < 0)
+    pub fn divide_by(p: i64, k: &Reciprocal32) -> Signal {
+        signed(quotient(p.unsigned_abs(), k.divisor).0, p < 0)
     }
-
-    /// For [`Number::affordable`].
+    /// For [`Number::affordable`]; of what is left by a retreat beyond the format nothing is known.
     pub fn affordable(e: Energy, f: Signal) -> (Signal, Energy) {
-        let (e, f) = (
-            e.to_bits().max(0).unsigned_abs(),
-            u16::from(f.to_bits().unsigned_abs()),
+        let energy = e.to_bits().max(0);
+        let (moved, part) = quotient(energy.unsigned_abs(), f.to_bits().unsigned_abs());
+        let rest = if moved <= HIGHEST {
+            energy - part as i64
+        } else {
+            kani::any()
+        };
+        (signed(moved, false), Energy::from_bits(rest))
+    }
+    /// For [`crate::spec::over`].
+    pub fn over(a: i128, b: i128) -> i128 {
+        assert!(
+            u64::try_from(a).is_ok() && u32::try_from(b).is_ok() && b > 0,
+            "the specification divides words"
         );
-        let moved = floor(e, f).min(127);
-        (
-            signed(moved, false),
-            Energy::from_bits(e.saturating_sub(moved * f) as i16),
-        )
+        let at = AGAIN.load(Relaxed);
+        AGAIN.store(at + 1, Relaxed);
+        let any: u64 = kani::any();
+        if at >= DIVIDED.load(Relaxed) || at >= ROWS {
+            return any.into();
+        }
+        let same = DIVIDEND[at].load(Relaxed) == a as u64 && DIVISOR[at].load(Relaxed) == b as u32;
+        if same {
+            QUOTIENT[at].load(Relaxed)
+        } else {
+            any
+        }
+        .into()
     }
 
-    /// For [`crate::spec::at8::over`].
-    pub fn over(a: i32, b: i32) -> i32 {
-        i32::from(floor(a as u16, b as u16))
+    /// The specification's product beside the parts of the code's quotients.
+    fn beside(a: u32, b: u32) -> u64 {
+        let product = magnitude(a, b);
+        let mut at = 0;
+        while at < ROWS && at < DIVIDED.load(Relaxed) {
+            let (part, quotient) = (PART[at].load(Relaxed), QUOTIENT[at].load(Relaxed));
+            if quotient <= HIGHEST {
+                let (factors, turned) = (
+                    [DIVISOR[at].load(Relaxed), quotient as u32],
+                    [quotient as u32, DIVISOR[at].load(Relaxed)],
+                );
+                kani::assume([a, b] != factors && [a, b] != turned || product == part);
+                adds_up_with_the_code(factors, part, [a, b], product);
+            }
+            at += 1;
+        }
+        product
+    }
+    /// For [`crate::spec::times`].
+    pub fn times(a: i128, b: i128) -> i128 {
+        let (a, b) = (word(a), word(b));
+        product(a, b, beside(a.unsigned_abs(), b.unsigned_abs())).into()
+    }
+
+    static ROOTS: AtomicUsize = AtomicUsize::new(0);
+    static ROOTS_AGAIN: AtomicUsize = AtomicUsize::new(0);
+    static RADICAND: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
+    static ROOT: [AtomicU32; ROWS] = [const { AtomicU32::new(0) }; ROWS];
+
+    fn root_of(radicand: u64) -> u32 {
+        let any: u32 = kani::any();
+        kani::assume(facts::is_root(radicand, any));
+        let (again, made) = (ROOTS_AGAIN.load(Relaxed), ROOTS.load(Relaxed));
+        if specifies() {
+            ROOTS_AGAIN.store(again + 1, Relaxed);
+            let same = again < made && again < ROWS && RADICAND[again].load(Relaxed) == radicand;
+            return if same { ROOT[again].load(Relaxed) } else { any };
+        }
+        ROOTS.store(made + 1, Relaxed);
+        RADICAND[made].store(radicand, Relaxed);
+        ROOT[made].store(any, Relaxed);
+        any
+    }
+    /// For [`Number::root`].
+    pub fn root(e: Energy) -> Signal {
+        if e.to_bits() <= 0 {
+            return Signal::ZERO;
+        }
+        signed(root_of(e.to_bits() as u64).into(), false)
+    }
+    /// For [`Number::root_of_four`].
+    pub fn root_of_four(k: Gain) -> Gain {
+        if k.to_bits() <= 0 {
+            return Gain::ZERO;
+        }
+        let radicand = u64::from(k.to_bits() as u32) << (Gain::FRAC_NBITS + 2);
+        Gain::from_bits(root_of(radicand).min(HIGHEST as u32) as i32)
+    }
+    /// For [`crate::spec::fba::root`].
+    pub fn specified_root(x: i128) -> i128 {
+        if x <= 0 {
+            return 0;
+        }
+        assert!(
+            u64::try_from(x).is_ok(),
+            "the specification takes roots of double words"
+        );
+        root_of(x as u64).into()
     }
 }

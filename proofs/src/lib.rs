@@ -9,6 +9,8 @@
 #![cfg_attr(kani, allow(missing_docs))]
 // The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
 #![allow(clippy::missing_panics_doc)]
+// The list of what a property replaces is long.
+#![recursion_limit = "1024"]
 
 pub mod accepted;
 pub mod contact;
@@ -29,8 +31,10 @@ pub mod multiplied;
 pub mod objects;
 pub mod offset;
 pub mod parts;
+pub mod pieces;
 pub mod planes;
 pub mod refines;
+pub mod refines_enhanced;
 pub mod settings;
 pub mod shells;
 pub mod source;

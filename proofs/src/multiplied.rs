@@ -9,13 +9,15 @@
 //! ```text
 //! a <= c, b <= d  implies  a b <= c d                 p3_product_in_order, obligations/check.py
 //! 2^k b = b << k, (2^31 - 1) b = (b << 31) - b        p3_product_known, obligations/check.py
-//! Fixed32::product, Fixed32::work are the products    p1_products_are_exact, edges::p1_edge_work
+//! a b = c b + (a - c) b                               p3_product_adds_up, obligations/check.py
+//! what the code multiplies by are the products        p1_products_are_exact, edges::p1_edge_work
 //! ```
 //!
 //! Questions are told apart by their order: those of the settings come first, then the memory's, the code's, and the specification's.
 //! Who asks in another order than the code gets an answer of which nothing is known, which proves less, never more.
 
 use crate::{cover, property};
+use touchstone_control::magnitude::Word;
 use touchstone_control::{Fixed32, Number};
 
 type Signal = <Fixed32 as Number>::Signal;
@@ -28,13 +30,26 @@ pub mod facts {
     pub fn in_order([a, b]: [u32; 2], less: u64, [c, d]: [u32; 2], more: u64) -> bool {
         a > c || b > d || less <= more
     }
-    /// Factors whose products are known without a multiplication: a share of 1, a quarter of the format, its largest number.
-    pub const FACTORS: [u32; 3] = [1 << 24, 1 << 29, (1 << 31) - 1];
+    /// The products of two parts of a factor are together that of the whole.
+    #[must_use]
+    pub fn adds_up(
+        [a, b]: [u32; 2],
+        whole: u64,
+        [c, d]: [u32; 2],
+        part: u64,
+        [e, f]: [u32; 2],
+        rest: u64,
+    ) -> bool {
+        b != d || b != f || a < c || a - c != e || part <= whole && whole - part == rest
+    }
+    /// Factors whose products are known without a multiplication: a share of 1, a quarter of the format, its largest number, its
+    /// lowest number's magnitude.
+    pub const FACTORS: [u32; 4] = [1 << 24, 1 << 29, (1 << 31) - 1, 1 << 31];
     /// Their products.
     #[must_use]
-    pub fn products(b: u32) -> [u64; 3] {
+    pub fn products(b: u32) -> [u64; 4] {
         let b = u64::from(b);
-        [b << 24, b << 29, (b << 31) - b]
+        [b << 24, b << 29, (b << 31) - b, b << 31]
     }
 }
 
@@ -49,6 +64,19 @@ property! {
     }
 }
 property! {
+    /// P3: the products of two parts of a factor are together that of the whole: over the integers, in two solvers,
+    /// `obligations/check.py`.
+    equation "a b = c b + (a - c) b"
+    over "three words"
+    by sampled fn p3_product_adds_up(s) {
+        let (a, b, c, e) = (s.u32(), s.u32(), s.u32(), s.u32());
+        let e = if c <= a && s.bool() { a - c } else { e };
+        let product = |a: u32| u64::from(a) * u64::from(b);
+        assert!(facts::adds_up([a, b], product(a), [c, b], product(c), [e, b], product(e)));
+        cover!(s, c < a && a - c == e && b > 0, "parts");
+    }
+}
+property! {
     /// P3: a product with a power of two is a shift, one with the largest number a shift and a difference, as over the integers.
     equation "2^k b = b << k, (2^31 - 1) b = (b << 31) - b"
     over "word"
@@ -59,32 +87,42 @@ property! {
     }
 }
 property! {
-    /// P1: the code's product of a gain and a signal is the product, sign by sign, of their magnitudes.
-    equation "p = k x = ± |k| |x|"
-    over "gain and signal"
+    /// P1: the code's product of a gain and a signal is the product, and so is that of two magnitudes.
+    equation "p = k x"
+    over "gain and signal, two magnitudes"
     by kissat fn p1_products_are_exact(s) {
         let (k, x) = (s.i32(), s.i32());
         let found = Fixed32::product(Gain::from_bits(k), Signal::from_bits(x));
         assert!(found == i64::from(k) * i64::from(x));
         cover!(s, found < 0, "negative");
+        let (a, b) = (s.u32(), s.u32());
+        assert!(a.times(b) == u64::from(a) * u64::from(b));
     }
 }
 
 /// A property that at the shipped width has the multiplications of this file, `multiplied`, and at 8 bits the code's own, `plain`.
+/// `and [..]` names further pairs.
 #[macro_export]
 macro_rules! multiplied_property {
+    (plain and [$($pair:tt)*] $($property:tt)*) => {
+        $crate::property!($($property)*);
+    };
     (plain $($property:tt)*) => {
         $crate::property!($($property)*);
     };
-    (multiplied $($property:tt)*) => {
+    (multiplied and [$($pair:tt)*] $($property:tt)*) => {
         $crate::replaced_property! {
             [(<touchstone_control::Fixed32 as touchstone_control::Number>::product, $crate::multiplied::product)
             (<touchstone_control::Fixed32 as touchstone_control::Number>::work, $crate::multiplied::work)
             (<u32 as touchstone_control::magnitude::Word>::times, $crate::multiplied::words)
             ($crate::guard::times, $crate::multiplied::exact)
-            ($crate::spec::times, $crate::multiplied::times)]
+            ($crate::spec::times, $crate::multiplied::times)
+            $($pair)*]
             $($property)*
         }
+    };
+    (multiplied $($property:tt)*) => {
+        $crate::multiplied_property!(multiplied and [] $($property)*);
     };
 }
 
@@ -113,9 +151,12 @@ mod by_one_product {
     /// Where the rows of the memory, of the code, and the end are: more than any property asks for.
     const MEMORY: usize = 5;
     const CODE: usize = 6;
-    const END: usize = 18;
-    /// The next question's row; from `END` on the specification asks.
+    const END: usize = 13;
+    /// The next question's row, and who asks.
     static AT: AtomicUsize = AtomicUsize::new(0);
+    static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
+    /// The row after the code's last.
+    static ASKED: AtomicUsize = AtomicUsize::new(CODE);
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
     static FOUND: [AtomicU64; END] = [const { AtomicU64::new(0) }; END];
@@ -127,7 +168,13 @@ mod by_one_product {
         AT.store(CODE, Relaxed);
     }
     pub fn of_specification() {
-        AT.store(END, Relaxed);
+        ASKED.store(AT.load(Relaxed), Relaxed);
+        AT.store(CODE, Relaxed);
+        SPECIFIES.store(1, Relaxed);
+    }
+    /// Whether the specification asks.
+    pub fn specifies() -> bool {
+        SPECIFIES.load(Relaxed) == 1
     }
 
     /// Factors and product of a row.
@@ -135,27 +182,60 @@ mod by_one_product {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-
-    fn magnitude(a: u32, b: u32) -> u64 {
-        let at = AT.load(Relaxed);
-        AT.store(at + 1, Relaxed);
-        let any: u64 = kani::any();
-        if at >= END {
-            let same = at - END + CODE;
-            if same >= END {
-                return any;
-            }
-            let (factors, found) = row(same);
-            return if factors == [a, b] { found } else { any };
+    /// The row after the last that the code has asked for so far.
+    fn asked() -> usize {
+        if specifies() {
+            ASKED.load(Relaxed)
+        } else {
+            AT.load(Relaxed)
         }
+    }
+    /// A product with factors, in order with each that the code has asked for so far.
+    pub fn in_order_with_the_code(factors: [u32; 2], found: u64) {
+        let (mut of, end) = (CODE, asked());
+        while of < END && of < end {
+            let (before, product) = row(of);
+            kani::assume(
+                facts::in_order(factors, found, before, product)
+                    && facts::in_order(before, product, factors, found),
+            );
+            of += 1;
+        }
+    }
+    /// A product that is two parts': the second is each that the code has asked for so far.
+    pub fn adds_up_with_the_code(factors: [u32; 2], whole: u64, parts: [u32; 2], part: u64) {
+        let (mut of, end) = (CODE, asked());
+        while of < END && of < end {
+            let (rest, product) = row(of);
+            kani::assume(facts::adds_up(factors, whole, parts, part, rest, product));
+            of += 1;
+        }
+    }
+    /// What is known of a product by itself.
+    pub fn known([a, b]: [u32; 2], found: u64) {
         let known = [facts::products(a), facts::products(b)];
         let mut i = 0;
         while i < facts::FACTORS.len() {
             let factor = facts::FACTORS[i];
-            kani::assume(facts::in_order([a, b], any, [factor, b], known[1][i]));
-            kani::assume(facts::in_order([b, a], any, [factor, a], known[0][i]));
+            kani::assume(facts::in_order([a, b], found, [factor, b], known[1][i]));
+            kani::assume(facts::in_order([b, a], found, [factor, a], known[0][i]));
             i += 1;
         }
+    }
+
+    /// The product of two magnitudes.
+    pub fn magnitude(a: u32, b: u32) -> u64 {
+        let at = AT.load(Relaxed);
+        AT.store(at + 1, Relaxed);
+        let any: u64 = kani::any();
+        if specifies() {
+            if at >= ASKED.load(Relaxed) || at >= END {
+                return any;
+            }
+            let (factors, found) = row(at);
+            return if factors == [a, b] { found } else { any };
+        }
+        known([a, b], any);
         let mut of = 0;
         while of < CODE && of < at {
             let (factors, found) = row(of);
@@ -168,17 +248,23 @@ mod by_one_product {
         any
     }
 
-    fn signed(a: i32, b: i32) -> i64 {
-        let size = magnitude(a.unsigned_abs(), b.unsigned_abs()) as i64;
+    /// A magnitude with the sign of a product.
+    pub fn signed(a: i32, b: i32, size: u64) -> i64 {
         if (a < 0) == (b < 0) {
-            size
+            size as i64
         } else {
-            size.wrapping_neg()
+            (size as i64).wrapping_neg()
         }
     }
-    /// Of what the specification multiplies: words, which is asserted.
-    fn word(x: i64) -> i32 {
-        assert!(i32::try_from(x).is_ok());
+    fn product_of(a: i32, b: i32) -> i64 {
+        signed(a, b, magnitude(a.unsigned_abs(), b.unsigned_abs()))
+    }
+    /// A word of the specification.
+    pub fn word(x: i128) -> i32 {
+        assert!(
+            i32::try_from(x).is_ok(),
+            "the specification multiplies words"
+        );
         x as i32
     }
 
@@ -188,18 +274,18 @@ mod by_one_product {
     }
     /// For [`Number::product`].
     pub fn product(k: Gain, x: Signal) -> i64 {
-        signed(k.to_bits(), x.to_bits())
+        product_of(k.to_bits(), x.to_bits())
     }
     /// For [`Number::work`].
     pub fn work(f: Signal, d: Signal) -> <Fixed32 as Number>::Energy {
-        <Fixed32 as Number>::Energy::from_bits(signed(f.to_bits(), d.to_bits()))
+        <Fixed32 as Number>::Energy::from_bits(product_of(f.to_bits(), d.to_bits()))
     }
     /// For [`crate::spec::times`].
-    pub fn times(a: i64, b: i64) -> i64 {
-        signed(word(a), word(b))
+    pub fn times(a: i128, b: i128) -> i128 {
+        i128::from(product_of(word(a), word(b)))
     }
     /// For [`crate::guard::times`].
     pub fn exact<N: Format>(a: i64, b: i64) -> N::Exact {
-        N::exact(times(a, b))
+        N::exact(times(a.into(), b.into()) as i64)
     }
 }

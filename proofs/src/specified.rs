@@ -58,8 +58,8 @@ macro_rules! specified {
 
             /// The spring's tick.
             pub use spec::sfa::spring_tick as spring;
-            /// The enhanced law's memory.
-            pub use spec::enhanced::Memory as EnhancedMemory;
+            /// The passivity controller.
+            pub use spec::tdpa::passive;
 
             /// TDPA.
             #[must_use]

@@ -96,7 +96,7 @@ fn every_root_scale_and_quotient() {
     }
 }
 
-/// What `proofs/src/divided.rs` puts in their place, for all arguments.
+/// What `proofs/src/divided.rs` knows of the divisions that it takes the place of, at 8 bits for all arguments.
 #[test]
 fn every_division_is_a_floor_with_its_sign() {
     type Signal = <Fixed8 as Number>::Signal;

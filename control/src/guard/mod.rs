@@ -160,7 +160,7 @@ impl<N: Number> Guard<N> {
     /// All of it fits: forces and displacements are at most a quarter of their format, so that each product below is at most an
     /// eighth of an energy's, and the account at most a quarter.
     #[inline(always)]
-    fn booked(
+    pub fn booked(
         &self,
         state: &GuardState<N>,
         moved: Position<N>,

@@ -1,5 +1,6 @@
 //! The enhanced law's specification tick (thesis Algorithm 3.1, Fig. 3.18; the virtual mass of §3.5 by backward Euler).
 
+use super::tdpa::passive;
 use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, towards_zero};
 
 /// The coefficients, in quanta.
@@ -213,17 +214,17 @@ impl Enhanced {
 
     /// What drives the mass, but for the wall: `m d/T² + k_f (e - x) + c_f Δe/T`.
     #[must_use]
-    pub fn drive(&self, m: &Memory, e: Int, moved: Int) -> Int {
-        times(self.inertia, m.mass_moved)
-            + times(self.coupling, signal(e - m.mass))
+    pub fn drive(&self, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
+        times(self.inertia, mass_moved)
+            + times(self.coupling, signal(e - mass))
             + times(self.damping, moved)
     }
 
     /// The force of the coupling on the HIP, towards zero.
     #[must_use]
-    pub fn coupled(&self, m: &Memory, e: Int, moved: Int) -> Int {
-        let stretch = times(self.coupling, signal(e - m.mass));
-        let tension = stretch + times(self.damping, signal(moved - m.mass_moved));
+    pub fn coupled(&self, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
+        let stretch = times(self.coupling, signal(e - mass));
+        let tension = stretch + times(self.damping, signal(moved - mass_moved));
         cut(tension, GAIN).clamp(-HIGHEST, HIGHEST)
     }
 
@@ -235,18 +236,18 @@ impl Enhanced {
             return None;
         }
         let before = *m;
-        let drive = self.drive(m, e, moved);
+        let drive = self.drive(m.mass, m.mass_moved, e, moved);
         let step;
         (m.energy, m.at_mass, step) = if self.exact {
-            self.paid_move(&before, drive, wanted)
+            self.paid_move(m.energy, m.mass, drive, wanted)
         } else {
             // Fig. 3.18: the last displacement stands for the next.
-            let (energy, force) = passive(m.energy, wanted, m.mass_moved);
+            let (energy, force) = passive(m.energy, wanted, m.mass_moved, self.energy_cap);
             let step = self.displacement(m.mass, drive, force);
-            (energy.min(self.energy_cap), force, step)
+            (energy, force, step)
         };
         (m.mass, m.mass_moved) = (signal(m.mass + step), step);
-        let shown = self.coupled(m, e, moved);
+        let shown = self.coupled(m.mass, m.mass_moved, e, moved);
         if shown > 0 || shown == 0 && e > 0 {
             return Some(shown);
         }
@@ -256,10 +257,11 @@ impl Enhanced {
         // A wall does not pull: the mass goes on as if it were not coupled, if that is paid for.
         let force = if self.exact { wanted } else { m.at_mass };
         let coast = self.displacement(before.mass, times(self.inertia, before.mass_moved), force);
-        let after = before.energy + times(force, coast);
-        let paid = !self.exact || after >= 0;
-        let step = if paid { coast } else { 0 };
+        let mut step = coast;
         if self.exact {
+            let after = before.energy + times(force, coast);
+            let paid = after >= 0;
+            step = if paid { coast } else { 0 };
             m.energy = if paid {
                 after.min(self.energy_cap)
             } else {
@@ -273,27 +275,17 @@ impl Enhanced {
 
     /// Energy, force and displacement of the mass such that `E' = E + f d' >= 0`.
     #[must_use]
-    pub fn paid_move(&self, m: &Memory, drive: Int, wanted: Int) -> (Int, Int, Int) {
-        let step = self.displacement(m.mass, drive, wanted);
-        let after = m.energy + times(wanted, step);
+    pub fn paid_move(&self, energy: Int, mass: Int, drive: Int, wanted: Int) -> (Int, Int, Int) {
+        let step = self.displacement(mass, drive, wanted);
+        let after = energy + times(wanted, step);
         if after >= 0 {
             return (after.min(self.energy_cap), wanted, step);
         }
-        let retreat = over(m.energy, wanted);
+        let retreat = over(energy, wanted);
         let force = outward_up(drive + times(self.total, retreat)).min(wanted);
         if force == 0 {
-            return (m.energy, 0, self.displacement(m.mass, drive, 0));
+            return (energy, 0, self.displacement(mass, drive, 0));
         }
-        (m.energy - times(force, retreat), force, -retreat)
+        (energy - times(force, retreat), force, -retreat)
     }
-}
-
-/// (2.1) to (2.4): energy and force after a displacement that is known.
-fn passive(energy: Int, wanted: Int, moved: Int) -> (Int, Int) {
-    let force = if energy + times(wanted, moved) >= 0 {
-        wanted
-    } else {
-        over(energy, -moved)
-    };
-    (energy + times(force, moved), force)
 }

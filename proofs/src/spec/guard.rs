@@ -63,7 +63,9 @@ impl Guard {
         times(self.per_reach, free >> SIGNAL) >> GAIN
     }
 
-    fn booked(&self, memory: &Memory, moved: Int, before_change: Int) -> Int {
+    /// The account after a tick.
+    #[must_use]
+    pub fn booked(&self, memory: &Memory, moved: Int, before_change: Int) -> Int {
         let change = memory.force - memory.older;
         let under_older = before_change
             + ((times(self.late, moved - before_change) + times(self.stray, change)) >> SIGNAL);

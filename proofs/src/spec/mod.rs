@@ -1,7 +1,7 @@
 //! Specification ticks: each law and the guard once more, over integers of 128 bits in which nothing saturates but where it says
 //! so. No `Number`, nothing of what the code is made of: read each file beside the thesis' equations. The tests in
 //! `proofs/tests/spec_*.rs` compare code and specification bit for bit, force and whole memory; `proofs/src/refines.rs` proves the
-//! same at 8 bits, with the same text at that width ([`at8`]).
+//! same. The same text at 8 bits is [`at8`].
 //!
 //! All numbers are counts of quanta of the 32-bit formats: signals (positions, forces) have 24 fractional bits, gains
 //! (stiffnesses) 12, ratios 24, energies 48.
@@ -22,11 +22,7 @@ pub mod tdpa;
 pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 
 /// What is counted with.
-#[cfg(not(kani))]
 pub type Int = i128;
-/// What the checker counts with: it checks every sum for overflow, so that it proves that half the width would do as well.
-#[cfg(kani)]
-pub type Int = i64;
 /// Bits of a signal.
 pub const BITS: u32 = 32;
 /// Fractional bits of a signal.

@@ -1,6 +1,6 @@
 //! TDPA's specification tick (thesis 1.6, 2.1 to 2.6).
 
-use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, spring, times};
+use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, over, spring, times};
 
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +41,8 @@ impl Tdpa {
         let (energy, force) = if self.exact {
             self.exact(memory, wanted, moved, loss)
         } else {
-            self.thesis(memory, wanted, moved, loss)
+            let energy = (memory.energy + loss).min(self.energy_cap);
+            passive(energy, wanted, moved, self.energy_cap)
         };
         (
             Memory {
@@ -53,18 +54,6 @@ impl Tdpa {
         )
     }
 
-    /// (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, and `f(n)` such that it is not negative.
-    fn thesis(&self, memory: &Memory, wanted: Int, moved: Int, loss: Int) -> (Int, Int) {
-        let energy = (memory.energy + loss).min(self.energy_cap);
-        let force = if energy + times(wanted, moved) >= 0 {
-            wanted
-        } else {
-            // Outward, and not enough in store: what there is, over the displacement.
-            energy / -moved
-        };
-        ((energy + times(force, moved)).min(self.energy_cap), force)
-    }
-
     /// `E(n) = E(n-1) + f(n-1) Δe`, and `f(n)` such that the next displacement, taken to be like the last, leaves no deficit.
     fn exact(&self, memory: &Memory, wanted: Int, moved: Int, loss: Int) -> (Int, Int) {
         let lowest = |energy: Int| energy.max(LOWEST_ENERGY);
@@ -73,7 +62,7 @@ impl Tdpa {
         let force = if moved == 0 || energy + times(wanted, moved) >= 0 {
             wanted
         } else {
-            let enough = (energy.abs() / moved.abs()).min(HIGHEST);
+            let enough = over(energy.abs(), moved.abs()).min(HIGHEST);
             if energy < 0 && moved < 0 {
                 -enough
             } else {
@@ -82,4 +71,16 @@ impl Tdpa {
         };
         (energy, force.min(self.limit).max((-self.limit).max(LOWEST)))
     }
+}
+
+/// (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that it is not negative.
+#[must_use]
+pub fn passive(energy: Int, wanted: Int, moved: Int, cap: Int) -> (Int, Int) {
+    let after = energy + times(wanted, moved);
+    if after >= 0 {
+        return (after.min(cap), wanted);
+    }
+    // Outward, and not enough in store: what there is, over the displacement.
+    let force = over(energy, -moved);
+    (energy + times(force, moved), force)
 }

@@ -13,17 +13,20 @@ const SOURCES: &str = "proofs/src";
 /// What every statement rests on: configurations and memories, sources of inputs, number formats.
 const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 /// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
-const COMPARES: &str = "refines";
+const COMPARES: [&str; 2] = ["refines", "refines_enhanced"];
 const SPECIFICATION: &str = "proofs/src/spec";
 const BRIDGE: &str = "specified";
-/// And the divisions and multiplications of those that have shared ones.
-const REPLACED: [&str; 2] = ["divided", "multiplied"];
+/// And the divisions, multiplications and pieces of ticks of those that have shared ones.
+const REPLACED: [&str; 3] = ["divided", "multiplied", "pieces"];
 
 /// What a property is written in.
-pub const MACROS: [&str; 5] = [
+pub const MACROS: [&str; 8] = [
     "property",
     "divided_property",
     "multiplied_property",
+    "booked_property",
+    "composed_property",
+    "first_property",
     "settings_property",
     "any_law_property",
 ];
@@ -84,7 +87,7 @@ impl Statements {
         let mut numbers = BTreeMap::<String, u64>::new();
         for (file, text) in files {
             let found = looked_at(file, text)?;
-            let shared = if file == COMPARES {
+            let shared = if COMPARES.contains(&file.as_str()) {
                 shared ^ specification
             } else {
                 shared
@@ -162,9 +165,12 @@ fn look(tokens: TokenStream, into: &mut Looked) {
             && let Some(TokenTree::Group(group)) = tokens.get(at + 2)
             && group.delimiter() == Delimiter::Brace
         {
-            into.properties.extend(one(group.stream()));
-            at += 3;
-            continue;
+            // What a macro hands on to another is none.
+            if let Some(property) = one(group.stream()) {
+                into.properties.push(property);
+                at += 3;
+                continue;
+            }
         }
         match token {
             TokenTree::Group(group) => {
@@ -198,7 +204,8 @@ fn one(tokens: TokenStream) -> Option<(String, u64)> {
         .collect();
     look(tokens, &mut inner);
     let at = words.iter().position(|word| word == "fn")?;
-    Some((words.get(at + 1)?.clone(), inner.beside))
+    let name = words.get(at + 1).filter(|name| *name != "$")?;
+    Some((name.clone(), inner.beside))
 }
 
 #[cfg(test)]
