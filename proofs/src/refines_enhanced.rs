@@ -113,11 +113,14 @@ macro_rules! refines {
                 $products
                 /// P11, enhanced law, the hand-over to the mass, with its force kept.
                 equation "memory' = spec(memory)"
-                over "valid configuration that keeps the force, memory in the invariant in first contact"
+                over "valid configuration that keeps the force, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_force(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let law = EnhancedSfa { first_contact: FirstContact::KeepForce, ..law };
                     let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
+                    let least = Energy::zero() - N::energy_cap();
+                    let energy = such!(s, N::any_energy(s), |energy| energy >= least && energy <= N::energy_cap(), "the tick's work is added before");
+                    let before = EnhancedState { energy, ..before };
                     let mut state = before;
                     multiplied::of_code();
                     law.hand_over(&mut state);
@@ -126,17 +129,21 @@ macro_rules! refines {
                     let expected = spec.hand_over(&specified::of_enhanced(&before));
                     assert!(expected == specified::of_enhanced(&state));
                     cover!(s, state.augmented.mass.position != before.last, "behind");
+                    cover!(s, before.energy < Energy::zero(), "with a deficit");
                 }
             }
             divided_property! {
                 $products
                 /// P11, enhanced law, the hand-over to the mass, at rest between its springs.
                 equation "memory' = spec(memory)"
-                over "valid configuration that starts without an offset, memory in the invariant in first contact"
+                over "valid configuration that starts without an offset, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_rest(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");
                     let law = EnhancedSfa { first_contact: FirstContact::ZeroOffset, ..law };
                     let before = such!(s, at(Contact::First, <EnhancedSfa<N> as Valid<N>>::any_state(s)), |state| law.holds(&state), "invariant, kept by p4_*");
+                    let least = Energy::zero() - N::energy_cap();
+                    let energy = such!(s, N::any_energy(s), |energy| energy >= least && energy <= N::energy_cap(), "the tick's work is added before");
+                    let before = EnhancedState { energy, ..before };
                     let mut state = before;
                     multiplied::of_code();
                     law.hand_over(&mut state);
@@ -145,6 +152,7 @@ macro_rules! refines {
                     let expected = spec.hand_over(&specified::of_enhanced(&before));
                     assert!(expected == specified::of_enhanced(&state));
                     cover!(s, state.augmented.mass.position != before.last, "behind");
+                    cover!(s, before.energy < Energy::zero(), "with a deficit");
                 }
             }
             multiplied_property! {
@@ -289,7 +297,7 @@ macro_rules! refines {
                     let mut left = stored;
                     multiplied::of_code();
                     let (force, step) = law.affordable_move(from, drive, wanted, &mut left);
-                    assume!(s, force == Force::zero(), "case; the others are p11_move_at_full_force and p11_move_held_back");
+                    assume!(s, force <= Force::zero() || force > wanted, "case; the others are p11_move_at_full_force and p11_move_held_back");
                     multiplied::of_specification();
                     let spec = specified::enhanced(&law, specified::gain(series));
                     let expected = spec.paid_move(specified::energy(stored), position(from), specified::tension(drive), specified::force(wanted));
