@@ -88,7 +88,9 @@ def obligations(s):
     below = [E >= 0, a > 0, q >= 0, q * a <= E, E < q * a + a]
     yield ("P11: a quotient fits a word where the dividend is less than half a word of divisors", [*below, E < W // 2 * a], q < W // 2,
            (below, q < W // 2))
-    yield ("P11: and does not where it is not", [*below, E >= W // 2 * a], q >= W // 2, (below, q >= W // 2))
+    # t is what the quotient lacks of the first that does not fit: W / 2 = q + 1 + t.
+    yield ("P11: and does not where it is not: below it, so is the dividend", [a > 0, t >= 0, E < q * a + a], E < (q + 1 + t) * a,
+           ([a > 0, E < q * a + a], E < (q + 1 + t) * a))
     yield ("P11: the root of less than half a double word's square fits a word", [q >= 0, q * q <= E, E < W // 2 * (W // 2)], q < W // 2,
            ([q >= 0, q * q <= E], q < W // 2))
 
