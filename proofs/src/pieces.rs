@@ -4,7 +4,8 @@
 //! functions of this file in the place of the offset, of what drives the mass, of the paid move, of the thesis' passivity controller and of the coupling, in the code and
 //! in the specification: the code gets any answer, the specification the same if it asks the same, any other if not. That the
 //! answers are the same is `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and
-//! `refines::w32::p11_passive`; what these need is asserted here.
+//! `refines::w32::p11_passive`; what the moves and the passivity controller need is
+//! asserted here, what the offset and the books need is what the case assumes.
 
 /// A property of a tick that is put together from its pieces: at the shipped width with those of this file, `multiplied`; at 8 bits
 /// with its own, `plain`.
