@@ -1,6 +1,6 @@
 (** The specification as a program: what compare.ml runs beside the shipped code's ticks. Integers stay Coq's own, of any size. *)
 
-From Touchstone Require Import Guard Laws.
+From Touchstone Require Import Guard Laws Enhanced.
 Require Import ExtrOcamlBasic.
 Extraction Language OCaml.
-Extraction "specified.ml" tick commanded full tdpa_tick fba_tick outside.
+Extraction "specified.ml" tick commanded full tdpa_tick fba_tick outside enhanced_tick free_at.

@@ -1,6 +1,6 @@
 (** What is claimed, and that nothing is assumed for it: the gate counts the answers. *)
 
-From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass.
+From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass EnhancedIsPassive EnhancedOffset.
 
 Print Assumptions change_of_force.
 Print Assumptions pure_delay_acts_late.
@@ -13,3 +13,8 @@ Print Assumptions thesis_sum_is_never_negative.
 Print Assumptions fba_is_passive.
 Print Assumptions contact_gives_at_most_the_loan.
 Print Assumptions given_at_most.
+Print Assumptions enhanced_gives_at_most_the_loan.
+Print Assumptions enhanced_gives_at_most.
+Print Assumptions enhanced_energy_is_never_negative.
+Print Assumptions offset_in_a_tick.
+Print Assumptions offset_goes_no_further.

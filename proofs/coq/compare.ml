@@ -21,6 +21,7 @@ type running =
   | A_guard of guard * memory
   | A_tdpa of tdpa * observed
   | An_fba of fba * observed
+  | An_enhanced of enhanced * state
 
 let running = ref Nothing
 let ticks = ref 0
@@ -28,6 +29,18 @@ let made = ref 0
 
 let fail line why = Printf.printf "after %d ticks: %s: %s\n" !ticks line why; exit 1
 let check line same = if same then incr ticks else fail line "the specification says otherwise"
+
+(* Of the enhanced law, in how many ticks what a comparison must have seen was so. *)
+let seen = Array.make 7 0
+let reached after m =
+  let both = m.phase = Augmenting && after.phase = Augmenting in
+  let less a b = Z.ltb a b in
+  List.iteri
+    (fun i it -> if it then seen.(i) <- seen.(i) + 1)
+    [ m.phase = First && after.phase = Augmenting; m.phase = Augmenting && after.phase = Free;
+      both && less m.offset after.offset; both && less after.offset m.offset; both && after.hip_force = Z0;
+      both && less after.left m.left; both && less after.last Z0 ]
+
 let start it = incr made; running := it
 
 let take line =
@@ -41,6 +54,15 @@ let take line =
       | "tdpa", [ t_desired; form; t_damping; t_limit ], _ ->
           start (A_tdpa ({ t_desired; exact = form <> Z0; t_damping; t_limit }, outside))
       | "fba", [ f_desired; f_damping; f_limit ], _ -> start (An_fba ({ f_desired; f_damping; f_limit }, outside))
+      | "enhanced",
+        [ desired; target; soft; compliance; of_ideal; of_force; of_penetration; hip; every; exact; keep; inertia; coupling;
+          mass_damping; total; series; credit; limit ], _ ->
+          let at_hip = hip <> Z0 and every_tick = every <> Z0 and mass_exact = exact <> Z0 and keep_force = keep <> Z0 in
+          let it =
+            { desired; target; soft; compliance; of_ideal; of_force; of_penetration; at_hip; every_tick; mass_exact; keep_force;
+              inertia; coupling; mass_damping; total; series; credit; limit }
+          in
+          start (An_enhanced (it, free_at Z0))
       | "tick", [ moved; before; wanted; told; account'; force'; older'; fine; told' ], A_guard (it, m) ->
           let after, answer = tick it m moved before wanted in
           let last = commanded after told in
@@ -56,9 +78,17 @@ let take line =
           let after = fba_tick it m e moved in
           check line (after.shown = force' && after.energy = energy');
           running := An_fba (it, after)
+      | "mass", [ e; moved; force'; contact'; last; hip_force; left; mass; mass_moved; offset; at_mass ], An_enhanced (it, m) ->
+          let after = enhanced_tick it m e moved in
+          let phase = if contact' = Z0 then Free else if contact' = small 1 then First else Augmenting in
+          check line
+            (after = { phase; last; hip_force; left; mass; mass_moved; offset; at_mass } && after.hip_force = force');
+          reached after m;
+          running := An_enhanced (it, after)
       | _ -> fail line "not what is written here")
 
 let () =
   (try while true do take (input_line stdin) done with End_of_file -> ());
   if !ticks = 0 then fail "nothing" "nothing was compared";
+  Array.iter (fun count -> if count < 50 then fail "the enhanced law" "a case was hardly reached") seen;
   Printf.printf "%d ticks of %d guards and laws are the extracted specification's, bit for bit\n" !ticks !made

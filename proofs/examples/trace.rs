@@ -1,5 +1,5 @@
-//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce: of the guard, of TDPA and of FBA,
-//! of each its coefficients, and of each tick what came in, and memory and answer after it.
+//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce: of the guard, of TDPA, of FBA
+//! and of the enhanced law, of each its coefficients, and of each tick what came in, and memory and answer after it.
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
 use std::io::{BufWriter, Result, Write};
@@ -7,8 +7,11 @@ use touchstone_control::law::{Law as _, Sample};
 use touchstone_control::{
     AnyLaw, ChangeOfForce, Fixed32, Force, Guard, LawKind, ObserverForm, Position,
 };
+use touchstone_proofs::spec::enhanced;
 use touchstone_proofs::spec::hands::{Hand, Random, any_law, any_settings, bits, moved};
-use touchstone_proofs::specified::at32::{guard as specified, of_guard as memory};
+use touchstone_proofs::specified::at32::{
+    enhanced as specified_enhanced, guard as specified, of_enhanced, of_guard as memory,
+};
 
 fn main() -> Result<()> {
     let ticks = std::env::args().nth(1).and_then(|text| text.parse().ok());
@@ -18,6 +21,7 @@ fn main() -> Result<()> {
     for kind in [LawKind::Tdpa, LawKind::Fba] {
         laws(&mut out, kind, ticks / 4)?;
     }
+    enhanced_laws(&mut out, 2 * ticks)?;
     out.flush()
 }
 
@@ -63,6 +67,82 @@ fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
                 moved.to_bits(),
                 energy.0.to_bits()
             )?;
+        }
+    }
+    Ok(())
+}
+
+/// The enhanced law, over contacts of every kind, with its whole memory.
+fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
+    let mut random = Random(6);
+    let mut ticks = 0;
+    while ticks < wanted_ticks {
+        let settings = any_law(&mut random, LawKind::EnhancedSfa);
+        // Below `k_v` it is a plain spring.
+        let Ok(AnyLaw::Enhanced(law, mut state)) = AnyLaw::<Fixed32>::new(&settings) else {
+            continue;
+        };
+        // The divisors are of the settings themselves, towards zero in the digits of a gain.
+        let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
+        let it = specified_enhanced(&law, series);
+        write!(out, "enhanced")?;
+        for value in [
+            it.desired,
+            it.target,
+            it.soft,
+            it.compliance,
+            it.of_ideal,
+            it.of_force,
+            it.of_penetration,
+            i128::from(it.at_hip),
+            i128::from(it.every_tick),
+            i128::from(it.exact),
+            i128::from(it.keep_force),
+            it.inertia,
+            it.coupling,
+            it.damping,
+            it.total,
+            it.series,
+            it.credit,
+            it.limit,
+        ] {
+            write!(out, " {value}")?;
+        }
+        writeln!(out)?;
+        let mut hand = Hand::any(&mut random);
+        let mut force = 0;
+        for tick in 0..500 {
+            ticks += 1;
+            let (e, moved) = hand.moves(&mut random, tick, force);
+            let sample = Sample {
+                e: Position(e),
+                moved: Position(moved),
+            };
+            force = i128::from(law.tick(&mut state, sample).0.to_bits());
+            let m = of_enhanced(&state);
+            let contact = match m.contact {
+                enhanced::Contact::Free => 0,
+                enhanced::Contact::First => 1,
+                enhanced::Contact::Augmenting => 2,
+            };
+            write!(
+                out,
+                "mass {} {} {force} {contact}",
+                e.to_bits(),
+                moved.to_bits()
+            )?;
+            for value in [
+                m.last,
+                m.force,
+                m.energy,
+                m.mass,
+                m.mass_moved,
+                m.offset,
+                m.at_mass,
+            ] {
+                write!(out, " {value}")?;
+            }
+            writeln!(out)?;
         }
     }
     Ok(())

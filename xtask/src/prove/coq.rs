@@ -13,7 +13,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// In the order in which each needs those before it.
-const FILES: [&str; 9] = [
+const FILES: [&str; 12] = [
     "Guard",
     "Port",
     "GuardLosesNothing",
@@ -21,6 +21,9 @@ const FILES: [&str; 9] = [
     "Laws",
     "LawsArePassive",
     "Mass",
+    "Enhanced",
+    "EnhancedIsPassive",
+    "EnhancedOffset",
     "Theorems",
     "Extract",
 ];
