@@ -166,8 +166,9 @@ Inductive goes_on (m : state) (e moved : Z) : state -> Prop :=
     move_mass L m (drive_of L m e moved) (wanted_of L m (next_offset L m e)) = (energy, f, step) ->
     shown = coupled L (mass m + step) step e moved -> 0 <= shown -> a_signal (mass m + step) ->
     goes_on m e moved (moved_on m (energy, f, step) e (next_offset L m e) (Z.min shown (limit L)))
-| As_left_behind (energy f energy' f' step : Z) :
+| As_left_behind (energy f step energy' f' : Z) :
     move_mass L m (drive_of L m e moved) (wanted_of L m (next_offset L m e)) = (energy, f, step) ->
+    a_signal (mass m + step) -> coupled L (mass m + step) step e moved < 0 ->
     forall step', leave_behind L m energy f (wanted_of L m (next_offset L m e)) = (energy', f', step') ->
     a_signal (mass m + step') ->
     goes_on m e moved (moved_on m (energy', f', step') e (next_offset L m e) 0).
@@ -197,12 +198,15 @@ Proof.
     split; [lia|split].
     + apply As_coupled; [exact Mv | reflexivity | exact S0 | exact R].
     + constructor; fields; try lia; [reflexivity | apply signal_is_one].
-  - destruct (e <=? 0); [left; reflexivity|]. right.
+  - destruct (e <=? 0) eqn:Out; [left; reflexivity|]. right. apply Z.leb_gt in Out.
+    assert (S0 : shown < 0).
+    { apply orb_false_iff in S. destruct S as [S1 S2]. apply Z.ltb_ge in S1.
+      rewrite (proj2 (Z.ltb_lt 0 e) Out), andb_true_r in S2. apply Z.eqb_neq in S2. lia. }
     pose proof (leave_behind_holds m energy f wanted ltac:(constructor; assumption) W E F) as B.
     destruct (leave_behind L m energy f wanted) as [[energy' f'] step'] eqn:Lb. destruct B as (E' & F' & R').
     rewrite (Z.min_l 0) by lia.
     split; [lia|split].
-    + apply (As_left_behind m e moved energy f energy' f' step Mv step' Lb R').
+    + apply (As_left_behind m e moved energy f step energy' f' Mv R S0 step' Lb R').
     + constructor; fields; try lia; [reflexivity | apply signal_is_one].
 Qed.
 
@@ -211,7 +215,7 @@ Lemma a_tick_of_the_books (m : state) (e moved : Z) (m' : state) :
   mass_exact L = true -> carried L m -> 0 < wanted_of L m (next_offset L m e) -> goes_on m e moved m' ->
   exists t : mass_tick, 0 < wants t /\ moves (left m) t = (left m', at_mass m', mass m' - mass m).
 Proof.
-  intros Ex C W G. destruct C. destruct G as [energy f step shown Mv _ _ R | energy f energy' f' step Mv step' Lb R].
+  intros Ex C W G. destruct C. destruct G as [energy f step shown Mv _ _ R | energy f step energy' f' Mv _ _ step' Lb R].
   - exists (Coupled (displacement L (mass m) (drive_of L m e moved))
               (fun r => outward_up (drive_of L m e moved + total L * r)) (wanted_of L m (next_offset L m e))).
     split; [exact W|]. unfold move_mass in Mv. rewrite Ex in Mv. cbn [moves].

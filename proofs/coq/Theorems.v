@@ -1,6 +1,7 @@
 (** What is claimed, and that nothing is assumed for it: the gate counts the answers. *)
 
-From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass EnhancedIsPassive EnhancedOffset.
+From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass EnhancedIsPassive EnhancedOffset EnhancedStorage
+  EnhancedPort.
 
 Print Assumptions change_of_force.
 Print Assumptions pure_delay_acts_late.
@@ -18,3 +19,7 @@ Print Assumptions enhanced_gives_at_most.
 Print Assumptions enhanced_energy_is_never_negative.
 Print Assumptions offset_in_a_tick.
 Print Assumptions offset_goes_no_further.
+Print Assumptions storage_is_kept.
+Print Assumptions force_is_the_tension_rounded.
+Print Assumptions hand_over_adds_nothing.
+Print Assumptions contact_gives_at_most_what_it_took.

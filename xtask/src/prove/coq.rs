@@ -13,7 +13,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// In the order in which each needs those before it.
-const FILES: [&str; 12] = [
+const FILES: [&str; 14] = [
     "Guard",
     "Port",
     "GuardLosesNothing",
@@ -24,6 +24,8 @@ const FILES: [&str; 12] = [
     "Enhanced",
     "EnhancedIsPassive",
     "EnhancedOffset",
+    "EnhancedStorage",
+    "EnhancedPort",
     "Theorems",
     "Extract",
 ];
