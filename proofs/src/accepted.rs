@@ -1,16 +1,19 @@
 //! P8: what `AnyLaw::new` accepts is what the properties of the laws assume: for all settings, by the code that builds the law.
 //!
 //! Settings are multiplied and divided in 128 bits on the way, which no solver follows to the end; what is assumed of the result
-//! rests on signs, sums and shifts, and these it does follow, whatever the products are. The guard's and the estimator's
-//! coefficients rest on products: they are sampled (`guard.rs`, `settings.rs`).
+//! rests on signs, sums and shifts, and these it does follow, whatever the products are. That every setting is in its range is asked
+//! once (`p8_validated`), and not again for each law. The estimator's coefficients rest on products: they are sampled (`settings.rs`).
 
 use crate::format::Format;
 use crate::source::Source;
 use crate::valid::Valid;
 use crate::{assume, cover, property, settings_property};
+#[cfg(kani)]
+use touchstone_control::SettingsError;
 use touchstone_control::{
     AnyLaw, Compliance, Energy, FilterSettings, FirstContact, Fixed32, Force, IdealStep, LawKind,
-    ObserverForm, OffsetUpdate, Ratio, Regulate, Settings, Si, Stiffness, quotient::quotient,
+    Number, ObserverForm, OffsetUpdate, Ratio, Regulate, Settings, Si, Stiffness,
+    quotient::quotient,
 };
 
 type N = Fixed32;
@@ -23,6 +26,18 @@ fn value<S: Source>(s: &mut S, base: Si) -> Si {
     } else {
         bits
     })
+}
+
+fn any_law<S: Source>(s: &mut S) -> LawKind {
+    match s.u8() & 7 {
+        0 => LawKind::Spring,
+        1 => LawKind::SpringDamper,
+        2 => LawKind::Tdpa,
+        3 => LawKind::Fba,
+        4 => LawKind::Sfa,
+        5 => LawKind::SfaContinuous,
+        _ => LawKind::EnhancedSfa,
+    }
 }
 
 /// Any settings of a law; guard and estimator off.
@@ -51,15 +66,15 @@ fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
         } else {
             FirstContact::ZeroOffset
         },
-        regulate: if s.bool() {
-            Regulate::Mass
-        } else {
-            Regulate::Hip
+        regulate: match s.u8() & 3 {
+            0 => Regulate::Mass,
+            1 => Regulate::MassCompensated,
+            _ => Regulate::Hip,
         },
-        offset_update: if s.bool() {
-            OffsetUpdate::TurnInward
-        } else {
-            OffsetUpdate::EveryTick
+        offset_update: match s.u8() & 3 {
+            0 => OffsetUpdate::TurnInward,
+            1 => OffsetUpdate::Inward,
+            _ => OffsetUpdate::EveryTick,
         },
         ideal_step: if s.bool() {
             IdealStep::Position
@@ -81,6 +96,59 @@ fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     }
 }
 
+/// What `Settings::validate` has seen to where it accepts: what the coefficients of the laws rest on.
+pub(crate) fn in_ranges(settings: &Settings) -> bool {
+    let filter = &settings.filter;
+    let not_negative = |value: Si| value >= Si::ZERO;
+    let compensated = settings.law == LawKind::EnhancedSfa
+        && settings.k_desired > settings.k_soft
+        && settings.regulate == Regulate::MassCompensated;
+    not_negative(settings.k_desired)
+        && not_negative(settings.device_damping)
+        && not_negative(settings.virtual_damping)
+        && not_negative(settings.step_of_ideal)
+        && not_negative(settings.limit_of_force)
+        && not_negative(settings.limit_of_penetration)
+        && not_negative(settings.energy_credit)
+        && not_negative(filter.mass)
+        && not_negative(filter.damping)
+        && not_negative(filter.ground_damping)
+        && settings.k_soft > Si::ZERO
+        && filter.stiffness > Si::ZERO
+        // What the format of 32 bits still shows.
+        && settings.force_limit >= Si::from_bits(1 << 8)
+        && settings.rate_hz > 0
+        && (!compensated || settings.k_desired < filter.stiffness)
+}
+
+/// For `Settings::validate`: it may refuse anything, and accepts only what `p8_validated` has.
+#[cfg(kani)]
+pub fn validated(settings: &Settings) -> Result<(), SettingsError> {
+    if kani::any() && in_ranges(settings) {
+        Ok(())
+    } else {
+        Err(SettingsError::TooCoarse {
+            count: Si::ZERO,
+            coarsest: Si::ZERO,
+        })
+    }
+}
+
+property! {
+    /// P8: what validation accepts is in the ranges that the laws' coefficients rest on; with a compensated mass, the wall is softer than the
+    /// coupling.
+    equation "accepted  =>  k, c, b, shares, mass, credit >= 0, k_v, k_f, rate > 0, limit >= 2^-24, k_de < k_f"
+    over "setting of any law"
+    by cadical fn p8_validated(s) {
+        let law = any_law(s);
+        let settings = any_settings(s, law);
+        let accepted = settings.validate().is_ok();
+        assert!(!accepted || in_ranges(&settings));
+        let compensates = settings.regulate == Regulate::MassCompensated;
+        cover!(s, accepted & compensates, "accepted");
+        cover!(s, !accepted & in_ranges(&settings), "refused, above a range");
+    }
+}
 property! {
     /// P8: a quotient of settings that are not negative is not negative.
     equation "a >= 0, b > 0  =>  a/b >= 0"
@@ -109,11 +177,11 @@ property! {
         cover!(s, found == Si::MAX, "saturated");
     }
 }
-property! {
+settings_property! {
     /// P8, spring with damping.
     equation "accepted  =>  k, b >= 0, limit > 0, invariant"
     over "setting of the law"
-    by kissat fn p8_spring_accepted32(s) {
+    by cadical fn p8_spring_accepted32(s) {
         let settings = any_settings(s, LawKind::SpringDamper);
         let accepted = AnyLaw::<N>::new(&settings);
         cover!(s, accepted.is_ok(), "accepted");
@@ -125,11 +193,11 @@ property! {
         assert!(law.valid() && law.holds(&state) && law.limit > Force::zero());
     }
 }
-property! {
+settings_property! {
     /// P8, TDPA.
     equation "accepted  =>  k, c >= 0, limit > 0, cap, invariant"
     over "setting of the law"
-    by kissat fn p8_tdpa_accepted32(s) {
+    by cadical fn p8_tdpa_accepted32(s) {
         let settings = any_settings(s, LawKind::Tdpa);
         let accepted = AnyLaw::<N>::new(&settings);
         cover!(s, accepted.is_ok(), "accepted");
@@ -142,11 +210,11 @@ property! {
         assert!(settings.count_device_damping || law.device_damping == Stiffness::zero());
     }
 }
-property! {
+settings_property! {
     /// P8, force bounding.
     equation "accepted  =>  k, c, bound >= 0, limit > 0, cap, invariant"
     over "setting of the law"
-    by kissat fn p8_fba_accepted32(s) {
+    by cadical fn p8_fba_accepted32(s) {
         let settings = any_settings(s, LawKind::Fba);
         let accepted = AnyLaw::<N>::new(&settings);
         cover!(s, accepted.is_ok(), "accepted");
@@ -158,26 +226,46 @@ property! {
         assert!(law.energy_cap == N::energy_cap());
     }
 }
+/// What is assumed of a law of successive force augmentation. A law that is known leaves the checker no other to follow.
+fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
+    let settings = any_settings(s, kind);
+    let accepted = AnyLaw::<N>::new(&settings);
+    cover!(s, accepted.is_ok(), "accepted");
+    let Ok(AnyLaw::Sfa(law, state)) = accepted else {
+        assert!(accepted.is_err());
+        return;
+    };
+    assert!(law.valid() && law.holds(&state) && law.limit > Force::zero());
+    assert!(law.gain >= Ratio::zero() && law.compliance >= Compliance::zero());
+    let update = match kind {
+        LawKind::Sfa => OffsetUpdate::TurnInward,
+        _ => OffsetUpdate::Inward,
+    };
+    assert!(law.update == update && law.first_contact == settings.first_contact);
+    assert!(
+        Some(law.soft.0) == N::gain(settings.k_soft)
+            && Some(law.desired.0) == N::gain(settings.k_desired)
+    );
+}
 settings_property! {
-    /// P8, SFA, original and continuous.
-    equation "accepted  =>  k, k_v, gain, 1/k_v >= 0, limit > 0, invariant"
+    /// P8, SFA, original.
+    equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_accepted32(s) {
-        let kind = if s.bool() { LawKind::Sfa } else { LawKind::SfaContinuous };
-        let settings = any_settings(s, kind);
-        let accepted = AnyLaw::<N>::new(&settings);
-        cover!(s, accepted.is_ok(), "accepted");
-        let Ok(AnyLaw::Sfa(law, state)) = accepted else {
-            assert!(accepted.is_err());
-            return;
-        };
-        assert!(law.valid() && law.holds(&state) && law.limit > Force::zero());
-        assert!(law.gain >= Ratio::zero() && law.compliance >= Compliance::zero());
+        sfa_is_valid(s, LawKind::Sfa);
+    }
+}
+settings_property! {
+    /// P8, SFA, continuous.
+    equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
+    over "setting of the law"
+    by cadical fn p8_sfa_continuous_accepted32(s) {
+        sfa_is_valid(s, LawKind::SfaContinuous);
     }
 }
 settings_property! {
     /// P8, enhanced law: the parts of the mass are no more than their sum, of which twice fits; the loan is within the cap.
-    equation "accepted  =>  M + k_f + C <= D <= 2^30, k_f > 0, 0 <= credit <= cap, shares >= 0"
+    equation "accepted  =>  k, k_v as set, M + k_f + C <= D <= 2^30, k_f > 0, 0 <= credit <= cap, shares >= 0"
     over "setting of the law"
     by cadical fn p8_enhanced_accepted32(s) {
         let settings = any_settings(s, LawKind::EnhancedSfa);
@@ -188,6 +276,8 @@ settings_property! {
         };
         assert!(law.valid() && law.holds(&state) && law.limit > Force::zero());
         assert!(law.energy_cap == N::energy_cap());
+        assert!(law.update == settings.offset_update && law.first_contact == settings.first_contact);
+        assert!(Some(law.soft.0) == N::gain(settings.k_soft) && Some(law.desired.0) == N::gain(settings.k_desired));
         assert!(law.mass.stiffness > Stiffness::zero() && law.compliance >= Compliance::zero());
         cover!(s, law.credit > Energy::zero(), "accepted, with a loan");
     }

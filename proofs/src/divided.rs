@@ -88,13 +88,15 @@ macro_rules! divided_property {
     };
 }
 
-/// A property of settings, of whose products and quotients nothing is known but that those of what is not negative are not
-/// negative, and that twice a number is its sum with itself.
+/// A property of settings of a law, of whose products and quotients nothing is known but that those of what is not negative are not
+/// negative, and that twice a number is its sum with itself; of what validation accepts, that it is in its ranges.
 #[macro_export]
 macro_rules! settings_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
             [(touchstone_control::quotient::quotient, $crate::divided::quotient)
+            (touchstone_control::Settings::validate, $crate::accepted::validated)
+            (<touchstone_control::Fixed32 as touchstone_control::Number>::divisor, $crate::divided::divisor)
             (fixed::FixedI64::saturating_mul, $crate::divided::saturating_mul)]
             $($property)*
         }
