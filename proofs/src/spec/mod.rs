@@ -11,6 +11,7 @@ pub mod at8;
 #[cfg(not(kani))]
 pub mod covers;
 pub mod enhanced;
+pub mod estimator;
 pub mod fba;
 pub mod guard;
 #[cfg(not(kani))]

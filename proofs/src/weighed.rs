@@ -1,0 +1,379 @@
+//! Weight times part for the checker: one product for one question, as in [`crate::multiplied`], for the estimator.
+//!
+//! That a tick of the estimator is its specification does not depend on what its products are: a `weighed_property!` puts any
+//! number in the place of each, and the specification's next question gets the code's answer if it is the same question. That no sum overflows
+//! is the matter of other harnesses, and here an assumption where a sum is made.
+//!
+//! ```text
+//! no sum of the code overflows                            estimator::p3_flow_fits32, p3_motion_stays32
+//! sums that do not are the sums                           wide::p3_wide_sums
+//! what the code multiplies are the products               p1_weight_times_part
+//! 0 <= w <= 2^k  implies  w p between 0 and p << k        p3_weight_in_range, multiplied::p3_product_in_order, obligations/check.py
+//! |x⁻| < 160 rad, |d⁻| < 21 rad                           estimator::p3_flow_fits32
+//! ```
+//!
+//! Larger pieces are answered in the same way: how a flow ends (`flowed_property!`, `bounded_property!`), what is corrected
+//! (`corrected_property!`); that they are their specification is `estimated::p11_estimator_flow` and `p11_estimator_corrected`.
+
+use crate::{cover, property};
+use touchstone_control::number::{Wide as _, Wide64};
+
+/// What is known of a product: a weight from 0 to 1, or to 2, gives what lies between nothing and the part or twice the part.
+#[must_use]
+pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
+    let between = |end: i64| product >= end.min(0) && product <= end.max(0);
+    weight < 0
+        || (weight > 1 << 26 || between(i64::from(part) << 26))
+            && (weight > 1 << 27 || between(i64::from(part) << 27))
+}
+
+property! {
+    /// P1: the code's product of a weight and a part is the product.
+    equation "w p = w p"
+    over "weight and part"
+    by kissat fn p1_weight_times_part(s) {
+        let (w, p) = (s.i32(), s.i32());
+        let found = Wide64::product(w, p).0;
+        assert!(found == i64::from(w) * i64::from(p));
+        cover!(s, found < 0, "negative");
+        cover!(s, w == i32::MIN && p == i32::MIN, "both lowest");
+    }
+}
+property! {
+    /// P3: a weight from 0 to 1, or to 2, gives what lies between nothing and the part or twice the part: that the product of a
+    /// smaller factor is not larger, over the integers, in two solvers, `obligations/check.py`.
+    equation "0 <= w <= 2^k implies w p between 0 and p << k, k = 26, 27"
+    over "weight and part"
+    by sampled fn p3_weight_in_range(s) {
+        let (w, p) = (s.i32(), s.i32());
+        assert!(in_range(w, p, i64::from(w) * i64::from(p)));
+        cover!(s, w == 1 << 27 && p == i32::MIN, "twice the lowest");
+    }
+}
+
+/// A property of the estimator and its specification with the products of this file.
+#[macro_export]
+macro_rules! weighed_property {
+    (and [$($pair:tt)*] $($property:tt)*) => {
+        $crate::replaced_property! {
+            [(<touchstone_control::number::Wide64 as touchstone_control::number::Wide>::product, $crate::weighed::product)
+            (<touchstone_control::number::Wide64 as touchstone_control::number::Wide>::plus_fitting, $crate::weighed::plus)
+            (<touchstone_control::number::Wide64 as touchstone_control::number::Wide>::minus_fitting, $crate::weighed::minus)
+            ($crate::spec::estimator::weighed, $crate::weighed::weighed)
+            $($pair)*]
+            $($property)*
+        }
+    };
+    ($($property:tt)*) => {
+        $crate::weighed_property!(and [] $($property)*);
+    };
+}
+/// The same of a correction, told how the flow before it ends.
+#[macro_export]
+macro_rules! flowed_property {
+    ($($property:tt)*) => {
+        $crate::weighed_property! {
+            and [
+                (touchstone_control::estimator::Flow::apply, $crate::weighed::end)
+                ($crate::spec::estimator::Flow::end, $crate::weighed::specified_end)
+            ]
+            $($property)*
+        }
+    };
+}
+/// The same of a tick, told how its flow ends and what is corrected.
+#[macro_export]
+macro_rules! corrected_property {
+    ($($property:tt)*) => {
+        $crate::replaced_property! {
+            [(touchstone_control::estimator::Flow::apply, $crate::weighed::end)
+            ($crate::spec::estimator::Flow::end, $crate::weighed::specified_end)
+            (touchstone_control::Estimator::corrected, $crate::weighed::corrected)
+            ($crate::spec::estimator::Estimator::corrected, $crate::weighed::specified_corrected)]
+            $($property)*
+        }
+    };
+}
+/// A property of a correction, whatever the flow before it gave within its range.
+#[macro_export]
+macro_rules! bounded_property {
+    ($($property:tt)*) => {
+        $crate::replaced_property! {
+            [(<touchstone_control::number::Wide64 as touchstone_control::number::Wide>::product, $crate::weighed::bounded)
+            (touchstone_control::estimator::Flow::apply, $crate::weighed::end)]
+            $($property)*
+        }
+    };
+}
+
+/// From now on the specification asks.
+#[cfg(not(kani))]
+mod questions {
+    /// For properties as they are sampled: nothing to tell apart.
+    pub fn of_specification() {}
+}
+#[cfg(not(kani))]
+pub use questions::of_specification;
+
+#[cfg(kani)]
+pub use by_one_product::*;
+#[cfg(kani)]
+mod by_one_product {
+    use super::in_range;
+    use crate::multiplied::word;
+    use crate::spec::estimator as spec;
+    use core::sync::atomic::{AtomicI32, AtomicI64, AtomicUsize, Ordering::Relaxed};
+    use touchstone_control::estimator::{EstimatedMotion, Flow, Part, TAPS};
+    use touchstone_control::number::{Wide, Wide64};
+    use touchstone_control::{Estimator, Number, Position};
+
+    /// Products of a property.
+    const END: usize = 10;
+    /// The next question, whether the specification asks, and how many the code has asked.
+    static AT: AtomicUsize = AtomicUsize::new(0);
+    static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
+    static ASKED: AtomicUsize = AtomicUsize::new(0);
+    static WEIGHT: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
+    static PART: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
+    static FOUND: [AtomicI64; END] = [const { AtomicI64::new(0) }; END];
+
+    pub fn of_specification() {
+        ASKED.store(AT.load(Relaxed), Relaxed);
+        AT.store(0, Relaxed);
+        SPECIFIES.store(1, Relaxed);
+    }
+
+    /// For the code's product.
+    pub fn product(weight: i32, part: i32) -> Wide64 {
+        let at = AT.load(Relaxed);
+        AT.store(at + 1, Relaxed);
+        let any: i64 = kani::any();
+        WEIGHT[at].store(weight, Relaxed);
+        PART[at].store(part, Relaxed);
+        FOUND[at].store(any, Relaxed);
+        Wide64(any)
+    }
+    /// For [`crate::spec::estimator::weighed`].
+    pub fn weighed(weight: i128, part: i128) -> i128 {
+        assert!(
+            SPECIFIES.load(Relaxed) == 1,
+            "the code has no specification"
+        );
+        let (weight, part) = (word(weight), word(part));
+        let at = AT.load(Relaxed);
+        AT.store(at + 1, Relaxed);
+        let any: i64 = kani::any();
+        if at >= ASKED.load(Relaxed) || at >= END {
+            return any.into();
+        }
+        let same = WEIGHT[at].load(Relaxed) == weight && PART[at].load(Relaxed) == part;
+        if same {
+            FOUND[at].load(Relaxed).into()
+        } else {
+            any.into()
+        }
+    }
+    /// For a sum that fits, as `estimator::p3_*` show of each.
+    pub fn plus(a: Wide64, b: Wide64) -> Wide64 {
+        let sum = a.0.checked_add(b.0);
+        kani::assume(sum.is_some());
+        Wide64(sum.unwrap_or_default())
+    }
+    /// For a difference that fits.
+    pub fn minus(a: Wide64, b: Wide64) -> Wide64 {
+        let difference = a.0.checked_sub(b.0);
+        kani::assume(difference.is_some());
+        Wide64(difference.unwrap_or_default())
+    }
+
+    /// For the code's product where only its range matters.
+    pub fn bounded(weight: i32, part: i32) -> Wide64 {
+        let any: i64 = kani::any();
+        kani::assume(in_range(weight, part, any));
+        Wide64(any)
+    }
+
+    /// A state of which any is made.
+    pub trait Made: Wide {
+        /// Of its bits.
+        fn made(bits: i64) -> Self;
+        /// Its bits.
+        fn bits(self) -> i64;
+        /// Those of a part.
+        fn of_part(part: Self::Part) -> i64;
+        /// Those of a weight.
+        fn of_weight(weight: Self::Weight) -> i64;
+    }
+    impl Made for Wide64 {
+        fn made(bits: i64) -> Self {
+            Self(bits)
+        }
+        fn bits(self) -> i64 {
+            self.0
+        }
+        fn of_part(part: i32) -> i64 {
+            part.into()
+        }
+        fn of_weight(weight: i32) -> i64 {
+            weight.into()
+        }
+    }
+
+    const WORDS: usize = 15;
+    /// What the code has asked of a piece, once, and was told.
+    struct Piece {
+        asked: AtomicUsize,
+        question: [AtomicI64; WORDS],
+        answer: [AtomicI64; 4],
+    }
+    static FLOW: Piece = Piece::new();
+    static CORRECTED: Piece = Piece::new();
+
+    impl Piece {
+        const fn new() -> Self {
+            Self {
+                asked: AtomicUsize::new(0),
+                question: [const { AtomicI64::new(0) }; WORDS],
+                answer: [const { AtomicI64::new(0) }; 4],
+            }
+        }
+        /// Any answer to the first question, the same whenever it is asked again, any other to another.
+        fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
+            let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
+            let first = self.asked.load(Relaxed) == 0;
+            let (mut same, mut at) = (true, 0);
+            while at < WORDS {
+                if first {
+                    self.question[at].store(question[at], Relaxed);
+                }
+                same = same && self.question[at].load(Relaxed) == question[at];
+                at += 1;
+            }
+            at = 0;
+            while at < 4 {
+                if first {
+                    self.answer[at].store(any[at], Relaxed);
+                }
+                if same {
+                    any[at] = self.answer[at].load(Relaxed);
+                }
+                at += 1;
+            }
+            self.asked.store(1, Relaxed);
+            any
+        }
+    }
+
+    /// An end of a flow, within the range of `estimator::p3_flow_fits32`.
+    fn any_end(question: [i64; WORDS]) -> (i64, i64) {
+        let [position, moved, ..] = FLOW.answer(question);
+        kani::assume(position.unsigned_abs() < 160 << Wide64::FRACTION);
+        kani::assume(moved.unsigned_abs() < 21 << Wide64::FRACTION);
+        (position, moved)
+    }
+    /// For [`Flow::apply`].
+    pub fn end<N: Number, const COMMANDS: usize>(
+        flow: &Flow<N, COMMANDS>,
+        from: &EstimatedMotion<N>,
+        commands: &[Part<N>; TAPS],
+    ) -> (N::Wide, N::Wide)
+    where
+        N::Wide: Made,
+    {
+        let mut question = [0; WORDS];
+        question[0] = from.position.bits();
+        question[1] = from.moved.bits();
+        question[2] = from.pushed.bits();
+        question[3] = N::Wide::of_weight(flow.reach);
+        question[4] = N::Wide::of_weight(flow.drift);
+        question[5] = N::Wide::of_weight(flow.loss);
+        let mut i = 0;
+        while i < COMMANDS {
+            question[6 + i] = N::Wide::of_part(commands[i]);
+            question[9 + 2 * i] = N::Wide::of_weight(flow.commands[i][0]);
+            question[10 + 2 * i] = N::Wide::of_weight(flow.commands[i][1]);
+            i += 1;
+        }
+        let (position, moved) = any_end(question);
+        (N::Wide::made(position), N::Wide::made(moved))
+    }
+    /// For [`spec::Flow::end`].
+    pub fn specified_end<const COMMANDS: usize>(
+        flow: &spec::Flow<COMMANDS>,
+        from: spec::Motion,
+        f: [i128; spec::REMEMBERED],
+    ) -> (i128, i128) {
+        let mut question = [0; WORDS];
+        question[0] = double(from.x);
+        question[1] = double(from.d);
+        question[2] = double(from.g);
+        question[3] = double(flow.reach);
+        question[4] = double(flow.drift);
+        question[5] = double(flow.loss);
+        let mut i = 0;
+        while i < COMMANDS {
+            question[6 + i] = double(f[i]);
+            question[9 + 2 * i] = double(flow.commands[i][0]);
+            question[10 + 2 * i] = double(flow.commands[i][1]);
+            i += 1;
+        }
+        let (position, moved) = any_end(question);
+        (position.into(), moved.into())
+    }
+    fn double(x: i128) -> i64 {
+        assert!(
+            i64::try_from(x).is_ok(),
+            "the specification asks double words"
+        );
+        x as i64
+    }
+
+    /// For [`Estimator::corrected`]: any motion in the invariant, as `estimator::p3_motion_stays32` has it, or none.
+    pub fn corrected<N: Number>(
+        _: &Estimator<N>,
+        before: &EstimatedMotion<N>,
+        commands: &[Part<N>; TAPS],
+        measured: Position<N>,
+    ) -> Option<EstimatedMotion<N>>
+    where
+        N::Wide: Made,
+    {
+        let [position, moved, pushed] = any_corrected(
+            [before.position, before.moved, before.pushed].map(Made::bits),
+            commands.map(N::Wide::of_part),
+            N::widen(measured.0).bits(),
+        )?;
+        Some(EstimatedMotion {
+            position: N::Wide::made(position),
+            moved: N::Wide::made(moved),
+            pushed: N::Wide::made(pushed),
+        })
+    }
+    fn any_corrected(before: [i64; 3], commands: [i64; 3], measured: i64) -> Option<[i64; 3]> {
+        let mut question = [0; WORDS];
+        let mut i = 0;
+        while i < 3 {
+            question[i] = before[i];
+            question[3 + i] = commands[i];
+            i += 1;
+        }
+        question[6] = measured;
+        let [some, position, moved, pushed] = CORRECTED.answer(question);
+        (some > 0).then_some([position, moved, pushed])
+    }
+    /// For [`spec::Estimator::corrected`].
+    pub fn specified_corrected(
+        _: &spec::Estimator,
+        before: spec::Motion,
+        f: [i128; spec::REMEMBERED],
+        e: i128,
+    ) -> Option<spec::Motion> {
+        let before = [double(before.x), double(before.d), double(before.g)];
+        let [x, d, g] = any_corrected(before, f.map(double), double(spec::state(e)))?;
+        Some(spec::Motion {
+            x: x.into(),
+            d: d.into(),
+            g: g.into(),
+        })
+    }
+}
