@@ -4,11 +4,12 @@
 //! reached. So the gate in `inspect/` reads its report: every harness of the committed list ran, no other did, each succeeded,
 //! each cover was reached, and each assertion of a property can be. Without the checker the sampled form and the integer
 //! obligations run, and the answer is "not run". The theorems over traces ([`coq`]) need no checker, but Coq; properties with few
-//! inputs ([`every`]) neither.
+//! inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is asked by itself.
 
 mod certified;
 pub mod checker;
 mod coq;
+mod elf;
 mod every;
 mod systematic;
 mod usage;
@@ -25,7 +26,7 @@ use systematic::Asked;
 pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs | --every]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --elf [--mutants] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs | --every]]";
 /// What the proofs are made of; nothing else has to build.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
@@ -46,6 +47,10 @@ pub fn run(args: &[String]) -> Outcome {
         ["--theorems"] => return coq::run(),
         ["--certified"] => return certified::run(""),
         ["--certified", part] => return certified::run(part),
+        ["--elf", "--mutants"] | ["--mutants", "--elf"] => return elf::mutants(""),
+        ["--elf", "--mutants", part] | ["--mutants", "--elf", part] => return elf::mutants(part),
+        ["--elf"] => return elf::run(""),
+        ["--elf", part] => return elf::run(part),
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
@@ -290,29 +295,30 @@ fn without_harnesses() -> Outcome {
 
 /// The integer obligations in two solvers' Python wheels.
 fn obligations() -> Outcome {
-    let folder = shell::target("obligations-venv");
+    match with_wheels("obligations-venv", "proofs/obligations/requirements.txt") {
+        Ok(python) => shell::run(shell::program(python).arg("proofs/obligations/check.py")),
+        Err(outcome) => outcome,
+    }
+}
+
+/// A Python that has the wheels of a list, in a folder below `target/`.
+fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
+    let folder = shell::target(folder);
     let python = folder.join("bin/python");
     if !python.exists() {
         let mut venv = shell::program("python3");
         let mut install = shell::program(&python);
-        install.args([
-            "-m",
-            "pip",
-            "install",
-            "-q",
-            "-r",
-            "proofs/obligations/requirements.txt",
-        ]);
+        install.args(["-m", "pip", "install", "-q", "-r", list]);
         if shell::run(venv.args(["-m", "venv"]).arg(&folder)).is_failure()
             || shell::run(&mut install).is_failure()
         {
             // Half a folder must not count as a whole one the next time.
             let _ = std::fs::remove_dir_all(&folder);
-            return Outcome::NotRun(
+            return Err(Outcome::NotRun(
                 "no Python with the solvers' wheels; `apt-get install python3-venv`, network"
                     .into(),
-            );
+            ));
         }
     }
-    shell::run(shell::program(&python).arg("proofs/obligations/check.py"))
+    Ok(python)
 }

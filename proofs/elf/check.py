@@ -1,0 +1,83 @@
+"""Ticks of a board's program are their specification, for all inputs: `cargo xtask prove --elf`.
+
+    check.py PROGRAM TRACE                 both readings, then the proofs
+    check.py PROGRAM TRACE --mutants       wrong changes of the program's bytes, each of which must be refuted
+    check.py PROGRAM TRACE [..] --only X   one tick
+
+The end is 0 if all that was asked is proved, or refuted; 1 else.
+"""
+import sys
+import time
+
+import beside
+import verdict
+import wrong
+from machine import Decoder
+from program import Program
+from ticks import TICKS
+
+#: Inputs that run in Unicorn and in the checker's own machine, of each tick.
+BESIDE = 1000
+#: Seconds that a tick's proof may take.
+DEADLINE_S = 900
+
+
+def main(words):
+    path, trace, *options = words
+    only = options[options.index("--only") + 1] if "--only" in options else ""
+    program = Program(path)
+    ticks = [tick(program) for tick in TICKS if only in tick.name]
+    if "--mutants" in options:
+        return 0 if all([refutes(tick, path) for tick in ticks]) else 1
+    with open(trace) as lines:
+        count, other = beside.same_as_rust(lines)
+    print(f"specification: {count} ticks of the guard's Rust code are its, bit for bit" if other is None else f"WRONG specification: {other}")
+    good = other is None and count > 0
+    board = beside.Board(program)
+    for tick in ticks:
+        good &= proves(tick, program, board)
+    return 0 if good else 1
+
+
+def proves(tick, program, board):
+    decoder, begun = Decoder(program), time.monotonic()
+    count, other = beside.same_as_unicorn(tick, decoder, board, BESIDE, verdict.kept)
+    if other:
+        print(f"{tick.name}: WRONG: {other}")
+        return False
+    print(f"{tick.name}: {count} inputs give in Unicorn the bits that they give here ({time.monotonic() - begun:.0f} s)", flush=True)
+    found = verdict.check(tick, decoder, deadline_s=DEADLINE_S)
+    at = f"{tick.what} at {tick.at:#x}, {tick.length} bytes"
+    work = f"{found.paths} paths, {found.cases} cases, {found.instructions} instructions at most, {found.questions} questions, {found.seconds:.0f} s"
+    if found.proved:
+        print(f"{tick.name}: PROVED for all inputs: {at}; {work}")
+    elif found.counterexample:
+        one = beside.Concrete(tick, decoder, board, found.counterexample)
+        print(f"{tick.name}: REFUTED: {at}: {found.counterexample}: {one.wrong(verdict.kept)}")
+    else:
+        print(f"{tick.name}: NO ANSWER: {at}: {found.why}; {work}")
+    print(f"{tick.name}: assumed: {tick.assumes}", flush=True)
+    return found.proved
+
+
+def refutes(tick, path):
+    """Each change by itself; a proof of one is as bad as no answer."""
+    good = True
+    for at, text, kind, code in wrong.changes(tick, Decoder(tick.program)):
+        begun = time.monotonic()
+        program = Program(path)
+        program.patched(at, code)
+        changed, decoder = type(tick)(program), Decoder(program)
+        found = verdict.check(changed, decoder, deadline_s=DEADLINE_S)
+        said = "NOT REFUTED: " + (found.why or "proved")
+        if found.counterexample:
+            one = beside.Concrete(changed, decoder, beside.Board(program), found.counterexample)
+            names = [name for name, _, _ in one.wrong(verdict.kept)]
+            said = f"refuted, wrong in Unicorn too: {names[0]}" if names and not one.differences() else "NOT REFUTED: the counterexample is none"
+        good &= said.startswith("refuted")
+        print(f"{tick.name}: {at:#x} {text}: {kind}: {said} ({time.monotonic() - begun:.0f} s)", flush=True)
+    return good
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
