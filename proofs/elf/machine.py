@@ -38,7 +38,7 @@ class Decoder:
             if insn is None:
                 raise Unknown(f"bytes {code.hex()} at {address:#x}")
             name = insn.insn_name()
-            name = "and_" if name == "and" else name
+            name = {"and": "and_", "hint": "nop"}.get(name, name) if not insn.mnemonic.startswith("nop") else "nop"
             if not hasattr(thumb.Steps, name) and not name.startswith("it"):
                 raise Unknown(f"{insn.mnemonic} {insn.op_str} at {address:#x}")
             self.at[address] = insn, name
@@ -115,6 +115,8 @@ class Machine:
         at = self.address(at, 4)
         if self.decoder.program.word(at) is not None:
             raise Unknown(f"a store to the program at {self.here:#x}")
+        if at not in self.memory and not STACK - 0x1000 <= at < STACK:
+            raise Unknown(f"a store to {at:#x} at {self.here:#x}, outside of what the tick is given")
         self.memory[at] = value
 
     def load_part(self, at, bits):

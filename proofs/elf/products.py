@@ -1,8 +1,8 @@
 """Products of which facts are known: one answer for one question, as `proofs/src/multiplied.rs` under the other checker.
 
 Whether machine code does as its specification does not depend on what a product is: both multiply the same numbers and then add, shift
-and compare. So the product of two magnitudes is any number that has these facts, all of them true of the product (`facts` and
-`obligations/check.py`):
+and compare. So the product of two magnitudes is any number that has these facts, all of them true of the product; the first two are
+in `obligations/check.py`, over the integers, the others are shifts:
 
     a <= c, b <= d  implies  a b <= c d
     a < 2^n  implies  a b <= (b << n) - b

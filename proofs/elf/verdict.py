@@ -66,7 +66,7 @@ def check(tick, decoder, timeout_ms=60_000, deadline_s=600):
             of = Counts(path, oracle.decide)
             for claims in oracle.cases(lambda: [*tick.claims(of, end), *kept(end, saved)]):
                 found.cases += 1
-                found.counterexample = refuted(path, inputs, claims, found)
+                found.counterexample = refuted(tick, decoder, path, inputs, claims, found)
                 if found.counterexample or found.why:
                     return found
                 if time.monotonic() - begun > deadline_s:
@@ -103,6 +103,20 @@ def tried(tick, path, inputs, end, saved):
     return None
 
 
+def is_wrong(tick, decoder, values):
+    """Whether the code, run on inputs that are known, leaves something else than the specification says."""
+    other = type(tick)(tick.program)
+    machine = Machine(decoder, Path())
+    machine.regs[:13] = [0] * 13
+    other.begin(machine, samples.Given(values=values))
+    machine.regs[15] = tick.at
+    if not samples.satisfies(other, Counts()):
+        return False
+    saved = list(machine.regs)
+    end = next(runs(machine))
+    return any(code != value for _, code, value in [*other.claims(Counts(), end), *kept(end, saved)])
+
+
 class Seen:
     """Registers and memory after a function."""
 
@@ -110,7 +124,7 @@ class Seen:
         self.regs, self.memory = regs, memory
 
 
-def refuted(path, inputs, claims, found):
+def refuted(tick, decoder, path, inputs, claims, found):
     """Inputs for which a claim is wrong; their products are products. `None`: there are none."""
     wrong = [w.not_(w.eq(code, value, width(code, value))) for _, code, value in claims]
     wrong = w.any_(*wrong)
@@ -126,6 +140,10 @@ def refuted(path, inputs, claims, found):
             lies = [(a, b, product) for a, b, product in path.products.rows if value(product) != value(a) * value(b)]
             if not lies:
                 return {name: value(x) for name, x in inputs.items()}
+            # Its inputs may be wrong all the same, with the products that they have.
+            values = {name: value(x) for name, x in inputs.items()}
+            if is_wrong(tick, decoder, values):
+                return values
             found.refined += 1
             for a, b, product in lies:
                 # What the products with either factor are.

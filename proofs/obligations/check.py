@@ -83,6 +83,9 @@ def obligations(s):
            (factors[:3] + [a * b1 <= q * b1], a * b1 <= q * b2))
     yield ("P11: the product with the largest number", [], (W // 2 - 1) * b1 == W // 2 * b1 - b1,
            ([], (W // 2 - 1) * b1 == W // 2 * b1 + b1))
+    # t is what the factor lacks of the largest below a power of two, which is a + 1 + t.
+    yield ("P11: a product with what is below a power of two", [t >= 0, b1 >= 0], a * b1 <= (a + 1 + t) * b1 - b1,
+           ([b1 >= 0], a * b1 <= (a + 1 + t) * b1 - b1))
     yield ("P11: the products of two parts are together that of the whole", [f == a - b1], b1 * b2 + f * b2 == a * b2,
            ([], b1 * b2 + f * b2 == a * b2))
     below = [E >= 0, a > 0, q >= 0, q * a <= E, E < q * a + a]
