@@ -328,7 +328,7 @@ mod by_one_product {
         x as i64
     }
 
-    /// For [`Estimator::corrected`]: any motion in the invariant, as `estimator::p3_motion_stays32` has it, or none.
+    /// For [`Estimator::corrected`]: any motion whatever, or none.
     pub fn corrected<N: Number>(
         _: &Estimator<N>,
         before: &EstimatedMotion<N>,

@@ -9,6 +9,7 @@ use touchstone_proofs::spec::covers::{Device, FINE};
 use touchstone_proofs::spec::guard as spec;
 use touchstone_proofs::spec::hands::{Random, any_settings, bits, moved};
 use touchstone_proofs::specified::at32::{guard as specified, of_guard as memory};
+use touchstone_proofs::valid::Valid as _;
 
 #[test]
 fn every_tick_of_the_guard_is_its_specification() {
@@ -211,4 +212,31 @@ fn the_theorem_is_about_the_shipped_guards() {
             "{name}: {four}"
         );
     }
+}
+
+/// What is known not to be so: the way in flight is the one part of which no quarter of the format is asked for, and at a delay of a whole
+/// tick of a device that may move a quarter in it, it is a little more. The harnesses say nothing of such a guard.
+#[test]
+fn a_way_in_flight_beyond_a_quarter_is_accepted() {
+    let device = GuardedDevice {
+        rate_hz: 1,
+        force_limit: Si::ONE,
+        count: Si::lit("0.0999"),
+    };
+    let is_valid = |overspeed| {
+        let settings = GuardSettings {
+            capacity: Si::ONE,
+            refill: Si::ZERO,
+            share_of_damping: Si::ONE,
+            damping: Si::ZERO,
+            overspeed,
+            delay: Si::ONE,
+            lag: Si::ZERO,
+            change: ChangeOfForce::Measured,
+            on: true,
+        };
+        Guard::<Fixed32>::new(&settings, &device).map(|law| law.valid())
+    };
+    assert_eq!(is_valid(Si::lit("31.85")), Ok(true));
+    assert_eq!(is_valid(Si::lit("31.88")), Ok(false));
 }

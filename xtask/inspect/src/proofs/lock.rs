@@ -13,14 +13,18 @@ const SOURCES: &str = "proofs/src";
 /// What every statement rests on: configurations and memories, sources of inputs, number formats.
 const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 /// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
-const COMPARES: [&str; 2] = ["refines", "refines_enhanced"];
+const COMPARES: [&str; 3] = ["refines", "refines_enhanced", "estimated"];
 const SPECIFICATION: &str = "proofs/src/spec";
 const BRIDGE: &str = "specified";
 /// And the divisions, multiplications and pieces of ticks of those that have shared ones.
 const REPLACED: [&str; 3] = ["divided", "multiplied", "pieces"];
 
+/// And the estimator's, with the products and pieces of its own.
+const ESTIMATES: &str = "estimated";
+const WEIGHED: &str = "weighed";
+
 /// What a property is written in.
-pub const MACROS: [&str; 8] = [
+pub const MACROS: [&str; 13] = [
     "property",
     "divided_property",
     "multiplied_property",
@@ -29,6 +33,11 @@ pub const MACROS: [&str; 8] = [
     "first_property",
     "settings_property",
     "any_law_property",
+    "weighed_property",
+    "flowed_property",
+    "corrected_property",
+    "bounded_property",
+    "placed_property",
 ];
 
 /// What a property or its file names after `by`.
@@ -71,8 +80,7 @@ impl Statements {
     fn of(files: &BTreeMap<String, String>) -> Result<Self, String> {
         let mut shared = EMPTY;
         for file in SHARED {
-            let text = files.get(file).map_or("", String::as_str);
-            shared = looked_at(file, text)?
+            shared = looked_at(file, text_of(files, file))?
                 .beside
                 .wrapping_add(add(shared, file));
         }
@@ -87,11 +95,13 @@ impl Statements {
         let mut numbers = BTreeMap::<String, u64>::new();
         for (file, text) in files {
             let found = looked_at(file, text)?;
-            let shared = if COMPARES.contains(&file.as_str()) {
-                shared ^ specification
-            } else {
-                shared
-            };
+            let mut shared = shared;
+            if COMPARES.contains(&file.as_str()) {
+                shared ^= specification;
+            }
+            if file == ESTIMATES {
+                shared ^= add(looked_at(WEIGHED, text_of(files, WEIGHED))?.beside, WEIGHED);
+            }
             for (property, number) in found.properties {
                 let all = [shared, found.beside, number].map(|number| number.to_string());
                 let number = all.iter().fold(EMPTY, |hash, text| add(hash, text));
@@ -117,6 +127,10 @@ impl Statements {
             .next()
             .is_some_and(|harness| self.line(harness) == line)
     }
+}
+
+fn text_of<'a>(files: &'a BTreeMap<String, String>, file: &str) -> &'a str {
+    files.get(file).map_or("", String::as_str)
 }
 
 fn name(path: &Path) -> String {
