@@ -4,7 +4,7 @@
     check.py PROGRAM TRACE --mutants       wrong changes of the program's bytes, each of which must be refuted
     check.py PROGRAM TRACE [..] --only X   one tick
 
-The end is 0 if all that was asked is proved, or refuted; 1 else.
+The end is 0 if all that was asked is proved, or refuted; 1 else; 2 if nothing is of that name.
 """
 import sys
 import time
@@ -27,6 +27,10 @@ def main(words):
     only = options[options.index("--only") + 1] if "--only" in options else ""
     program = Program(path)
     ticks = [tick(program) for tick in TICKS if only in tick.name]
+    if not ticks:
+        # Nothing looked at is nothing proved.
+        print(f"no tick has `{only}` in its name; there are {', '.join(kind.name for kind in TICKS)}", file=sys.stderr)
+        return 2
     if "--mutants" in options:
         return 0 if all([refutes(tick, path) for tick in ticks]) else 1
     with open(trace) as lines:
@@ -62,9 +66,9 @@ def proves(tick, program, board):
 
 def refutes(tick, path):
     """Each change by itself; a proof of one is as bad as no answer."""
-    good = True
+    good, asked = True, 0
     for at, text, kind, code in wrong.changes(tick, Decoder(tick.program)):
-        begun = time.monotonic()
+        begun, asked = time.monotonic(), asked + 1
         program = Program(path)
         program.patched(at, code)
         changed, decoder = type(tick)(program), Decoder(program)
@@ -76,7 +80,8 @@ def refutes(tick, path):
             said = f"refuted, wrong in Unicorn too: {names[0]}" if names and not one.differences() else "NOT REFUTED: the counterexample is none"
         good &= said.startswith("refuted")
         print(f"{tick.name}: {at:#x} {text}: {kind}: {said} ({time.monotonic() - begun:.0f} s)", flush=True)
-    return good
+    print(f"{tick.name}: {asked} wrong changes asked")
+    return good and asked > 0
 
 
 if __name__ == "__main__":
