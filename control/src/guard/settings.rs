@@ -30,7 +30,7 @@ struct Derived {
     distance: Si,
     /// `D = d + δ`, rounded up.
     reach: Si,
-    /// Share of a tick after which a force acts, in the mean, rounded up.
+    /// Share of a tick after which a force acts, in the mean: exact, for the rate is a whole number.
     late: Si,
 }
 
@@ -48,11 +48,7 @@ impl GuardSettings {
             damping,
             distance,
             reach: distance.saturating_add(device.count),
-            late: self
-                .delay
-                .saturating_add(self.lag)
-                .saturating_mul(rate)
-                .saturating_add(UP),
+            late: self.delay.saturating_add(self.lag).saturating_mul(rate),
         }
     }
 
@@ -172,9 +168,12 @@ impl<N: Number> Guard<N> {
         .into_iter()
         .find(|room| quarter(Field::GuardCapacity, *room).is_ok())
         .unwrap_or_default();
-        // The reserve in flight is rounded up by a quantum, and the positions that both are measured with by one each.
+        // The reserve in flight is rounded up by a quantum and a little, and the positions that both are measured with by one each.
         let step = quantum::<N>();
-        let rounded = step.saturating_add(step).saturating_add(step);
+        let rounded = step
+            .saturating_add(step)
+            .saturating_add(step)
+            .saturating_add(UP);
         let reach = derived.reach.saturating_add(rounded);
         let per_reach = over(Si::ONE, reach).min(over(room, settings.capacity));
         let largest_change = settings
@@ -210,18 +209,23 @@ impl<N: Number> Guard<N> {
         let mut slack =
             up::<N>(Field::GuardOverspeed, half_count)? + Position::quantum() + Position::quantum();
         // What the last digits of stray and share leave out: a quantum for every newton-metre that a change can have, and for every
-        // radian that a displacement can.
-        let left_out = largest_change.saturating_add(derived.distance);
+        // radian that a displacement can; and what those of the tick do, of which the share is taken: at overspeed `v` a 256th of `v`.
+        let left_out = largest_change
+            .saturating_add(derived.distance)
+            .saturating_add(settings.overspeed / 256);
         for _ in 0..=left_out.saturating_to_num::<u16>() {
             slack = slack + Position::quantum();
         }
         let in_flight = if delayed {
-            derived.late.saturating_mul(derived.distance)
+            let way = derived.late.saturating_mul(derived.distance);
+            way.saturating_add(UP).saturating_add(half_count)
         } else {
-            Si::ZERO
+            half_count
         };
+        // The position that it is measured from is rounded as well.
+        quarter(Field::GuardDelay, in_flight.saturating_add(rounded))?;
         let overrun = over(
-            derived.late.saturating_add(Si::ONE),
+            derived.late.saturating_add(UP).saturating_add(Si::ONE),
             derived.damping.saturating_mul(whole(4)),
         );
         // With next to no damping there is no end to what overspeed costs: the largest ratio of each format in turn.
@@ -244,9 +248,7 @@ impl<N: Number> Guard<N> {
             stray: Compliance(N::ratio(stray).ok_or(refused::<N>(Field::GuardDamping, stray))?),
             slack,
             per_reach: gain(Field::GuardOverspeed, per_reach)?,
-            // The position that it is measured from is rounded as well.
-            in_flight: up::<N>(Field::GuardDelay, in_flight.saturating_add(half_count))?
-                + Position::quantum(),
+            in_flight: up::<N>(Field::GuardDelay, in_flight)? + Position::quantum(),
             overrun: Compliance(overrun),
         })
     }

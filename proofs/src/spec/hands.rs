@@ -39,7 +39,11 @@ impl Random {
 
 /// Any settings with any device; not all are accepted.
 pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
-    let rate_hz = [5, 20, 100, 500, 1000, 2000, 4000, 10_000][random.below(8) as usize];
+    let usual = [5, 20, 100, 500, 1000, 2000, 4000, 10_000][random.below(8) as usize];
+    // At others the digits of a tick leave more out.
+    let most = 100_000 >> random.below(12);
+    let other = 1 + random.below(most) as u32;
+    let rate_hz = [usual, other][random.below(2) as usize];
     let tick = Si::ONE / Si::from_num(rate_hz);
     let share = |random: &mut Random| {
         let eighths = Si::from_num(random.below(9)) / 8;
@@ -55,7 +59,11 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
         capacity: random.setting(4),
         refill: random.setting(0),
         share_of_damping: Si::from_bits(random.below((1 << 32) + 1).cast_signed()),
-        overspeed: random.setting(7),
+        overspeed: if random.below(2) == 0 {
+            random.setting(7)
+        } else {
+            random.setting(10).min(Si::const_from_int(1000))
+        },
         delay: if random.below(3) == 0 {
             Si::ZERO
         } else {
