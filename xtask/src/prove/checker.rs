@@ -1,12 +1,12 @@
 //! One run of the checker, with its report.
 
 use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use super::solvers;
 use super::usage::Watch;
 use crate::inspect;
 use crate::outcome::Outcome;
@@ -112,10 +112,10 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     let _ = std::fs::remove_file(&report);
     let (jobs, seconds) = (how.jobs.to_string(), format!("{TIMEOUT_S}s"));
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let mut path = with_integers(&target, path)?;
+    let mut path = solvers::first(&target, path)?;
     let mut solver = Vec::new();
     if let Some((folder, name)) = how.solver {
-        path = before(folder, &path)?;
+        path = solvers::before(folder, &path)?;
         solver = vec!["--solver".to_owned(), format!("bin={name}")];
     }
     // The shell's limit is inherited by all that is started. A shell that cannot set it does not run the checker.
@@ -178,43 +178,6 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     let usage = target.join("usage.txt");
     std::fs::write(&usage, lines).map_err(|why| format!("{}: {why}", usage.display()))?;
     Ok(Left { report, usage })
-}
-
-/// A search path whose first `cvc5` solves machine words as integers, which products and quotients at full width need; the checker
-/// starts whichever comes first. Without a cvc5 the harnesses that name it end without an answer, by themselves.
-fn with_integers(target: &Path, path: OsString) -> Result<OsString, String> {
-    let folders = std::env::split_paths(&path);
-    let Some(solver) = folders
-        .map(|folder| folder.join("cvc5"))
-        .find(|file| file.is_file())
-    else {
-        return Ok(path);
-    };
-    let folder = target.join("solvers");
-    let said = |why: std::io::Error| format!("{}: {why}", folder.display());
-    std::fs::create_dir_all(&folder).map_err(said)?;
-    let text = format!(
-        "#!/bin/sh\nexec '{}' --solve-bv-as-int=sum \"$@\"\n",
-        solver.display()
-    );
-    let file = folder.join("cvc5");
-    std::fs::write(&file, text).map_err(said)?;
-    let mut chmod = Command::new("chmod");
-    if !chmod
-        .arg("+x")
-        .arg(&file)
-        .status()
-        .is_ok_and(|it| it.success())
-    {
-        return Err(format!("{}: cannot be made a program", file.display()));
-    }
-    before(&folder, &path)
-}
-
-/// A search path with a folder before all others.
-fn before(folder: &Path, path: &OsString) -> Result<OsString, String> {
-    let all = std::iter::once(folder.to_path_buf()).chain(std::env::split_paths(path));
-    std::env::join_paths(all).map_err(|why| why.to_string())
 }
 
 /// Runs the checker to its end; what it gives as the reason, should it leave no report.
@@ -363,31 +326,6 @@ mod tests {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
         to_end(&mut command, false).expect("sh runs")
-    }
-
-    #[test]
-    fn the_first_cvc5_of_the_path_solves_words_as_integers() {
-        let folder = crate::shell::target("prove-test");
-        let there = folder.join("there");
-        std::fs::create_dir_all(&there).expect("a folder");
-        let nothing = with_integers(&folder, "/nowhere".into());
-        assert_eq!(nothing, Ok("/nowhere".into()));
-        let made = Command::new("sh")
-            .args([
-                "-c",
-                "printf '#!/bin/sh\\necho with $*\\n' > \"$0\" && chmod +x \"$0\"",
-            ])
-            .arg(there.join("cvc5"))
-            .status();
-        assert!(made.is_ok_and(|it| it.success()));
-        let before = std::env::join_paths([there, "/bin".into(), "/usr/bin".into()]);
-        let path = with_integers(&folder, before.expect("a path")).expect("a path");
-        let said = Command::new("sh")
-            .args(["-c", "cvc5 x.smt2"])
-            .env("PATH", path)
-            .output();
-        let said = String::from_utf8_lossy(&said.expect("sh runs").stdout).into_owned();
-        assert_eq!(said, "with --solve-bv-as-int=sum x.smt2\n");
     }
 
     #[test]

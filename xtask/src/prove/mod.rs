@@ -11,6 +11,7 @@ pub mod checker;
 mod coq;
 mod elf;
 mod every;
+mod solvers;
 mod systematic;
 mod usage;
 
@@ -89,11 +90,16 @@ pub fn run(args: &[String]) -> Outcome {
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
+            // Coq has one core to do with and the checker's compiler another: together at first.
+            let theorems = std::thread::spawn(coq::run);
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
             let every = every::run("");
             println!("all inputs: {every}");
-            with_theorems(coq::run(), with_every(every, harnesses))
+            let theorems = theorems
+                .join()
+                .unwrap_or_else(|_| Outcome::Failed("the theorems' run panicked".into()));
+            with_theorems(theorems, with_every(every, harnesses))
         }
     }
 }

@@ -1,0 +1,138 @@
+//! The solvers that the checker starts, in front of which stands what makes them fit for these proofs.
+//!
+//! The checker starts whichever program of a solver's name comes first in the search path, so that a script can stand before it. Without
+//! the solver there is no script, and the harnesses that name it end without an answer, by themselves.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// How often CaDiCaL may be wrong about a decision before kissat takes over: a second or two. By conflicts and not by time, so that who
+/// answers is the same on every machine.
+const CONFLICTS: u32 = 10_000;
+
+/// A search path in which scripts stand before cvc5 and kissat, where these are there.
+pub fn first(target: &Path, path: OsString) -> Result<OsString, String> {
+    let found = |name: &str| {
+        std::env::split_paths(&path)
+            .map(|folder| folder.join(name))
+            .find(|file| file.is_file())
+    };
+    let folder = target.join("solvers");
+    let mut scripts = Vec::new();
+    if let Some(cvc5) = found("cvc5") {
+        scripts.push(("cvc5", with_integers(&cvc5)));
+    }
+    if let (Some(kissat), Some(cadical)) = (found("kissat"), found("cadical")) {
+        scripts.push(("kissat", with_a_first_look(&cadical, &kissat)));
+    }
+    if scripts.is_empty() {
+        return Ok(path);
+    }
+    let said = |why: std::io::Error| format!("{}: {why}", folder.display());
+    std::fs::create_dir_all(&folder).map_err(said)?;
+    for (name, text) in scripts {
+        let file = folder.join(name);
+        std::fs::write(&file, text).map_err(said)?;
+        let mut chmod = Command::new("chmod");
+        if !chmod
+            .arg("+x")
+            .arg(&file)
+            .status()
+            .is_ok_and(|it| it.success())
+        {
+            return Err(format!("{}: cannot be made a program", file.display()));
+        }
+    }
+    before(&folder, &path)
+}
+
+/// Machine words as integers, which products and quotients at full width need.
+fn with_integers(cvc5: &Path) -> String {
+    format!(
+        "#!/bin/sh\nexec '{}' --solve-bv-as-int=sum \"$@\"\n",
+        cvc5.display()
+    )
+}
+
+/// Of a harness the checker asks kissat once for each cover and each assertion that is to be reached, of which it is fast to find that
+/// they can be, and once whether anything fails, which takes kissat. CaDiCaL needs a quarter of kissat's time for the former.
+fn with_a_first_look(cadical: &Path, kissat: &Path) -> String {
+    let (cadical, kissat) = (cadical.display(), kissat.display());
+    format!(
+        "#!/bin/sh\nanswer=$('{cadical}' -q -c {CONFLICTS} \"$@\")\ncode=$?\n\
+         if [ $code = 10 ] || [ $code = 20 ]; then printf '%s\\n' \"$answer\"; exit $code; fi\n\
+         exec '{kissat}' \"$@\"\n"
+    )
+}
+
+/// A search path with a folder before all others.
+pub fn before(folder: &Path, path: &OsString) -> Result<OsString, String> {
+    let all = std::iter::once(PathBuf::from(folder)).chain(std::env::split_paths(path));
+    std::env::join_paths(all).map_err(|why| why.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with programs of these names and texts.
+    fn programs(folder: &Path, all: &[(&str, &str)]) -> PathBuf {
+        let there = folder.join("there");
+        let _ = std::fs::remove_dir_all(&there);
+        std::fs::create_dir_all(&there).expect("a folder");
+        for (name, text) in all {
+            let file = there.join(name);
+            std::fs::write(&file, format!("#!/bin/sh\n{text}\n")).expect("a file");
+            let made = Command::new("chmod").arg("+x").arg(&file).status();
+            assert!(made.is_ok_and(|it| it.success()));
+        }
+        there
+    }
+
+    /// What a command says with a search path made of these programs, and its exit code.
+    fn said(name: &str, all: &[(&str, &str)], command: &str) -> (String, Option<i32>) {
+        let folder = crate::shell::target(name);
+        let there = programs(&folder, all);
+        let path = std::env::join_paths([there, "/bin".into(), "/usr/bin".into()]);
+        let path = first(&folder, path.expect("a path")).expect("a path");
+        let done = Command::new("sh")
+            .args(["-c", command])
+            .env("PATH", path)
+            .output()
+            .expect("sh runs");
+        let text = String::from_utf8_lossy(&done.stdout).into_owned();
+        (text, done.status.code())
+    }
+
+    #[test]
+    fn without_solvers_the_path_is_as_it_was() {
+        let folder = crate::shell::target("solvers-none");
+        assert_eq!(first(&folder, "/nowhere".into()), Ok("/nowhere".into()));
+    }
+
+    #[test]
+    fn the_first_cvc5_of_the_path_solves_words_as_integers() {
+        let (text, _) = said("solvers-cvc5", &[("cvc5", "echo with $*")], "cvc5 x.smt2");
+        assert_eq!(text, "with --solve-bv-as-int=sum x.smt2\n");
+    }
+
+    #[test]
+    fn kissat_answers_what_cadical_has_no_answer_to() {
+        let kissat = ("kissat", "echo s UNSATISFIABLE of $*; exit 20");
+        let found = ("cadical", "echo s SATISFIABLE; echo v 1 0; exit 10");
+        let unknown = ("cadical", "echo s UNKNOWN; exit 0");
+        let killed = ("cadical", "echo half an ans; exit 137");
+        let answer = ("s SATISFIABLE\nv 1 0\n".to_owned(), Some(10));
+        let of_kissat = ("s UNSATISFIABLE of x.cnf\n".to_owned(), Some(20));
+        for (name, cadical, expected) in [
+            ("solvers-found", found, &answer),
+            ("solvers-unknown", unknown, &of_kissat),
+            ("solvers-killed", killed, &of_kissat),
+        ] {
+            assert_eq!(&said(name, &[kissat, cadical], "kissat x.cnf"), expected);
+        }
+        let alone = said("solvers-alone", &[kissat], "kissat x.cnf");
+        assert_eq!(alone, of_kissat);
+    }
+}
