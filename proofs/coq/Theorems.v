@@ -1,7 +1,7 @@
 (** What is claimed, and that nothing is assumed for it: the gate counts the answers. *)
 
-From Touchstone Require Import Port GuardLosesNothing Shipped LawsArePassive Mass EnhancedIsPassive EnhancedOffset EnhancedStorage
-  EnhancedPort.
+From Touchstone Require Import Port GuardLosesNothing Shipped GuardSettings LawsArePassive Mass EnhancedIsPassive EnhancedOffset
+  EnhancedStorage EnhancedPort.
 
 Print Assumptions change_of_force.
 Print Assumptions pure_delay_acts_late.
@@ -10,6 +10,10 @@ Print Assumptions any_window.
 Print Assumptions any_window_by_settings.
 Print Assumptions knob_acts_late.
 Print Assumptions shipped_window.
+Print Assumptions accepted_is_valid.
+Print Assumptions accepted_covers.
+Print Assumptions no_worse_is_covered.
+Print Assumptions any_accepted_window.
 Print Assumptions thesis_sum_is_never_negative.
 Print Assumptions fba_is_passive.
 Print Assumptions contact_gives_at_most_the_loan.

@@ -1,5 +1,5 @@
 (* Reads ticks of the shipped code (examples/trace.rs) and runs the extracted specification on them: every memory and every answer
-   must be the same, to the last bit. *)
+   must be the same, to the last bit. So must what a guard is made of, and which settings are refused. *)
 
 open Specified
 
@@ -18,6 +18,7 @@ let number text =
 
 type running =
   | Nothing
+  | Of_settings of guard option
   | A_guard of guard * memory
   | A_tdpa of tdpa * observed
   | An_fba of fba * observed
@@ -26,9 +27,12 @@ type running =
 let running = ref Nothing
 let ticks = ref 0
 let made = ref 0
+let allowed = ref 0
+let refused = ref 0
 
 let fail line why = Printf.printf "after %d ticks: %s: %s\n" !ticks line why; exit 1
 let check line same = if same then incr ticks else fail line "the specification says otherwise"
+let settled count line same = if same then incr count else fail line "the specification of the settings says otherwise"
 
 (* Of the enhanced law, in how many ticks what a comparison must have seen was so. *)
 let seen = Array.make 7 0
@@ -48,6 +52,19 @@ let take line =
   | [] -> fail line "an empty line"
   | word :: texts -> (
       match (word, List.map number texts, !running) with
+      | "settings",
+        [ set_capacity; set_refill; set_share; set_damping; set_overspeed; set_delay; set_lag; measured; told_rate; told_limit;
+          told_count ], _ ->
+          let set_measured = measured <> Z0 in
+          running :=
+            Of_settings
+              (accepted
+                 { set_capacity; set_refill; set_share; set_damping; set_overspeed; set_delay; set_lag; set_measured }
+                 { told_rate; told_limit; told_count })
+      | "made", [ capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun ], Of_settings it ->
+          settled allowed line
+            (it = Some { capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun })
+      | "refused", [], Of_settings it -> settled refused line (it = None)
       | "guard", [ capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun ], _ ->
           let it = { capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun } in
           start (A_guard (it, full it))
@@ -91,4 +108,8 @@ let () =
   (try while true do take (input_line stdin) done with End_of_file -> ());
   if !ticks = 0 then fail "nothing" "nothing was compared";
   Array.iter (fun count -> if count < 50 then fail "the enhanced law" "a case was hardly reached") seen;
-  Printf.printf "%d ticks of %d guards and laws are the extracted specification's, bit for bit\n" !ticks !made
+  if !allowed < 10_000 || !refused < 10_000 then fail "settings" "hardly any were accepted, or hardly any refused";
+  Printf.printf
+    "%d ticks of %d guards and laws are the extracted specification's, bit for bit, and so are what %d settings make and the refusal \
+     of %d\n"
+    !ticks !made !allowed !refused

@@ -11,7 +11,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_proofs::source::Source;
-use touchstone_proofs::{contact, objects, planes, shells, space, vector_guard, vectors};
+use touchstone_proofs::{contact, heart, objects, planes, shells, space, vector_guard, vectors};
 
 /// A property's name, where it begins and its body.
 type Row = (&'static str, fn(&mut Every));
@@ -26,6 +26,7 @@ macro_rules! every {
 }
 
 const PROPERTIES: &[Row] = &[
+    every!(heart::reciprocal::p6_reciprocal_8),
     every!(space::w8::p4_unit),
     every!(space::w8::p4_within),
     every!(space::w8::p4_longer),

@@ -1,11 +1,13 @@
 //! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce: of the guard, of TDPA, of FBA
-//! and of the enhanced law, of each its coefficients, and of each tick what came in, and memory and answer after it.
+//! and of the enhanced law, of each its coefficients, and of each tick what came in, and memory and answer after it. Of the guard
+//! also what it makes of settings, ill ones among them.
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
 use std::io::{BufWriter, Result, Write};
 use touchstone_control::law::{Law as _, Sample};
 use touchstone_control::{
-    AnyLaw, ChangeOfForce, Fixed32, Force, Guard, LawKind, ObserverForm, Position,
+    AnyLaw, ChangeOfForce, Fixed32, Force, Guard, GuardSettings, GuardedDevice, LawKind,
+    ObserverForm, Position, Si,
 };
 use touchstone_proofs::spec::enhanced;
 use touchstone_proofs::spec::hands::{Hand, Random, any_law, any_settings, bits, moved};
@@ -18,6 +20,7 @@ fn main() -> Result<()> {
     let ticks: u64 = ticks.unwrap_or(20_000);
     let mut out = BufWriter::new(std::io::stdout().lock());
     guards(&mut out, ticks)?;
+    settings_alone(&mut out, ticks / 14)?;
     for kind in [LawKind::Tdpa, LawKind::Fba] {
         laws(&mut out, kind, ticks / 4)?;
     }
@@ -148,33 +151,120 @@ fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     Ok(())
 }
 
+fn coefficients(out: &mut impl Write, law: &Guard<Fixed32>) -> Result<()> {
+    let g = specified(law);
+    for value in [
+        g.capacity,
+        g.refill,
+        g.damping,
+        g.furthest,
+        g.count,
+        g.late,
+        g.stray,
+        g.slack,
+        g.per_reach,
+        g.in_flight,
+        g.overrun,
+    ] {
+        write!(out, " {value}")?;
+    }
+    writeln!(out)
+}
+
+/// The settings, and the guard that they make or that they are refused.
+fn guard_of(
+    out: &mut impl Write,
+    settings: &GuardSettings,
+    device: &GuardedDevice,
+) -> Result<Option<Guard<Fixed32>>> {
+    write!(out, "settings")?;
+    for value in [
+        settings.capacity,
+        settings.refill,
+        settings.share_of_damping,
+        settings.damping,
+        settings.overspeed,
+        settings.delay,
+        settings.lag,
+    ] {
+        write!(out, " {}", value.to_bits())?;
+    }
+    let measured = u8::from(settings.change == ChangeOfForce::Measured);
+    let [limit, count] = [device.force_limit, device.count].map(Si::to_bits);
+    writeln!(out, " {measured} {} {limit} {count}", device.rate_hz)?;
+    let law = Guard::new(settings, device).ok();
+    match &law {
+        Some(law) => {
+            write!(out, "made")?;
+            coefficients(out, law)?;
+        }
+        None => writeln!(out, "refused")?,
+    }
+    Ok(law)
+}
+
+/// Settings around every end of what is accepted, without ticks.
+fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
+    let mut random = Random(8);
+    for _ in 0..draws {
+        let (mut settings, mut device) = any_settings(&mut random);
+        for _ in 0..random.below(4) {
+            strays(&mut random, &mut settings, &mut device);
+        }
+        guard_of(out, &settings, &device)?;
+    }
+    Ok(())
+}
+
+/// One number of them at an end of its range, a little beyond it, or of a size that leaves the format.
+fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut GuardedDevice) {
+    let whole = Si::const_from_int;
+    let end = |random: &mut Random, most: Si| {
+        let end = [Si::ZERO, most][random.below(2) as usize];
+        end.saturating_add(Si::from_bits(random.within(2)))
+    };
+    let tick = whole(1).saturating_div(Si::saturating_from_num(device.rate_hz.max(1)));
+    match random.below(15) {
+        0 => settings.capacity = end(random, whole(16)),
+        1 => settings.refill = end(random, whole(1)),
+        2 => settings.share_of_damping = end(random, whole(1)),
+        3 => settings.damping = end(random, whole(1000)),
+        4 => settings.damping = random.setting(10),
+        5 => settings.overspeed = end(random, whole(1000)),
+        6 => settings.overspeed = Si::lit("0.001") + Si::from_bits(random.within(2)),
+        7 => settings.delay = end(random, tick),
+        8 => settings.lag = end(random, tick.saturating_sub(settings.delay)),
+        9 => device.force_limit = end(random, whole(1000)),
+        10 => device.force_limit = end(random, whole(128)),
+        11 => device.count = end(random, Si::lit("0.1")),
+        // A tick moves a quarter of the format, more or less; or nearly as much, all of it under the old force.
+        12 => settings.overspeed = whole(32).saturating_mul(Si::from_num(device.rate_hz.min(1000))),
+        13 => {
+            device.rate_hz = 1 + random.below(30) as u32;
+            let rate = Si::from_num(device.rate_hz);
+            device.count = Si::lit("0.0999");
+            let way = Si::lit("31.8") + Si::from_bits(random.below(1 << 29).cast_signed());
+            settings.overspeed = way.saturating_mul(rate);
+            settings.delay = whole(1).saturating_div(rate);
+            settings.lag = Si::ZERO;
+        }
+        _ => {
+            device.rate_hz =
+                [0, 1, 2, 3, 1 << 31, (1 << 31) - 1, random.any() as u32][random.below(7) as usize];
+        }
+    }
+}
+
 fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(3);
     let mut ticks = 0;
     while ticks < wanted_ticks {
         let (settings, device) = any_settings(&mut random);
-        let Ok(law) = Guard::<Fixed32>::new(&settings, &device) else {
+        let Some(law) = guard_of(out, &settings, &device)? else {
             continue;
         };
-        let g = specified(&law);
-        let coefficients = [
-            g.capacity,
-            g.refill,
-            g.damping,
-            g.furthest,
-            g.count,
-            g.late,
-            g.stray,
-            g.slack,
-            g.per_reach,
-            g.in_flight,
-            g.overrun,
-        ];
         write!(out, "guard")?;
-        for value in coefficients {
-            write!(out, " {value}")?;
-        }
-        writeln!(out)?;
+        coefficients(out, &law)?;
         let mut state = law.full();
         let habit = random.any() >> 16;
         for tick in 0..200 {

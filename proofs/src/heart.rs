@@ -239,12 +239,13 @@ pub mod reciprocal {
     use touchstone_control::reciprocal::{Reciprocal8, Reciprocal32};
 
     property! {
-        /// P3/P6: the quotient by a prepared divisor is the plain one, at 8 bits. (`touchstone_control::reciprocal`
-        /// has a test of every dividend and divisor; two divisions and a product are slower for a solver than that.)
+        /// P3/P6: the quotient by a prepared divisor is the plain one, at 8 bits, of every dividend by every divisor: two divisions and a
+        /// product are slower for a solver than that.
         equation "q = min(floor(n / d), highest)"
-        over "double word and word"
+        over "word and double word"
         by sampled fn p6_reciprocal_8(s) {
-            let (dividend, divisor) = (s.u16(), s.u8());
+            let divisor = s.u8();
+            let dividend = s.u16();
             let q = Reciprocal8::new(divisor).quotient(dividend);
             assert!(q == quotient::<u8>(dividend, divisor));
             cover!(s, divisor == 0, "no divisor");

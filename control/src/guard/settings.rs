@@ -204,18 +204,19 @@ impl<N: Number> Guard<N> {
             Si::ZERO
         };
         quarter(Field::GuardDamping, stray.saturating_mul(largest_change))?;
-        // Half a count, and a quantum each for the position and for the part under the old force.
         let half_count = device.count / 2;
-        let mut slack =
-            up::<N>(Field::GuardOverspeed, half_count)? + Position::quantum() + Position::quantum();
         // What the last digits of stray and share leave out: a quantum for every newton-metre that a change can have, and for every
         // radian that a displacement can; and what those of the tick do, of which the share is taken: at overspeed `v` a 256th of `v`.
         let left_out = largest_change
             .saturating_add(derived.distance)
             .saturating_add(settings.overspeed / 256);
-        for _ in 0..=left_out.saturating_to_num::<u16>() {
-            slack = slack + Position::quantum();
-        }
+        let quanta = 1 + i64::from(left_out.saturating_to_num::<u16>());
+        // Below 2^48: a quantum is a setting of at most one.
+        let left_out = Si::from_bits(step.to_bits().wrapping_mul(quanta));
+        // With half a count, and a quantum each for the position and for the part under the old force.
+        let slack = up::<N>(Field::GuardOverspeed, half_count.saturating_add(left_out))?
+            + Position::quantum()
+            + Position::quantum();
         let in_flight = if delayed {
             let way = derived.late.saturating_mul(derived.distance);
             way.saturating_add(UP).saturating_add(half_count)

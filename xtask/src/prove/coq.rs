@@ -13,11 +13,12 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// In the order in which each needs those before it.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "Guard",
     "Port",
     "GuardLosesNothing",
     "Shipped",
+    "GuardSettings",
     "Laws",
     "LawsArePassive",
     "Mass",

@@ -28,6 +28,8 @@ const SOURCES: [&str; 11] = [
 ];
 /// Not shipped, or tests.
 const LEFT_OUT: [&str; 3] = ["float.rs", "reported.rs", "tests.rs"];
+/// What a macro makes for floats: the reference, which no firmware has.
+const FLOATS: &str = "float::";
 
 /// One of the list.
 struct Listed {
@@ -84,7 +86,11 @@ fn listed() -> Result<Vec<Listed>, String> {
     for path in files()? {
         let file = path.display().to_string();
         let source = std::fs::read_to_string(&path).map_err(|why| format!("{file}: {why}"))?;
-        for wrong in find::find(&source).map_err(|why| format!("{file}: {why}"))? {
+        let found = find::find(&source).map_err(|why| format!("{file}: {why}"))?;
+        for wrong in found
+            .into_iter()
+            .filter(|it| !it.function.starts_with(FLOATS))
+        {
             let mut one = Listed {
                 number: all.len() as u32 + 1,
                 file: file.clone(),

@@ -16,6 +16,7 @@ use crate::shell;
 const MOST_S: u32 = 120;
 /// Which properties are about which functions, by file and name: the first that fits.
 const ABOUT: [(&str, &[&str]); 33] = [
+    ("control/src/reciprocal", &["reciprocal_8"]),
     ("environment/sphere", &["ball", "restricted"]),
     ("environment/cuboid", &["box", "shape"]),
     ("environment/cylinder", &["cylinder", "shape"]),
@@ -36,8 +37,6 @@ const ABOUT: [(&str, &[&str]); 33] = [
     ("space/scalar", &["magnitude", "per_axis"]),
     ("space/wall", &["wall", "magnitude", "per_axis"]),
     ("space/root", &["p4_lengths", "p4_polar", "root_of_halves"]),
-    // All inputs are those of the number format.
-    ("number.rs float::", &[]),
     ("number.rs name::share_of_length", &["per_axis"]),
     ("number.rs name::share", &["plane_exit", "box_exit"]),
     ("number.rs name::shortened", &["friction", "hardly"]),

@@ -159,10 +159,8 @@ fn candidates<'a>(
                 let (first, others): (Vec<_>, Vec<_>) = reaching
                     .into_iter()
                     .partition(|name| belonging.contains(name));
-                match first.is_empty() {
-                    true => (1, others),
-                    false => (0, first),
-                }
+                let rank = usize::from(first.is_empty());
+                (rank, first.into_iter().chain(others).collect())
             }
             Some(_) => (3, reaching),
             None => (2, reaching),
