@@ -130,6 +130,9 @@ pub struct Outcome {
     pub worst_window_j: f64,
     /// The same, less the refill over that window.
     pub above_refill_j: f64,
+    /// The same with the tick in which the device went faster than the guard answers for, if a run ended there; the others are without
+    /// it, as the bound is.
+    pub with_overspeed_j: f64,
     /// The lowest that the account was, J.
     pub lowest_account_j: f64,
     /// And at the end.
@@ -227,6 +230,8 @@ impl Port {
             lowest_account_j: joules(&guard),
             ..Outcome::default()
         };
+        // As of the beginning of the tick that was played last.
+        let mut settled = (0.0, 0.0);
         for tick in 0..ticks {
             let now = sample(x);
             if let Some(board) = &board {
@@ -250,6 +255,8 @@ impl Port {
                     let force = guard.tick(now, measured.then_some(at_change), wanted);
                     // What overspeed costs is a remainder of its own.
                     if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
+                        outcome.with_overspeed_j = outcome.above_refill_j;
+                        (outcome.worst_window_j, outcome.above_refill_j) = settled;
                         break;
                     }
                     outcome.changed_ticks += u32::from(guard.limited);
@@ -259,6 +266,7 @@ impl Port {
                 }
             };
             law.commanded(force);
+            settled = (outcome.worst_window_j, outcome.above_refill_j);
             let refilled = refill_w * TICK_S * f64::from(tick);
             lowest = lowest.min(out);
             lowest_above = lowest_above.min(out - refilled);
