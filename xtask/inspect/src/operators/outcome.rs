@@ -154,7 +154,7 @@ const COLUMNS: &str = "| function | changes | refuted | survived | equivalent | 
                        |---|---:|---:|---:|---:|---:|---:|---|";
 const INTRODUCTION: &str = "# Wrong changes by rule\n\n\
 Every place of the law's code where one of our operators applies: comparisons, signs, sums, `min` and `max`, roundings, constants,\n\
-decisions, statements dropped, bodies that return at once ([the operators](../xtask/inspect/src/operators/find.rs)). \"Refuted\" names the\n\
+decisions, statements dropped, bodies that return at once ([the operators](../xtask/inspect/src/operators/find.rs)); the float reference is left out. \"Refuted\" names the\n\
 harness whose property failed, or the test, on samples (`sampled`), under the checker (`proof`) or on all inputs at 8 bits (`every`); an overflow or a time-out is not one.\n\
 \"Open\": not run, or no answer. The list itself, with why what is called equivalent is: [`systematic.tsv`](systematic.tsv).\n\n\
 Written by `cargo xtask prove --mutants --systematic`.\n\n\
