@@ -46,6 +46,42 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
     }
 }
 
+/// A hand that presses, rests and is gone faster than the guard answers for: the guard lets go one tick later, and what that tick gave is
+/// beside the bound, not in it. At 50 rad/s, which it answers for, there is no such tick.
+#[test]
+fn a_tick_of_overspeed_counts_by_itself() {
+    let gone = |rad_per_s: f64| {
+        move |t: f64| {
+            let pressed = 0.06 * t.min(0.5);
+            pressed - rad_per_s * (t - 0.6).max(0.0)
+        }
+    };
+    let mut reached = Vec::new();
+    for delay in DELAYS {
+        let port = Port::new(SPRING, delay, true, true);
+        let over = port.play(&mut Imposed::new(gone(500.0)), 700);
+        println!(
+            "gone with 500 rad/s, delay {delay}: {:.2} mJ above the refill, {:.1} with the tick of overspeed",
+            1e3 * over.above_refill_j,
+            1e3 * over.with_overspeed_j
+        );
+        assert!((600..=602).contains(&over.ticks));
+        // A whole tick late the charge for what is not measured has emptied the account before, and there is no force to take from.
+        assert!(delay == 1.0 || over.with_overspeed_j > over.above_refill_j + 0.005);
+        assert!(over.above_refill_j <= CAPACITY_J + ENCODER_J);
+        reached.push(over.with_overspeed_j);
+        let within = port.play(&mut Imposed::new(gone(50.0)), 700);
+        assert_eq!((within.ticks, within.with_overspeed_j), (700, 0.0));
+        assert!(within.above_refill_j <= CAPACITY_J + ENCODER_J);
+    }
+    // A tick under a force of at most 0.3 N·m.
+    assert!(
+        reached
+            .iter()
+            .all(|&taken| taken <= 0.3 * 0.5 + CAPACITY_J + ENCODER_J)
+    );
+}
+
 /// The books of a guard that does not know of the delay are wrong, and a search finds it: the tests here can fail.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
