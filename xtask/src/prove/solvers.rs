@@ -10,8 +10,9 @@ use std::process::Command;
 /// How often CaDiCaL may be wrong about a decision before kissat takes over: a second or two. By conflicts and not by time, so that who
 /// answers is the same on every machine.
 const CONFLICTS: u32 = 10_000;
-/// What has fewer variables kissat is asked at once: CaDiCaL spends half a minute before its first conflicts on products of few
-/// variables that kissat refutes in four seconds.
+/// What has fewer variables kissat is asked at once: it finds models of so little as fast itself. Which models are found decides what the
+/// last question looks like, and with CaDiCaL's kissat took 28 s instead of 4 for one harness of two that this was tried with, and 11
+/// instead of 8 for the other. That is chance, and may fall the other way for a new harness.
 const FEW_VARIABLES: u32 = 40_000;
 
 /// A search path in which scripts stand before cvc5 and kissat, where these are there.
