@@ -66,7 +66,7 @@ macro_rules! fields {
 }
 crate::law_settings!(fields);
 
-fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), SettingsError> {
+pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), SettingsError> {
     if value < min || value > max {
         Err(SettingsError::OutOfRange {
             field,

@@ -1,7 +1,7 @@
 (** What is claimed, and that nothing is assumed for it: the gate counts the answers. *)
 
-From Touchstone Require Import Port GuardLosesNothing Shipped GuardSettings LawsArePassive Mass EnhancedIsPassive EnhancedOffset
-  EnhancedStorage EnhancedPort.
+From Touchstone Require Import Port GuardLosesNothing Shipped AcceptedIsValid AcceptedCovers AcceptedWindow LawsArePassive Mass
+  EnhancedIsPassive EnhancedOffset EnhancedStorage EnhancedPort.
 
 Print Assumptions change_of_force.
 Print Assumptions pure_delay_acts_late.

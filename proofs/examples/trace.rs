@@ -249,8 +249,9 @@ fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut Guarde
             settings.lag = Si::ZERO;
         }
         _ => {
-            device.rate_hz =
-                [0, 1, 2, 3, 1 << 31, (1 << 31) - 1, random.any() as u32][random.below(7) as usize];
+            let any = random.any() as u32;
+            device.rate_hz = [0, 1, 2, 3, 100_000, 100_001, 1 << 31, (1 << 31) - 1, any]
+                [random.below(9) as usize];
         }
     }
 }

@@ -4,7 +4,7 @@
 //! one device: a correction is proved for any gain up to its bound.
 
 use crate::source::Source;
-use crate::{bounded_property, cover, property, such};
+use crate::{bounded_property, cover, limited_property, property, reckoned, such};
 use touchstone_control::estimator::{EstimatedMotion, Flow, TAPS, UNDER_WAY};
 use touchstone_control::law::Sample;
 use touchstone_control::number::{Wide as _, Wide64};
@@ -48,27 +48,27 @@ fn any_flow<S: Source, const COMMANDS: usize>(
     }
 }
 
-/// Up to `ticks`: `V <= t`, `X <= t²/2`, `βV <= 1`; what all commands together take from position or displacement, at the
-/// limit, is at most `t²/2` or `t`: `q f <= 1`, with a hundredth for rounding.
+/// Weight times limit; what it is for the checker, where the code's is asked as well, is in [`crate::reckoned`].
+fn times(weight: i32, limit: i64) -> i64 {
+    i64::from(weight) * limit
+}
+
+/// Up to `ticks`: `V <= t`, `X <= t`, `βV <= 1`; what all commands together take from position or displacement, at the limit, is
+/// below 2 rad a tick.
 fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
     let within = |x: i32, most: i32| x >= 0 && x <= most;
-    let sums = |index: usize| {
-        flow.commands
-            .iter()
-            .map(|c| i64::from(c[index]))
-            .sum::<i64>()
-    };
-    let largest = |index: usize, most: i64| {
+    let most = 2 * RAD * i64::from(ticks);
+    let taken = |index: usize| {
+        let each = || flow.commands.iter().map(|c| times(c[index], limit));
         flow.commands.iter().all(|c| c[index] >= 0)
-            // A weight of 2^30 by a force of 2^24 is a state of 2^54.
-            && sums(index) <= 2 * ONE_TORQUE * most
-            && sums(index) * limit <= (RAD + RAD / 100) * most
+            && each().all(|taken| taken < most)
+            && each().sum::<i64>() < most
     };
     within(flow.reach, ticks * ONE)
         && within(flow.drift, ticks * ONE)
         && within(flow.loss, ONE)
-        && largest(0, i64::from(ticks))
-        && largest(1, i64::from(ticks))
+        && taken(0)
+        && taken(1)
 }
 
 /// Any weights, on samples mostly such as settings give.
@@ -86,7 +86,7 @@ pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     }
 }
 
-/// What settings can give.
+/// What settings can give: what [`Estimator::is_bounded`] sees to where the coefficients are made (`p8_estimator_bounded32`).
 pub fn ok(estimator: &Estimator<N>) -> bool {
     let limit = i64::from(estimator.limit.0.to_bits());
     let [position, moved, pushed] = estimator.correction;
@@ -134,6 +134,19 @@ pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Positi
     Position(N::narrow(before.position)) - away
 }
 
+limited_property! {
+    /// P8: what the code looks at where it makes its coefficients is what is assumed of them here.
+    equation "is_bounded = (V, X <= t, βV <= 1, Σ q f < 2 t, 0 <= α <= 1, 0 <= β, γ <= 2)"
+    over "weights and limit"
+    by minisat fn p8_estimator_bounded32(s) {
+        let law = any(s);
+        let found = law.is_bounded();
+        reckoned::of_specification();
+        assert!(found == ok(&law));
+        cover!(s, found && law.limit.0.to_bits() > 1 << 24, "bounded");
+        cover!(s, !found && law.limit.0.to_bits() > 1 << 24, "not bounded");
+    }
+}
 property! {
     /// P3: from any motion in the invariant, under any commands within the limit, no sum of a flow overflows, and what comes
     /// out is below 160 rad and 21 rad a tick.

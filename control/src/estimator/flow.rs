@@ -1,6 +1,6 @@
 //! How the modelled device moves over a time, as weights.
 
-use super::{EstimatedMotion, Part, Weight};
+use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
@@ -31,7 +31,7 @@ pub struct Flow<N: Number, const COMMANDS: usize> {
 
 /// A device in ticks: what flows are made of.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct DeviceInTicks {
+pub struct DeviceInTicks {
     /// `β = b T/J`.
     pub loss: Exact,
     /// `q = T²/J`, rad/(N·m).
@@ -80,25 +80,34 @@ impl DeviceInTicks {
     ) -> Option<Flow<N, COMMANDS>> {
         // Not `clamp`, which panics for a time below zero.
         let inside = |t: Exact| t.max(Exact::ZERO).min(time);
-        let weight = <N::Wide as Wide>::weight;
-        let torque = |before: Exact, after: Exact| {
-            let change = before.saturating_sub(after);
-            <N::Wide as Wide>::torque_weight(change.saturating_mul(self.per_torque))
+        let taken = |before: Exact, after: Exact| {
+            before.saturating_sub(after).saturating_mul(self.per_torque)
         };
-        let mut commands = [[Weight::<N>::default(); 2]; COMMANDS];
+        let mut torques = [[Exact::ZERO; 2]; COMMANDS];
         let mut index = Exact::ZERO;
-        for command in &mut commands {
-            let ends = end(index);
-            let (reach, drift) = self.integrals(inside(ends.saturating_add(Exact::ONE)));
-            let (reach_after, drift_after) = self.integrals(inside(ends));
-            *command = [torque(drift, drift_after)?, torque(reach, reach_after)?];
+        let mut after = self.integrals(inside(end(index)));
+        for torque in &mut torques {
             index = index.saturating_add(Exact::ONE);
+            // Where one command begins, the one before it ends.
+            let before = self.integrals(inside(end(index)));
+            *torque = [taken(before.1, after.1), taken(before.0, after.0)];
+            after = before;
         }
         let (reach, drift) = self.integrals(time);
+        let loss = reach.saturating_mul(self.loss);
+
+        let weight = <N::Wide as Wide>::weight;
+        let mut commands = [[Weight::<N>::default(); 2]; COMMANDS];
+        for (command, torque) in commands.iter_mut().zip(torques) {
+            *command = [
+                <N::Wide as Wide>::torque_weight(torque[0])?,
+                <N::Wide as Wide>::torque_weight(torque[1])?,
+            ];
+        }
         Some(Flow {
             reach: weight(reach)?,
             drift: weight(drift)?,
-            loss: weight(reach.saturating_mul(self.loss))?,
+            loss: weight(loss)?,
             commands,
         })
     }
@@ -126,6 +135,26 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 }
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
+    /// Whether over a time of 1 or 2 ticks nothing of it is longer than the time, and commands up to a limit take less than 2 rad and 2 rad
+    /// a tick for each tick: so no sum of [`Flow::apply`] overflows.
+    pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
+        let mut taken = [N::Wide::default(); 2];
+        let mut fits = true;
+        for command in &self.commands {
+            for (weight, taken) in command.iter().zip(&mut taken) {
+                let by_one = N::Wide::product(*weight, limit);
+                fits &= *weight >= Weight::<N>::default() && by_one.within(ticks.into());
+                if fits {
+                    *taken = taken.plus_fitting(by_one);
+                }
+                fits &= taken.within(ticks.into());
+            }
+        }
+        fits && is_share::<N>(self.reach, ticks)
+            && is_share::<N>(self.drift, ticks)
+            && is_share::<N>(self.loss, 1)
+    }
+
     /// Position and displacement per tick at the end.
     #[inline(always)]
     pub fn apply(

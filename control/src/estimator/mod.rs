@@ -20,20 +20,20 @@
 //! constant are assumed. So a wrong inertia costs accuracy while the device moves, and nothing when it is held.
 //!
 //! **Nothing overflows**, and nothing has to saturate on the way: a state that leaves `|r| < 8 rad`, `|d| < 4 rad` a tick or
-//! `|g| < 4 rad` a tick², which no device does, starts anew at what was measured. So `|x| <= 128 + 8`; with `q f <= 1 rad`
-//! a tick² (seen to by the settings) and at most two ticks ahead a sum stays below
-//! `136 + 2·4 + 2·4 + 2 < 155` of 512 rad. See `proofs/src/estimator.rs`.
+//! `|g| < 4 rad` a tick², which no device does, starts anew at what was measured. So `|x| <= 128 + 8`; with commands that take less than
+//! 2 rad in each tick (of what settings give, 1; looked at where the coefficients are made) and at most two ticks ahead a sum stays below
+//! `136 + 2·4 + 2·4 + 4 < 157` of 512 rad. See `proofs/src/estimator.rs`.
 
 mod flow;
 mod settings;
 
 pub use crate::settings::EstimatorSettings;
-pub use flow::{Flow, TAPS, UNDER_WAY};
+pub use flow::{DeviceInTicks, Flow, TAPS, UNDER_WAY};
 pub(crate) use flow::{approach, free};
 pub(crate) use settings::{check_bandwidth, per_tick, ratio_of_bits};
 
 use crate::law::Sample;
-use crate::number::Wide as _;
+use crate::number::{Exact, Wide as _};
 use crate::{Force, Number, Position};
 
 /// The leading digits of a state in a format.
@@ -118,7 +118,26 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     possible.then_some(after)
 }
 
+/// Whether a weight is from 0 to so much.
+fn is_share<N: Number>(weight: Weight<N>, most: u8) -> bool {
+    let most = N::Wide::weight(Exact::saturating_from_num(most));
+    weight >= Weight::<N>::default() && most.is_some_and(|most| weight <= most)
+}
+
 impl<N: Number> Estimator<N> {
+    /// Whether no sum of a tick can overflow: what `proofs/src/estimator.rs` assumes of its coefficients.
+    #[must_use]
+    pub fn is_bounded(&self) -> bool {
+        let limit = N::widen(self.limit.0).torque_part();
+        let [position, moved, pushed] = self.correction;
+        self.tick.is_bounded(1, limit)
+            && self.ahead.is_bounded(2, limit)
+            && is_share::<N>(position, 1)
+            && is_share::<N>(moved, 2)
+            && is_share::<N>(pushed, 2)
+            && self.limit >= Force::zero()
+    }
+
     /// One control period: the measured penetration to penetration and displacement per tick at the time at which the command
     /// that follows will begin to act. [`Estimator::commanded`] must follow.
     #[inline(always)]

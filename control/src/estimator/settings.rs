@@ -94,7 +94,8 @@ impl EstimatorSettings {
     /// Validates, and computes the coefficients.
     ///
     /// # Errors
-    /// As [`EstimatorSettings::validate`]; a force limit that the number format cannot hold counts against the inertia.
+    /// As [`EstimatorSettings::validate`]; a force limit that the number format cannot hold counts against the inertia, as do coefficients
+    /// of which a sum could overflow ([`Estimator::is_bounded`]; none is known).
     pub fn estimator<N: Number>(
         &self,
         rate_hz: u32,
@@ -118,11 +119,13 @@ impl EstimatorSettings {
                 limit: N::signal(force_limit).map(Force)?,
             })
         };
-        built().ok_or(SettingsError::OutOfFormat {
-            field: Field::EstimatorInertia,
-            value: inertia,
-            format: N::NAME,
-        })
+        built()
+            .filter(Estimator::is_bounded)
+            .ok_or(SettingsError::OutOfFormat {
+                field: Field::EstimatorInertia,
+                value: inertia,
+                format: N::NAME,
+            })
     }
 }
 
@@ -144,10 +147,7 @@ fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight
         .saturating_sub(pole.saturating_mul(three))
         .saturating_sub(position)
         .saturating_sub(drift.saturating_mul(pushed));
+    let moved = quotient(moved, reach);
     let weight = <N::Wide as crate::number::Wide>::weight;
-    Some([
-        weight(position)?,
-        weight(quotient(moved, reach))?,
-        weight(pushed)?,
-    ])
+    Some([weight(position)?, weight(moved)?, weight(pushed)?])
 }

@@ -2,6 +2,7 @@
 
 use super::Guard;
 use crate::quotient::over;
+use crate::validate;
 use crate::{
     ChangeOfForce, Compliance, Energy, Field, GuardSettings, Number, Position, Ratio,
     SettingsError, Si, Stiffness, Warning,
@@ -52,25 +53,16 @@ impl GuardSettings {
         }
     }
 
-    /// Every setting within its range, at a control rate of at least 1 Hz.
+    /// Every setting within its range, at a control rate from 1 Hz to 100 kHz.
     ///
     /// # Errors
     /// The first that is not.
     pub fn validate(&self, device: &GuardedDevice) -> Result<(), SettingsError> {
         self.check_ranges()?;
-        let within = |field, value: Si, max: Si| {
-            if value < Si::ZERO || value > max {
-                Err(SettingsError::OutOfRange {
-                    field,
-                    value,
-                    min: Si::ZERO,
-                    max,
-                })
-            } else {
-                Ok(())
-            }
-        };
+        let within = |field, value, max| validate::within(field, value, Si::ZERO, max);
         let whole = Si::const_from_int;
+        let rate = Si::saturating_from_num(device.rate_hz);
+        validate::within(Field::RateHz, rate, Si::ONE, whole(100_000))?;
         within(Field::ForceLimit, device.force_limit, whole(1_000))?;
         let coarsest = const { Si::lit("0.1") };
         if device.count < Si::ZERO || device.count > coarsest {
@@ -80,7 +72,7 @@ impl GuardSettings {
             });
         }
         // A tick in the digits of a setting is rounded down: a delay of a whole tick is one of these.
-        let tick = over(Si::ONE, Si::saturating_from_num(device.rate_hz));
+        let tick = over(Si::ONE, rate);
         within(Field::GuardDelay, self.delay, tick)?;
         within(Field::GuardLag, self.lag, tick.saturating_sub(self.delay))
     }
@@ -189,20 +181,18 @@ impl<N: Number> Guard<N> {
             ChangeOfForce::Measured => (tick.saturating_sub(settings.delay), settings.lag),
         };
         let delayed = settings.delay > Si::ZERO || settings.lag > Si::ZERO;
+        let share = over(mean, span).min(Si::ONE);
+        let rest = span.saturating_sub(mean).max(Si::ZERO);
+        let split = share.saturating_mul(rest).saturating_add(UP);
         let (late, split) = if mean > Si::ZERO {
-            let share = over(mean, span).min(Si::ONE);
-            let rest = span.saturating_sub(mean).max(Si::ZERO);
-            (share, share.saturating_mul(rest).saturating_add(UP))
+            (share, split)
         } else {
             (Si::ZERO, Si::ZERO)
         };
         // It must fit with the largest change of force: without damping a delay cannot be answered for.
         let trusted = settings.share_of_damping.saturating_mul(settings.damping);
-        let stray = if split > Si::ZERO {
-            over(split, trusted.saturating_mul(whole(4)))
-        } else {
-            Si::ZERO
-        };
+        let stray = over(split, trusted.saturating_mul(whole(4)));
+        let stray = if split > Si::ZERO { stray } else { Si::ZERO };
         quarter(Field::GuardDamping, stray.saturating_mul(largest_change))?;
         let half_count = device.count / 2;
         // What the last digits of stray and share leave out: a quantum for every newton-metre that a change can have, and for every
@@ -217,8 +207,8 @@ impl<N: Number> Guard<N> {
         let slack = up::<N>(Field::GuardOverspeed, half_count.saturating_add(left_out))?
             + Position::quantum()
             + Position::quantum();
+        let way = derived.late.saturating_mul(derived.distance);
         let in_flight = if delayed {
-            let way = derived.late.saturating_mul(derived.distance);
             way.saturating_add(UP).saturating_add(half_count)
         } else {
             half_count

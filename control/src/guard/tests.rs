@@ -307,8 +307,9 @@ fn what_was_commanded_in_the_end_is_what_is_booked() {
 #[test]
 fn settings_are_validated_from_both_sides() {
     type Change = fn(&mut GuardSettings, &mut GuardedDevice);
-    let refused: [(Field, Change); 11] = [
-        (Field::GuardOverspeed, |_, d| d.rate_hz = 0),
+    let refused: [(Field, Change); 12] = [
+        (Field::RateHz, |_, d| d.rate_hz = 0),
+        (Field::RateHz, |_, d| d.rate_hz = 100_001),
         (Field::GuardDamping, |s, _| s.damping = -Si::DELTA),
         (Field::ForceLimit, |_, d| d.force_limit = -Si::DELTA),
         (Field::GuardCapacity, |s, _| s.capacity = Si::lit("16.1")),

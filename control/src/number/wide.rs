@@ -16,7 +16,7 @@ pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
     /// The leading digits of a state, or of a torque.
     type Part: Copy + Debug + Default + PartialEq;
     /// What parts are multiplied with.
-    type Weight: Copy + Debug + Default + PartialEq;
+    type Weight: Copy + Debug + Default + PartialOrd;
 
     /// A weight of a motion, to nearest; `None` outside ±32.
     fn weight(value: Exact) -> Option<Self::Weight>;

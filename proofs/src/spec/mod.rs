@@ -12,11 +12,14 @@ pub mod at8;
 pub mod covers;
 pub mod enhanced;
 pub mod estimator;
+pub mod estimator_settings;
 pub mod fba;
 pub mod guard;
+pub mod guard_settings;
 #[cfg(not(kani))]
 pub mod hands;
 mod rounding;
+pub mod settings;
 pub mod sfa;
 pub mod tdpa;
 

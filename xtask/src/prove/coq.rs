@@ -13,12 +13,15 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// In the order in which each needs those before it.
-const FILES: [&str; 15] = [
+const FILES: [&str; 18] = [
     "Guard",
     "Port",
     "GuardLosesNothing",
     "Shipped",
     "GuardSettings",
+    "AcceptedIsValid",
+    "AcceptedCovers",
+    "AcceptedWindow",
     "Laws",
     "LawsArePassive",
     "Mass",

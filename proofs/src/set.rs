@@ -1,0 +1,150 @@
+//! P11: what settings become is what their specification says, at 32 bits.
+//!
+//! ```text
+//! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
+//! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_settings32
+//! ```
+
+use crate::source::Source;
+use crate::spec::{Int, estimator_settings as estimator, guard_settings as guard};
+use crate::{
+    assume, cover, estimated, flow_property, reckoned, reckoned_property, specified,
+    validated_property,
+};
+use touchstone_control::{
+    ChangeOfForce, EstimatorSettings, Fixed32, Guard, GuardSettings, GuardedDevice, Si,
+};
+
+type N = Fixed32;
+
+/// Any number; on samples mostly from 0 to so much.
+fn setting<S: Source>(s: &mut S, most: i64) -> Si {
+    let bits = s.i64();
+    Si::from_bits(if s.shortcut() {
+        (bits & i64::MAX) % (most + 1)
+    } else {
+        bits
+    })
+}
+
+fn bits(x: Si) -> Int {
+    x.to_bits().into()
+}
+
+fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
+    const ONE: i64 = 1 << 32;
+    let rate_hz = s.u32();
+    // Of samples only: a division is nothing that the checker should follow for nothing.
+    let (rate_hz, tick) = if s.shortcut() {
+        let rate_hz = 1 + rate_hz % 10_000;
+        (rate_hz, ONE / i64::from(rate_hz))
+    } else {
+        (rate_hz, 0)
+    };
+    let settings = GuardSettings {
+        on: true,
+        capacity: setting(s, 2 * ONE),
+        refill: setting(s, ONE),
+        share_of_damping: setting(s, ONE),
+        damping: setting(s, ONE),
+        overspeed: setting(s, 100 * ONE),
+        delay: setting(s, tick / 2),
+        lag: setting(s, tick / 2),
+        change: if s.bool() {
+            ChangeOfForce::Measured
+        } else {
+            ChangeOfForce::Estimated
+        },
+    };
+    let device = GuardedDevice {
+        rate_hz,
+        force_limit: setting(s, 100 * ONE),
+        count: setting(s, ONE / 100),
+    };
+    (settings, device)
+}
+
+fn specified_settings(
+    settings: &GuardSettings,
+    device: &GuardedDevice,
+) -> (guard::Settings, guard::Told) {
+    (
+        guard::Settings {
+            capacity: bits(settings.capacity),
+            refill: bits(settings.refill),
+            share: bits(settings.share_of_damping),
+            damping: bits(settings.damping),
+            overspeed: bits(settings.overspeed),
+            delay: bits(settings.delay),
+            lag: bits(settings.lag),
+            measured: settings.change == ChangeOfForce::Measured,
+        },
+        guard::Told {
+            rate: device.rate_hz.into(),
+            limit: bits(device.force_limit),
+            count: bits(device.count),
+        },
+    )
+}
+
+reckoned_property! {
+    /// P11: what validation of the guard's settings lets through is what its specification does.
+    equation "accepted = spec(settings, device)"
+    over "settings of the guard, rate, force limit, count"
+    by minisat fn p11_guard_validated32(s) {
+        let (settings, device) = any_guard_settings(s);
+        let accepted = settings.validate(&device).is_ok();
+        reckoned::of_specification();
+        let (set, told) = specified_settings(&settings, &device);
+        assert!(accepted == guard::in_ranges(&set, &told));
+        cover!(s, accepted && settings.lag > Si::ZERO, "accepted");
+        cover!(s, !accepted, "refused");
+    }
+}
+validated_property! {
+    /// P11: the guard that settings become which validation lets through, and whether they become one, is the specification's.
+    equation "Guard::new(settings, device) = spec(settings, device)"
+    over "settings of the guard, rate, force limit, count"
+    by minisat fn p11_guard_settings32(s) {
+        let (settings, device) = any_guard_settings(s);
+        let found = Guard::<N>::new(&settings, &device).ok();
+        reckoned::of_specification();
+        let (set, told) = specified_settings(&settings, &device);
+        assume!(s, guard::in_ranges(&set, &told), "case; the other is p11_guard_validated32");
+        let expected = guard::made(&set, &told);
+        assert!(found.as_ref().map(specified::at32::guard) == expected);
+        cover!(s, found.is_some(), "made");
+        cover!(s, found.is_none(), "refused");
+    }
+}
+flow_property! {
+    /// P11: the estimator that accepted settings become, and whether they become one, is the specification's; one that is made is bounded.
+    equation "settings.estimator(rate, limit) = spec(settings, rate, limit)"
+    over "settings of the estimator, rate, force limit"
+    by minisat fn p11_estimator_settings32(s) {
+        const ONE: i64 = 1 << 32;
+        let rate = s.u32();
+        let (rate, tick) = if s.shortcut() { (1 + rate % 10_000, ONE / i64::from(1 + rate % 10_000)) } else { (rate, 0) };
+        let settings = EstimatorSettings {
+            bandwidth_hz: setting(s, i64::from(rate >> 3) << 32),
+            inertia: setting(s, ONE / 100),
+            damping: setting(s, ONE / 100),
+            delay_s: setting(s, 3 * tick),
+        };
+        let limit = setting(s, 200 * ONE);
+        assume!(s, limit >= Si::ZERO, "Settings::validate");
+        let accepted = settings.validate(rate, limit).is_ok();
+        let found = settings.estimator::<N>(rate, limit).ok();
+        reckoned::of_specification();
+        let set = estimator::Settings {
+            bandwidth: bits(settings.bandwidth_hz),
+            inertia: bits(settings.inertia),
+            damping: bits(settings.damping),
+            delay: bits(settings.delay_s),
+        };
+        let expected = if accepted { estimator::made(&set, rate.into(), bits(limit)) } else { None };
+        assert!(found.as_ref().map(estimated::specified) == expected);
+        cover!(s, found.is_some(), "made");
+        cover!(s, found.is_none() && accepted, "accepted, and not made");
+    }
+}

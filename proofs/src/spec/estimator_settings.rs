@@ -1,0 +1,180 @@
+//! What `EstimatorSettings::estimator` makes of a person's settings, beside the equations in the header of `control/src/estimator/mod.rs`.
+//!
+//! Between setting and weight a number has 56 fractional bits: ±128, and what is beyond stays at the end.
+
+use super::estimator::{Estimator, Flow};
+use super::settings::{MOST, ONE, between, signal_fits, signal_of, times};
+use super::{BITS, Int};
+
+/// One, with 56 fractional bits.
+pub const LONG_ONE: Int = 1 << 56;
+const LONG_MOST: Int = i64::MAX as Int;
+/// `2π`.
+const TAU: Int = 452_751_216_129_820_177;
+
+/// Cut to the range of such a number.
+fn long(x: Int) -> Int {
+    x.clamp(-LONG_MOST - 1, LONG_MOST)
+}
+/// `a b`; what it is for the checker is in [`crate::reckoned`].
+#[must_use]
+pub fn long_times(a: Int, b: Int) -> Int {
+    long(a * b >> 56)
+}
+/// `a / b`; what it is for the checker is in [`crate::reckoned`].
+#[must_use]
+pub fn long_over(a: Int, b: Int) -> Int {
+    if b == 0 { 0 } else { long((a << 56) / b) }
+}
+/// `a / b` of two positive settings; what it is for the checker is in [`crate::reckoned`].
+#[must_use]
+pub fn ratio(a: Int, b: Int) -> Int {
+    if b == 0 {
+        LONG_MOST
+    } else {
+        long((a << 56) / b)
+    }
+}
+
+/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; what they are for the checker is in [`crate::reckoned`].
+#[must_use]
+pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
+    let (mut reach, mut drift, mut term) = (0, 0, time);
+    for order in 2..48 {
+        let next = long_over(long_times(term, time), order * LONG_ONE);
+        reach = long(reach + term);
+        drift = long(drift + next);
+        term = long(-long_times(next, loss));
+    }
+    (reach, drift)
+}
+
+/// Settings, counts of 2^-32 of their SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Hz.
+    pub bandwidth: Int,
+    /// kg·m².
+    pub inertia: Int,
+    /// N·m·s/rad.
+    pub damping: Int,
+    /// s.
+    pub delay: Int,
+}
+
+/// The nearest weight of so many fractional bits, if a word holds it.
+fn weight(x: Int, fraction: u32) -> Option<Int> {
+    let half = 1 << (55 - fraction);
+    let nearest = (x + half).min(LONG_MOST) >> (56 - fraction);
+    let most = 1 << (BITS - 1);
+    (nearest >= -most && nearest < most).then_some(nearest)
+}
+fn of_motion(x: Int) -> Option<Int> {
+    weight(x, 26)
+}
+fn of_torque(x: Int) -> Option<Int> {
+    weight(x, 30)
+}
+
+/// The device: `β`, `q`, and the delay in ticks.
+struct Device {
+    loss: Int,
+    per_torque: Int,
+    delay: Int,
+}
+
+impl Device {
+    /// Over a time; the latest command ends so long before its end, and each a tick before the one after it.
+    fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> Option<Flow<COMMANDS>> {
+        let at = |t: Int| integrals(self.loss, t.max(0).min(time));
+        let mut commands = [[0; 2]; COMMANDS];
+        let mut i = 0;
+        while i < COMMANDS {
+            let ends = latest + i as Int * LONG_ONE;
+            let (since, until) = (at(ends + LONG_ONE), at(ends));
+            let taken = |since, until| long_times(long(since - until), self.per_torque);
+            commands[i] = [
+                of_torque(taken(since.1, until.1))?,
+                of_torque(taken(since.0, until.0))?,
+            ];
+            i += 1;
+        }
+        let (reach, drift) = integrals(self.loss, time);
+        Some(Flow {
+            reach: of_motion(reach)?,
+            drift: of_motion(drift)?,
+            loss: of_motion(long_times(reach, self.loss))?,
+            commands,
+        })
+    }
+
+    /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`.
+    fn correction(&self, angle: Int) -> Option<[Int; 3]> {
+        let fast = long_times(angle, integrals(angle, LONG_ONE).0);
+        let pole = long(LONG_ONE - fast);
+        let (reach, drift) = integrals(self.loss, LONG_ONE);
+        let kept = long(LONG_ONE - long_times(self.loss, reach));
+        let cube = |x| long_times(long_times(x, x), x);
+        let position = long(LONG_ONE - long_over(cube(pole), kept));
+        let pushed = long_over(cube(fast), reach);
+        let sum = long(2 * LONG_ONE + kept);
+        let sum = long(long(sum - long_times(pole, 3 * LONG_ONE)) - position);
+        let moved = long(sum - long_times(drift, pushed));
+        Some([
+            of_motion(position)?,
+            of_motion(long_over(moved, reach))?,
+            of_motion(pushed)?,
+        ])
+    }
+}
+
+/// The estimator of settings that validation accepts, at a rate, Hz, for a largest force; none where a weight does not fit, or is not
+/// within what the harnesses assume.
+#[must_use]
+pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
+    let rate = (rate.max(1) * ONE).min(MOST);
+    // `J/T²`.
+    let inertia = times(times(set.inertia, rate), rate);
+    let angle = long_times(ratio(set.bandwidth, rate), TAU);
+    let device = Device {
+        loss: ratio(times(set.damping, rate), inertia).min(angle),
+        per_torque: ratio(ONE, inertia),
+        delay: ratio(times(set.delay, rate), ONE).min(2 * LONG_ONE),
+    };
+    let made = Estimator {
+        tick: device.flow(LONG_ONE, -device.delay)?,
+        ahead: device.flow(device.delay, 0)?,
+        correction: device.correction(angle)?,
+        limit: signal_of(limit),
+    };
+    (signal_fits(limit) && bounded(&made)).then_some(made)
+}
+
+/// What commands up to a limit take is less than 2 rad, with 54 fractional bits, for each tick; nothing else is longer than the time.
+#[must_use]
+pub fn flow_bounded<const COMMANDS: usize>(flow: &Flow<COMMANDS>, ticks: Int, limit: Int) -> bool {
+    let taken = |which: usize| {
+        let by_one = |of: &[Int; 2]| super::estimator::weighed(of[which], limit);
+        flow.commands.iter().map(by_one).sum::<Int>()
+    };
+    let one = 1 << 26;
+    flow.commands.iter().flatten().all(|weight| *weight >= 0)
+        && taken(0) < ticks << 55
+        && taken(1) < ticks << 55
+        && between(0, flow.reach, ticks * one)
+        && between(0, flow.drift, ticks * one)
+        && between(0, flow.loss, one)
+}
+
+/// What `proofs/src/estimator.rs` assumes.
+#[must_use]
+pub fn bounded(of: &Estimator) -> bool {
+    let one = 1 << 26;
+    let [position, moved, pushed] = of.correction;
+    of.limit >= 0
+        && flow_bounded(&of.tick, 1, of.limit)
+        && flow_bounded(&of.ahead, 2, of.limit)
+        && between(0, position, one)
+        && between(0, moved, 2 * one)
+        && between(0, pushed, 2 * one)
+}

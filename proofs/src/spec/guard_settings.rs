@@ -1,0 +1,170 @@
+//! What `Guard::new` makes of a person's settings, line by line the text of `proofs/coq/GuardSettings.v`, of which the theorems are: that
+//! whatever is accepted is what the guard's harnesses assume, and covers the device that it was told.
+
+use super::guard::Guard;
+use super::settings::{
+    MOST, ONE, between, energy_fits, energy_of, gain_fits, gain_of, over, plus, signal_fits,
+    signal_of, times,
+};
+use super::{HIGHEST, Int};
+
+/// The settings, counts of 2^-32 of their SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// J.
+    pub capacity: Int,
+    /// W.
+    pub refill: Int,
+    /// Of the damping, trusted.
+    pub share: Int,
+    /// N·m·s/rad.
+    pub damping: Int,
+    /// rad/s.
+    pub overspeed: Int,
+    /// s.
+    pub delay: Int,
+    /// s.
+    pub lag: Int,
+    /// Whether the position is also read when the force changes.
+    pub measured: bool,
+}
+
+/// What is told of the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Told {
+    /// Hz, a whole number.
+    pub rate: Int,
+    /// Of the force, N·m.
+    pub limit: Int,
+    /// Of the encoder, rad.
+    pub count: Int,
+}
+
+/// More than the few last digits that a sum of products and quotients loses.
+const UP: Int = 8;
+/// A step of a signal.
+const STEP: Int = 1 << 8;
+/// The largest force that the books have room for, 31.9.
+const ROOM: Int = 137_009_456_742;
+
+fn quarter_fits(x: Int) -> bool {
+    signal_fits((x * 4).min(MOST))
+}
+fn signal_plus(a: Int, b: Int) -> Int {
+    (a + b).min(HIGHEST)
+}
+/// A position, rounded up.
+fn signal_up(x: Int) -> Int {
+    signal_plus(signal_of(x), 1)
+}
+
+fn rate(told: &Told) -> Int {
+    (told.rate * ONE).min(MOST)
+}
+
+/// What `validate` lets through.
+#[must_use]
+pub fn in_ranges(set: &Settings, told: &Told) -> bool {
+    let each = between(0, set.capacity, 16 * ONE)
+        && between(0, set.refill, ONE)
+        && between(0, set.damping, 1000 * ONE)
+        && between(0, set.share, ONE)
+        && between(4_294_967, set.overspeed, 1000 * ONE)
+        && between(0, set.delay, ONE)
+        && between(0, set.lag, ONE)
+        && between(1, told.rate, 100_000)
+        && between(0, told.limit, 1000 * ONE)
+        && between(0, told.count, 429_496_730);
+    if !each {
+        return false;
+    }
+    let tick = over(ONE, rate(told));
+    between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
+}
+
+/// The guard that settings in their ranges become, if every coefficient fits.
+#[must_use]
+pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
+    let rate = rate(told);
+    let tick = over(ONE, rate);
+    let measured = over(set.overspeed, rate);
+    let refill = over(set.refill, rate);
+    let trusted = times(set.share, set.damping);
+    let damping = times(trusted, rate);
+    // The way of a tick may be measured a count longer.
+    let distance = plus(plus(measured, told.count), UP);
+    let reach = plus(distance, told.count);
+    let late = times(plus(set.delay, set.lag), rate);
+
+    // The reserve in flight is rounded up by a quantum and a little, and the positions that both are measured with by one each.
+    let rounded = plus(plus(plus(STEP, STEP), STEP), UP);
+    let per_reach = over(ONE, plus(reach, rounded)).min(over(ROOM, set.capacity));
+    let largest_change = (plus(times(set.capacity, per_reach), UP) * 2).min(MOST);
+
+    // Over how much time the old force may have gone on, in the mean, of how much.
+    let (span, mean) = if set.measured {
+        (tick - set.delay, set.lag)
+    } else {
+        (tick, plus(set.delay, set.lag))
+    };
+    let (share, split) = if mean > 0 {
+        let share = over(mean, span).min(ONE);
+        (share, plus(times(share, (span - mean).max(0)), UP))
+    } else {
+        (0, 0)
+    };
+    let stray = if split > 0 {
+        over(split, (trusted * 4).min(MOST))
+    } else {
+        0
+    };
+
+    let half_count = told.count >> 1;
+    let left_out = plus(plus(largest_change, distance), set.overspeed >> 8);
+    // Half a count, and what is left out: its units and the rest, a quantum each.
+    let half_count_up = plus(half_count, STEP * ((left_out >> 32).min(0xffff) + 1));
+    // The position and the part under the old force are rounded by one each.
+    let slack = signal_plus(signal_plus(signal_up(half_count_up), 1), 1);
+    let in_flight = if set.delay > 0 || set.lag > 0 {
+        plus(plus(times(late, distance), UP), half_count)
+    } else {
+        half_count
+    };
+    let overrun = over(plus(plus(late, UP), ONE), (damping * 4).min(MOST));
+    let overrun = if signal_fits(overrun) {
+        overrun
+    } else {
+        127 * ONE
+    };
+
+    let fits = signal_fits(told.limit)
+        && quarter_fits(set.capacity)
+        && quarter_fits(times(damping, distance))
+        && quarter_fits(distance)
+        && quarter_fits(refill)
+        && quarter_fits(times(stray, largest_change))
+        && signal_fits(half_count_up)
+        && quarter_fits(plus(in_flight, rounded))
+        && energy_fits(set.capacity)
+        && energy_fits(refill)
+        && gain_fits(damping)
+        && signal_fits(measured)
+        && signal_fits(told.count)
+        && signal_fits(share)
+        && signal_fits(stray)
+        && gain_fits(per_reach)
+        && signal_fits(in_flight);
+    fits.then(|| Guard {
+        capacity: energy_of(set.capacity),
+        refill: energy_of(refill),
+        damping: gain_of(damping),
+        furthest: signal_of(measured),
+        count: signal_plus(signal_plus(signal_up(told.count), 1), 1),
+        late: signal_of(share),
+        stray: signal_of(stray),
+        slack,
+        per_reach: gain_of(per_reach),
+        in_flight: signal_plus(signal_up(in_flight), 1),
+        overrun: signal_of(overrun),
+    })
+}
