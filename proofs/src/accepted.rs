@@ -41,7 +41,7 @@ fn any_law<S: Source>(s: &mut S) -> LawKind {
 }
 
 /// Any settings of a law; guard and estimator off.
-fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
+pub(crate) fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     let base = Settings::thesis();
     let rate_hz = s.u32();
     Settings {

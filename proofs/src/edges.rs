@@ -188,5 +188,5 @@ edges!(
 );
 edges!(
     /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, u8, i16, products cvc5, bits cadical
+    w8, Fixed8, u8, i16, products kissat, bits cadical
 );

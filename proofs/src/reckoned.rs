@@ -4,7 +4,7 @@
 //! place of each, and whoever asks the same question again, the code or its specification, gets the same answer. Of an answer is known:
 //!
 //! ```text
-//! a, b >= 0  =>  a b >= 0, a / b >= 0;  a 2 and a 4 are sums     accepted::p8_product64, p8_quotient_sign64
+//! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
 //! ```
 
 /// A property of settings and what they become, with the products and quotients of this file. `and [..]` names further pairs.
@@ -32,6 +32,16 @@ macro_rules! validated_property {
     ($($property:tt)*) => {
         $crate::reckoned_property! {
             and [(touchstone_control::GuardSettings::validate, $crate::reckoned::guard_accepted)]
+            $($property)*
+        }
+    };
+}
+/// A property of what is made of guards, of which each is what it was told.
+#[macro_export]
+macro_rules! guarded_property {
+    ($($property:tt)*) => {
+        $crate::reckoned_property! {
+            and [(touchstone_control::Guard::new, $crate::reckoned::told)]
             $($property)*
         }
     };
@@ -89,7 +99,8 @@ mod by_one_answer {
     use touchstone_control::estimator::DeviceInTicks;
     use touchstone_control::number::{Exact, Wide64};
     use touchstone_control::{
-        Estimator, EstimatorSettings, GuardSettings, GuardedDevice, Number, SettingsError, Si,
+        Compliance, Energy, Estimator, EstimatorSettings, Guard, GuardSettings, GuardedDevice,
+        Number, Position, Ratio, SettingsError, Si, Stiffness,
     };
 
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
@@ -148,23 +159,23 @@ mod by_one_answer {
     );
     table!(
         /// Products of numbers with 56 fractional bits.
-        long_products, 24
+        long_products, 21
     );
     table!(
         /// Their quotients.
-        long_quotients, 4
+        long_quotients, 3
     );
     table!(
         /// Ratios of two settings.
-        ratios, 5
+        ratios, 4
     );
     table!(
         /// How far one moves in a time.
-        reaches, 15
+        reaches, 11
     );
     table!(
         /// How far a push moves one.
-        drifts, 15
+        drifts, 11
     );
 
     table!(
@@ -180,36 +191,22 @@ mod by_one_answer {
         x as i64
     }
 
-    /// What is known of a product by 2.
-    fn twice(a: i64, b: i64, one: i64, answer: i64) -> i64 {
-        kani::assume(b != 2 * one || answer == a.saturating_add(a));
-        answer
-    }
-    fn product(a: i64, b: i64) -> i64 {
-        let answer = twice(a, b, 1 << 32, products::ask(a, b));
-        let of_two = a.saturating_add(a);
-        kani::assume(b != 4 << 32 || answer == of_two.saturating_add(of_two));
-        answer
-    }
-    fn long_product(a: i64, b: i64) -> i64 {
-        twice(a, b, 1 << 56, long_products::ask(a, b))
-    }
     /// For `saturating_mul`, of either length.
     pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
         let (a, b) = (a.to_bits(), b.to_bits());
         FixedI64::from_bits(if Frac::U32 == 32 {
-            product(a, b)
+            products::ask(a, b)
         } else {
-            long_product(a, b)
+            long_products::ask(a, b)
         })
     }
     /// For [`crate::spec::settings::times`].
     pub fn times(a: Int, b: Int) -> Int {
-        product(double(a), double(b)).into()
+        products::ask(double(a), double(b)).into()
     }
     /// For [`crate::spec::estimator_settings::long_times`].
     pub fn long_times(a: Int, b: Int) -> Int {
-        long_product(double(a), double(b)).into()
+        long_products::ask(double(a), double(b)).into()
     }
 
     /// For the quotient by what is positive if it is of any use.
@@ -283,6 +280,34 @@ mod by_one_answer {
     /// For [`GuardSettings::validate`]: whatever it accepts.
     pub fn guard_accepted(_: &GuardSettings, _: &GuardedDevice) -> Result<(), SettingsError> {
         Ok(())
+    }
+    /// For [`Guard::new`]: it refuses an odd rate, and has a word of each that it was told.
+    pub fn told<N: Number>(
+        settings: &GuardSettings,
+        device: &GuardedDevice,
+    ) -> Result<Guard<N>, SettingsError> {
+        let word = N::saturating_signal;
+        let ratio = |value| N::ratio(value).unwrap_or_default();
+        let guard = Guard {
+            capacity: Energy::zero(),
+            refill: Energy::zero(),
+            damping: Stiffness::zero(),
+            furthest: Position(word(settings.overspeed)),
+            count: Position(word(device.count)),
+            late: Ratio(ratio(settings.delay)),
+            stray: Compliance(ratio(settings.lag)),
+            slack: Position(word(device.count)),
+            per_reach: Stiffness::zero(),
+            in_flight: Position(word(device.force_limit)),
+            overrun: Compliance(ratio(settings.damping)),
+        };
+        match device.rate_hz & 1 {
+            0 => Ok(guard),
+            _ => Err(SettingsError::TooCoarse {
+                count: device.count,
+                coarsest: Si::ZERO,
+            }),
+        }
     }
     /// For [`Estimator::is_bounded`]: whatever is; `estimator::p8_estimator_bounded32` has what it is.
     pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {

@@ -3,22 +3,26 @@
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_settings32
+//! V, X of six devices                                         p11_integrals64
 //! ```
 
 use crate::source::Source;
 use crate::spec::{Int, estimator_settings as estimator, guard_settings as guard};
 use crate::{
-    assume, cover, estimated, flow_property, reckoned, reckoned_property, specified,
+    assume, cover, estimated, flow_property, property, reckoned, reckoned_property, specified,
     validated_property,
 };
+use touchstone_control::estimator::DeviceInTicks;
+use touchstone_control::number::Exact;
 use touchstone_control::{
     ChangeOfForce, EstimatorSettings, Fixed32, Guard, GuardSettings, GuardedDevice, Si,
+    VelocityKind, VelocitySettings,
 };
 
 type N = Fixed32;
 
 /// Any number; on samples mostly from 0 to so much.
-fn setting<S: Source>(s: &mut S, most: i64) -> Si {
+pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
         (bits & i64::MAX) % (most + 1)
@@ -27,11 +31,14 @@ fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     })
 }
 
-fn bits(x: Si) -> Int {
+/// A setting's count of 2^-32.
+#[must_use]
+pub fn bits(x: Si) -> Int {
     x.to_bits().into()
 }
 
-fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
+/// Any settings of the guard with any device; on samples often such as are accepted.
+pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
     // Of samples only: a division is nothing that the checker should follow for nothing.
@@ -146,5 +153,21 @@ flow_property! {
         assert!(found.as_ref().map(estimated::specified) == expected);
         cover!(s, found.is_some(), "made");
         cover!(s, found.is_none() && accepted, "accepted, and not made");
+    }
+}
+property! {
+    /// P11: how far a device moves in a time, and a push moves it, are the specification's sums: of six devices and times, to the last digit.
+    equation "V = Σ (-β)^k t^(k+1)/(k+1)!, X = Σ (-β)^k t^(k+2)/(k+2)!"
+    over "loss 0, 1/8 and 5/4, time 1 and 2"
+    by minisat fn p11_integrals64(s) {
+        for loss in [0, estimator::LONG_ONE / 8, estimator::LONG_ONE * 5 / 4] {
+            for time in [estimator::LONG_ONE, 2 * estimator::LONG_ONE] {
+                let long = |x: Int| Exact::from_bits(x as i64);
+                let device = DeviceInTicks { loss: long(loss), per_torque: Exact::ZERO, delay: Exact::ZERO };
+                let (reach, drift) = device.integrals(long(time));
+                assert!((Int::from(reach.to_bits()), Int::from(drift.to_bits())) == estimator::integrals(loss, time));
+                cover!(s, reach < long(time) && drift > Exact::ZERO, "damped");
+            }
+        }
     }
 }

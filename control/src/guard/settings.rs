@@ -21,7 +21,6 @@ pub struct GuardedDevice {
 
 /// Rounding upwards of what was computed downwards: more than the few last digits that a sum of products and quotients loses.
 const UP: Si = Si::from_bits(8);
-const TWO: Si = Si::const_from_int(2);
 
 /// What settings and device come to, SI.
 struct Derived {
@@ -141,7 +140,7 @@ impl<N: Number> Guard<N> {
         };
         // Four times of what the sums of the books are made of must fit.
         let quarter = |field, value: Si| {
-            N::signal(value.saturating_mul(whole(4))).ok_or(refused::<N>(field, value))
+            N::signal(value.saturating_mul_int(4)).ok_or(refused::<N>(field, value))
         };
         N::signal(device.force_limit).ok_or(refused::<N>(Field::ForceLimit, device.force_limit))?;
         quarter(Field::GuardCapacity, settings.capacity)?;
@@ -172,7 +171,7 @@ impl<N: Number> Guard<N> {
             .capacity
             .saturating_mul(per_reach)
             .saturating_add(UP)
-            .saturating_mul(TWO);
+            .saturating_mul_int(2);
 
         // Over how much time the old force may have gone on, in the mean, of how much.
         let tick = over(Si::ONE, rate);
@@ -191,7 +190,7 @@ impl<N: Number> Guard<N> {
         };
         // It must fit with the largest change of force: without damping a delay cannot be answered for.
         let trusted = settings.share_of_damping.saturating_mul(settings.damping);
-        let stray = over(split, trusted.saturating_mul(whole(4)));
+        let stray = over(split, trusted.saturating_mul_int(4));
         let stray = if split > Si::ZERO { stray } else { Si::ZERO };
         quarter(Field::GuardDamping, stray.saturating_mul(largest_change))?;
         let half_count = device.count / 2;
@@ -217,7 +216,7 @@ impl<N: Number> Guard<N> {
         quarter(Field::GuardDelay, in_flight.saturating_add(rounded))?;
         let overrun = over(
             derived.late.saturating_add(UP).saturating_add(Si::ONE),
-            derived.damping.saturating_mul(whole(4)),
+            derived.damping.saturating_mul_int(4),
         );
         // With next to no damping there is no end to what overspeed costs: the largest ratio of each format in turn.
         let overrun = [overrun, whole(127), whole(1), const { Si::lit("0.99") }]

@@ -88,15 +88,16 @@ impl Device {
     fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> Option<Flow<COMMANDS>> {
         let at = |t: Int| integrals(self.loss, t.max(0).min(time));
         let mut commands = [[0; 2]; COMMANDS];
+        let mut until = at(latest);
         let mut i = 0;
         while i < COMMANDS {
-            let ends = latest + i as Int * LONG_ONE;
-            let (since, until) = (at(ends + LONG_ONE), at(ends));
+            let since = at(latest + (i as Int + 1) * LONG_ONE);
             let taken = |since, until| long_times(long(since - until), self.per_torque);
             commands[i] = [
                 of_torque(taken(since.1, until.1))?,
                 of_torque(taken(since.0, until.0))?,
             ];
+            until = since;
             i += 1;
         }
         let (reach, drift) = integrals(self.loss, time);

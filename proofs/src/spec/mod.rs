@@ -14,6 +14,7 @@ pub mod enhanced;
 pub mod estimator;
 pub mod estimator_settings;
 pub mod fba;
+pub mod friction_settings;
 pub mod guard;
 pub mod guard_settings;
 #[cfg(not(kani))]
