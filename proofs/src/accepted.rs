@@ -2,7 +2,7 @@
 //!
 //! Settings are multiplied and divided in 128 bits on the way, which no solver follows to the end; what is assumed of the result
 //! rests on signs, sums and shifts, and these it does follow, whatever the products are. That every setting is in its range is asked
-//! once (`p8_validated`), and not again for each law. The estimator's coefficients rest on products: they are sampled (`settings.rs`).
+//! once (`p8_validated`), and not again for each law. What rests on products is in `set.rs`.
 
 use crate::format::Format;
 use crate::source::Source;

@@ -143,8 +143,8 @@ limited_property! {
         let found = law.is_bounded();
         reckoned::of_specification();
         assert!(found == ok(&law));
-        cover!(s, found && law.limit.0.to_bits() > 1 << 24, "bounded");
-        cover!(s, !found && law.limit.0.to_bits() > 1 << 24, "not bounded");
+        cover!(s, found & (law.limit.0.to_bits() > 1 << 24), "bounded");
+        cover!(s, !found & (law.limit.0.to_bits() > 1 << 24), "not bounded");
     }
 }
 property! {

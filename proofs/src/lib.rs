@@ -13,7 +13,7 @@
 #![recursion_limit = "1024"]
 
 /// Under the checker every assertion of a property is a cover as well: one that nothing reaches says nothing. The gate asks for both, and
-/// has the checker ask the same of no other assertion: that took a third of its time, most of it for a trace of each that it reached.
+/// has the checker ask the same of no other assertion: that took a quarter of its time, most of it for a trace of each that it reached.
 #[cfg(kani)]
 macro_rules! assert {
     ($condition:expr $(,)?) => {{

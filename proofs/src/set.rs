@@ -3,7 +3,7 @@
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_settings32
-//! V, X of six devices                                         p11_integrals64
+//! V, X of six devices                                                p11_integrals64
 //! ```
 
 use crate::source::Source;
@@ -16,7 +16,6 @@ use touchstone_control::estimator::DeviceInTicks;
 use touchstone_control::number::Exact;
 use touchstone_control::{
     ChangeOfForce, EstimatorSettings, Fixed32, Guard, GuardSettings, GuardedDevice, Si,
-    VelocityKind, VelocitySettings,
 };
 
 type N = Fixed32;

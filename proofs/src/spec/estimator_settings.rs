@@ -19,7 +19,7 @@ fn long(x: Int) -> Int {
 /// `a b`; what it is for the checker is in [`crate::reckoned`].
 #[must_use]
 pub fn long_times(a: Int, b: Int) -> Int {
-    long(a * b >> 56)
+    long((a * b) >> 56)
 }
 /// `a / b`; what it is for the checker is in [`crate::reckoned`].
 #[must_use]

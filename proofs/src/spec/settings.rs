@@ -16,7 +16,7 @@ pub fn plus(a: Int, b: Int) -> Int {
 /// `a b`; what it is for the checker is in [`crate::reckoned`].
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
-    (a * b >> 32).min(MOST)
+    ((a * b) >> 32).min(MOST)
 }
 /// `a / b`, by nothing the largest number; what it is for the checker is in [`crate::reckoned`].
 #[must_use]

@@ -13,7 +13,13 @@ const SOURCES: &str = "proofs/src";
 /// What every statement rests on: configurations and memories, sources of inputs, number formats.
 const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 /// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
-const COMPARES: [&str; 3] = ["refines", "refines_enhanced", "estimated"];
+const COMPARES: [&str; 5] = [
+    "refines",
+    "refines_enhanced",
+    "estimated",
+    "set",
+    "set_space",
+];
 const SPECIFICATION: &str = "proofs/src/spec";
 const BRIDGE: &str = "specified";
 /// And the divisions, multiplications and pieces of ticks of those that have shared ones.
@@ -23,8 +29,12 @@ const REPLACED: [&str; 3] = ["divided", "multiplied", "pieces"];
 const ESTIMATES: &str = "estimated";
 const WEIGHED: &str = "weighed";
 
+/// And what settings become, with their products and quotients.
+const BECOMES: [&str; 2] = ["set", "set_space"];
+const RECKONED: [&str; 2] = ["reckoned", "estimated"];
+
 /// What a property is written in.
-pub const MACROS: [&str; 13] = [
+pub const MACROS: [&str; 18] = [
     "property",
     "divided_property",
     "multiplied_property",
@@ -38,6 +48,11 @@ pub const MACROS: [&str; 13] = [
     "corrected_property",
     "bounded_property",
     "placed_property",
+    "reckoned_property",
+    "validated_property",
+    "flow_property",
+    "limited_property",
+    "guarded_property",
 ];
 
 /// What a property or its file names after `by`.
@@ -101,6 +116,11 @@ impl Statements {
             }
             if file == ESTIMATES {
                 shared ^= add(looked_at(WEIGHED, text_of(files, WEIGHED))?.beside, WEIGHED);
+            }
+            if BECOMES.contains(&file.as_str()) {
+                for of in RECKONED {
+                    shared ^= add(looked_at(of, text_of(files, of))?.beside, of);
+                }
             }
             for (property, number) in found.properties {
                 let all = [shared, found.beside, number].map(|number| number.to_string());

@@ -1,9 +1,11 @@
 //! What the checker's report says about each harness, and why a harness counts as proved.
 //!
 //! The checker calls a harness successful also when an assumption was impossible, when a cover was never reached and when an
-//! assertion could not be reached. So its own verdict is only one of the conditions here. The checker's own question whether an
-//! assertion can be reached is switched off, for it asks it of every one in the code too, at twice the time; each of a property is a
-//! cover as well (`assert!` in `proofs/src/lib.rs`), and one without its cover does not count.
+//! assertion could not be reached. So its own verdict is only one of the conditions here.
+//!
+//! The checker's own question whether an assertion can be reached is switched off: it asks it of every one in the code too, which takes
+//! a quarter of the time. Each of a property is a cover as well (`assert!` in `proofs/src/lib.rs`), and one without its cover does not
+//! count.
 
 use std::collections::BTreeMap;
 

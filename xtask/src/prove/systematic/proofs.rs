@@ -22,7 +22,7 @@ const TRIES: usize = 3;
 /// How many harnesses are asked of a change: the smaller ones first.
 const ASKED: usize = 3;
 /// Processor time of a process, in seconds: most harnesses that refute a change do so in a few.
-const PROCESS_S: u32 = 45;
+const PROCESS_S: u32 = 100;
 /// Parts of the names of what builds a law of its settings.
 const BUILDING: [&str; 2] = ["_accepted", "controller::"];
 /// Parts of the names of what had no answer to any change: asked last.
