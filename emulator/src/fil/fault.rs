@@ -47,6 +47,8 @@ pub enum Fault {
     Thermistor(f64),
     /// The encoder on the bus.
     Encoder(SlaveFault),
+    /// The same as a control tick begins.
+    EncoderAtTick(SlaveFault),
     /// The encoder's frames never end.
     BusHangs,
     /// The incremental encoder counts no more.
@@ -90,6 +92,21 @@ const CONTROL_PRIORITY: u32 = 2 << 4;
 const ISER: u32 = 0x00;
 const ICER: u32 = 0x80;
 
+/// Runs to the beginning of a control tick at 1 kHz. Its handler also reads the encoder when the force changes, in the first half of a
+/// tick: what begins after a longer rest is the tick.
+fn to_tick(bench: &mut Bench) -> Result<(), String> {
+    bench.machine.run_to(CONTROL_TICK.exception())?;
+    for _ in 0..3 {
+        let before = bench.now();
+        bench.run(100 * US)?;
+        bench.machine.run_to(CONTROL_TICK.exception())?;
+        if bench.now() - before > 500 * US {
+            return Ok(());
+        }
+    }
+    Err("no control tick after half a tick's rest".into())
+}
+
 impl Fault {
     /// Makes it happen now.
     ///
@@ -129,6 +146,10 @@ impl Fault {
                 if let Some(slave) = &mut chip.spi3.slave {
                     slave.set_fault(fault);
                 }
+            }
+            Self::EncoderAtTick(fault) => {
+                to_tick(bench)?;
+                return Self::Encoder(fault).inject(bench);
             }
             Self::BusHangs => chip.spi3.set_hangs(true, now),
             Self::TrackHeld => {
@@ -189,7 +210,11 @@ impl Fault {
     pub const fn waits(self) -> bool {
         matches!(
             self,
-            Self::Hang(_) | Self::Undefined(_) | Self::BreakWithin(..) | Self::HeldOff(_)
+            Self::Hang(_)
+                | Self::Undefined(_)
+                | Self::BreakWithin(..)
+                | Self::EncoderAtTick(..)
+                | Self::HeldOff(_)
         ) || matches!(self, Self::Lost(LPTIM1, us) if us > 0)
     }
 

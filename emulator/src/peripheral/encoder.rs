@@ -69,7 +69,12 @@ impl Slave for As5047p {
         }
         let flag = u16::from(self.errors != 0) << 14;
         let data = match self.command & 0x3fff {
-            0x3fff | 0x3ffe => self.angle.count(),
+            0x3fff | 0x3ffe => {
+                if self.angle.fault == SlaveFault::LowFromAngle {
+                    self.angle.fault = SlaveFault::Low;
+                }
+                self.angle.count()
+            }
             0x3ffc => match self.angle.fault {
                 SlaveFault::NoMagnet => FIELD_WEAK,
                 SlaveFault::MagnetTooNear => FIELD_STRONG,

@@ -35,6 +35,8 @@ pub enum SlaveFault {
     None,
     /// The line stays low: no power, or a broken wire with a pull-down.
     Low,
+    /// The same from the next answer on that has the angle: it falls between two frames of a reading. Of the AS5047P.
+    LowFromAngle,
     /// The line stays high.
     High,
     /// One bit of each frame is turned over.

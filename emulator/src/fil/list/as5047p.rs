@@ -9,12 +9,21 @@ use touchstone_protocol::FaultCode::*;
 
 /// With the AS5047P on the bus.
 pub const WITH_AS5047P: &[Injection] = &[
+    // All zeros have the right parity. Which of a reading's two frames comes first decides what is seen: the field's answer says nothing of a
+    // magnet, the angle's is an angle, and far from the last one. So not at a moment, which another program has elsewhere in its tick.
     row(
         "encoder's line low",
         Pressed,
         15,
-        Fault::Encoder(SlaveFault::Low),
+        Fault::EncoderAtTick(SlaveFault::Low),
         Off(TICK, &[EncoderStatus]),
+    ),
+    row(
+        "encoder's line low between two frames",
+        Pressed,
+        15,
+        Fault::EncoderAtTick(SlaveFault::LowFromAngle),
+        Off(TICK, &[EncoderJump]),
     ),
     row(
         "encoder's line high",
