@@ -28,7 +28,7 @@ fn value<S: Source>(s: &mut S, base: Si) -> Si {
     })
 }
 
-fn any_law<S: Source>(s: &mut S) -> LawKind {
+pub(crate) fn any_law<S: Source>(s: &mut S) -> LawKind {
     match s.u8() & 7 {
         0 => LawKind::Spring,
         1 => LawKind::SpringDamper,

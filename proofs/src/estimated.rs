@@ -20,7 +20,9 @@ use touchstone_control::{Estimator, Fixed32, Force};
 
 type N = Fixed32;
 
-fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMANDS> {
+/// A flow of the specification.
+#[must_use]
+pub fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMANDS> {
     spec::Flow {
         reach: flow.reach.into(),
         drift: flow.drift.into(),

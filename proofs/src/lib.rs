@@ -53,6 +53,7 @@ pub mod reckoned;
 pub mod refines;
 pub mod refines_enhanced;
 pub mod set;
+pub mod set_laws;
 pub mod set_space;
 pub mod settings;
 pub mod shells;

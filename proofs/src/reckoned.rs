@@ -1,7 +1,9 @@
 //! Products and quotients of settings for the checker: one answer for one question.
 //!
 //! What a coefficient is made of does not depend on what its products and quotients are. A `reckoned_property!` puts any number in the
-//! place of each, and whoever asks the same question again, the code or its specification, gets the same answer. Of an answer is known:
+//! place of each, and whoever asks the same question again, the code or its specification, gets the same answer (of the estimator's long
+//! numbers, whose order is the same, the specification's n-th question the code's n-th). Of the numbers of the
+//! estimator, of 56 fractional bits, nothing else is known; of an answer in settings is:
 //!
 //! ```text
 //! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
@@ -46,6 +48,26 @@ macro_rules! guarded_property {
         }
     };
 }
+/// The same of the coefficients of a law, which may divide by what stays and take a root: of settings in the ranges that validation sees to,
+/// with what follows of several of them and whether the enhanced law is a spring for them, which is said first, and of which `p11_derived64`
+/// has that it is the specification's.
+#[macro_export]
+macro_rules! lawful_property {
+    ($plain:ident $($property:tt)*) => {
+        $crate::reckoned_property! {
+            and [
+                (touchstone_control::Settings::is_plain_spring, $crate::reckoned::$plain)
+                (touchstone_control::Settings::validate, $crate::reckoned::law_accepted)
+                (touchstone_control::Settings::derived, $crate::reckoned::derived)
+                ($crate::spec::law_settings::derived, $crate::reckoned::specified_derived)
+                (<touchstone_control::Fixed32 as touchstone_control::Number>::divisor, $crate::divided::divisor)
+                (<touchstone_control::Fixed32 as touchstone_control::Number>::root_of_four, $crate::reckoned::root_of_four)
+                ($crate::spec::fba::Fba::bound_of, $crate::reckoned::specified_root_of_four)
+            ]
+            $($property)*
+        }
+    };
+}
 /// A property of what the estimator's weights take at the limit, with its products.
 #[macro_export]
 macro_rules! limited_property {
@@ -57,7 +79,21 @@ macro_rules! limited_property {
         }
     };
 }
-/// The same of the estimator's coefficients: further with their long numbers, and with how far a device moves in a time.
+/// The same of the estimator's flows: with its long products, and with how far a device moves in a time.
+#[macro_export]
+macro_rules! timed_property {
+    ($($property:tt)*) => {
+        $crate::reckoned_property! {
+            and [
+                (touchstone_control::estimator::DeviceInTicks::integrals, $crate::reckoned::integrals)
+                ($crate::spec::estimator_settings::long_times, $crate::reckoned::long_times)
+                ($crate::spec::estimator_settings::integrals, $crate::reckoned::specified_integrals)
+            ]
+            $($property)*
+        }
+    };
+}
+/// The same of the estimator's coefficients: further with its long quotients, and with the flows as such, of which `timed_property!` is.
 #[macro_export]
 macro_rules! flow_property {
     ($($property:tt)*) => {
@@ -66,6 +102,8 @@ macro_rules! flow_property {
                 (fixed::FixedI64::checked_div, $crate::reckoned::checked_div)
                 (touchstone_control::estimator::settings::ratio_of_bits, $crate::reckoned::ratio_of_bits)
                 (touchstone_control::estimator::DeviceInTicks::integrals, $crate::reckoned::integrals)
+                (touchstone_control::estimator::DeviceInTicks::tick, $crate::reckoned::over_a_tick)
+                (touchstone_control::estimator::DeviceInTicks::ahead, $crate::reckoned::ahead)
                 (touchstone_control::EstimatorSettings::validate, $crate::reckoned::accepted)
                 (touchstone_control::Estimator::is_bounded, $crate::reckoned::bounded)
                 ($crate::spec::estimator_settings::bounded, $crate::reckoned::specified_bounded)
@@ -73,6 +111,8 @@ macro_rules! flow_property {
                 ($crate::spec::estimator_settings::long_over, $crate::reckoned::long_over)
                 ($crate::spec::estimator_settings::ratio, $crate::reckoned::specified_ratio)
                 ($crate::spec::estimator_settings::integrals, $crate::reckoned::specified_integrals)
+                ($crate::spec::estimator_settings::over_a_tick, $crate::reckoned::specified_over_a_tick)
+                ($crate::spec::estimator_settings::ahead, $crate::reckoned::specified_ahead)
             ]
             $($property)*
         }
@@ -92,15 +132,18 @@ pub use questions::of_specification;
 pub use by_one_answer::*;
 #[cfg(kani)]
 mod by_one_answer {
-    use crate::spec::Int;
+    use crate::spec::estimator_settings::Device;
     use crate::spec::settings::MOST;
+    use crate::spec::{Int, estimator};
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
-    use fixed::{FixedI64, types::extra::LeEqU64};
-    use touchstone_control::estimator::DeviceInTicks;
-    use touchstone_control::number::{Exact, Wide64};
+    use fixed::types::extra::{LeEqU64, U12};
+    use fixed::{FixedI32, FixedI64};
+    use touchstone_control::estimator::{DeviceInTicks, Flow, TAPS, UNDER_WAY};
+    use touchstone_control::number::{Exact, Wide, Wide64};
+    use touchstone_control::validate::Derived;
     use touchstone_control::{
-        Compliance, Energy, Estimator, EstimatorSettings, Guard, GuardSettings, GuardedDevice,
-        Number, Position, Ratio, SettingsError, Si, Stiffness,
+        ChangeOfForce, Compliance, Energy, Estimator, EstimatorSettings, Guard, GuardSettings,
+        GuardedDevice, Number, Position, Ratio, Settings, SettingsError, Si, Stiffness,
     };
 
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
@@ -112,24 +155,23 @@ mod by_one_answer {
     /// What the code has asked of one kind, and what it was told. Its next row is known wherever the code has not returned yet, so that a
     /// question has one place: none may depend on a case, but for one that returns.
     macro_rules! table {
-        ($(#[doc = $doc:literal])* $module:ident, $rows:literal) => {
+        ($(#[doc = $doc:literal])* $module:ident, $rows:literal, $row:ident) => {
             $(#[doc = $doc])*
             mod $module {
                 use super::{AtomicI64, AtomicUsize, Relaxed, SPECIFIES};
 
+                const ROWS: usize = $rows;
                 static ASKED: AtomicUsize = AtomicUsize::new(0);
-                static LEFT: [AtomicI64; $rows] = [const { AtomicI64::new(0) }; $rows];
-                static RIGHT: [AtomicI64; $rows] = [const { AtomicI64::new(0) }; $rows];
-                static ANSWER: [AtomicI64; $rows] = [const { AtomicI64::new(0) }; $rows];
+                static LEFT: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
+                static RIGHT: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
+                static ANSWER: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
 
-                /// The answer: any that nothing is known against, and the one that the code was given before.
+                /// Any answer; the code's, where the code has asked the same.
                 pub fn ask(a: i64, b: i64) -> i64 {
                     let answer: i64 = kani::any();
-                    kani::assume(a < 0 || b < 0 || answer >= 0);
                     let specifies = SPECIFIES.load(Relaxed) == 1;
                     let asked = ASKED.load(Relaxed);
-                    let end = if specifies { $rows } else { asked };
-                    let mut at = 0;
+                    let (mut at, end) = rows(specifies, asked);
                     while at < end {
                         let same = (at < asked)
                             & (LEFT[at].load(Relaxed) == a)
@@ -138,7 +180,7 @@ mod by_one_answer {
                         at += 1;
                     }
                     if !specifies {
-                        assert!(asked < $rows, "there is a row for each question");
+                        assert!(asked < ROWS, "there is a row for each question");
                         LEFT[asked].store(a, Relaxed);
                         RIGHT[asked].store(b, Relaxed);
                         ANSWER[asked].store(answer, Relaxed);
@@ -146,41 +188,66 @@ mod by_one_answer {
                     }
                     answer
                 }
+
+                table! { @$row }
+            }
+        };
+        // Whoever asks the same again gets the same answer.
+        (@any) => {
+            fn rows(specifies: bool, asked: usize) -> (usize, usize) {
+                (0, if specifies { ROWS } else { asked })
+            }
+        };
+        // The specification's n-th question gets the code's n-th answer, if it is the same question: a solver's work for each is one
+        // comparison, not one for each row. What else is true of the answers is left out, which a proof cannot profit from.
+        (@nth) => {
+            static AGAIN: AtomicUsize = AtomicUsize::new(0);
+
+            fn rows(specifies: bool, _: usize) -> (usize, usize) {
+                if !specifies {
+                    return (0, 0);
+                }
+                let at = AGAIN.load(Relaxed);
+                AGAIN.store(at + 1, Relaxed);
+                (at, (at + 1).min(ROWS))
             }
         };
     }
     table!(
         /// Products of settings.
-        products, 16
+        products, 16, any
     );
     table!(
         /// Quotients of settings.
-        quotients, 12
+        quotients, 12, any
     );
     table!(
         /// Products of numbers with 56 fractional bits.
-        long_products, 21
+        long_products, 12, nth
     );
     table!(
         /// Their quotients.
-        long_quotients, 3
+        long_quotients, 3, nth
     );
     table!(
         /// Ratios of two settings.
-        ratios, 4
+        ratios, 4, nth
     );
     table!(
         /// How far one moves in a time.
-        reaches, 11
+        reaches, 5, nth
     );
     table!(
         /// How far a push moves one.
-        drifts, 11
+        drifts, 5, nth
     );
-
     table!(
         /// Products of a weight and a part.
-        weights, 10
+        weights, 10, any
+    );
+    table!(
+        /// Roots.
+        roots, 1, nth
     );
 
     fn double(x: Int) -> i64 {
@@ -191,18 +258,30 @@ mod by_one_answer {
         x as i64
     }
 
+    /// What is known of a product and a quotient of settings: of what is not negative they are not.
+    fn signed(a: i64, b: i64, answer: i64) -> i64 {
+        kani::assume(a < 0 || b < 0 || answer >= 0);
+        answer
+    }
+    fn product(a: i64, b: i64) -> i64 {
+        signed(a, b, products::ask(a, b))
+    }
+    fn quotient(a: i64, b: i64) -> i64 {
+        signed(a, b, quotients::ask(a, b))
+    }
+
     /// For `saturating_mul`, of either length.
     pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
         let (a, b) = (a.to_bits(), b.to_bits());
         FixedI64::from_bits(if Frac::U32 == 32 {
-            products::ask(a, b)
+            product(a, b)
         } else {
             long_products::ask(a, b)
         })
     }
     /// For [`crate::spec::settings::times`].
     pub fn times(a: Int, b: Int) -> Int {
-        products::ask(double(a), double(b)).into()
+        product(double(a), double(b)).into()
     }
     /// For [`crate::spec::estimator_settings::long_times`].
     pub fn long_times(a: Int, b: Int) -> Int {
@@ -211,7 +290,7 @@ mod by_one_answer {
 
     /// For the quotient by what is positive if it is of any use.
     pub fn over(a: Si, b: Si) -> Si {
-        let answer = quotients::ask(a.to_bits(), b.to_bits());
+        let answer = quotient(a.to_bits(), b.to_bits());
         if b <= Si::ZERO {
             Si::MAX
         } else {
@@ -220,13 +299,13 @@ mod by_one_answer {
     }
     /// For [`crate::spec::settings::over`].
     pub fn specified_over(a: Int, b: Int) -> Int {
-        let answer = quotients::ask(double(a), double(b));
+        let answer = quotient(double(a), double(b));
         if b <= 0 { MOST } else { answer.into() }
     }
     /// For `saturating_div` of settings.
     pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
         assert!(b.to_bits() != 0, "nothing is divided by zero");
-        FixedI64::from_bits(quotients::ask(a.to_bits(), b.to_bits()))
+        FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
     }
     /// For `checked_div`: whoever asks it takes 0 for what has no answer, so that 0 is among the answers.
     pub fn checked_div<Frac: LeEqU64>(
@@ -263,6 +342,100 @@ mod by_one_answer {
             drifts::ask(loss, time).into(),
         )
     }
+    /// A flow of a device: any words, or none; of the same device the specification's are the code's.
+    macro_rules! flows {
+        ($(#[doc = $doc:literal])* $module:ident, $words:literal) => {
+            $(#[doc = $doc])*
+            mod $module {
+                use super::{AtomicI64, AtomicUsize, Relaxed, SPECIFIES};
+
+                static FITS: AtomicUsize = AtomicUsize::new(0);
+                static TOLD: [AtomicI64; 3] = [const { AtomicI64::new(0) }; 3];
+                static WORDS: [AtomicI64; $words] = [const { AtomicI64::new(0) }; $words];
+
+                pub fn ask(device: [i64; 3]) -> Option<[i64; $words]> {
+                    let (fits, words): (bool, [i64; $words]) = (kani::any(), kani::any());
+                    if SPECIFIES.load(Relaxed) == 0 {
+                        FITS.store(usize::from(fits), Relaxed);
+                        for (told, value) in TOLD.iter().zip(device) {
+                            told.store(value, Relaxed);
+                        }
+                        for (word, value) in WORDS.iter().zip(words) {
+                            word.store(value, Relaxed);
+                        }
+                        return fits.then_some(words);
+                    }
+                    let mut same = true;
+                    for (told, value) in TOLD.iter().zip(device) {
+                        same &= told.load(Relaxed) == value;
+                    }
+                    let code = core::array::from_fn(|i| WORDS[i].load(Relaxed));
+                    let (fits, words) = if same {
+                        (FITS.load(Relaxed) == 1, code)
+                    } else {
+                        (fits, words)
+                    };
+                    fits.then_some(words)
+                }
+            }
+        };
+    }
+    flows!(
+        /// Over a tick.
+        over_ticks, 9
+    );
+    flows!(
+        /// Ahead.
+        aheads, 7
+    );
+    fn told_of(device: &DeviceInTicks) -> [i64; 3] {
+        [device.loss, device.per_torque, device.delay].map(Exact::to_bits)
+    }
+    fn specified_of(device: &Device) -> [i64; 3] {
+        [device.loss, device.per_torque, device.delay].map(double)
+    }
+    /// The low half of each number is a word, any.
+    fn of_words<N: Number, const COMMANDS: usize>(words: &[i64]) -> Flow<N, COMMANDS> {
+        let weight = |i: usize| {
+            let long = Exact::from_bits(i64::from(words[i] as i32) << 30);
+            <N::Wide as Wide>::weight(long).unwrap_or_default()
+        };
+        let of_torque = |i: usize| {
+            let long = Exact::from_bits(i64::from(words[i] as i32) << 26);
+            <N::Wide as Wide>::torque_weight(long).unwrap_or_default()
+        };
+        Flow {
+            reach: weight(0),
+            drift: weight(1),
+            loss: weight(2),
+            commands: core::array::from_fn(|i| [of_torque(3 + 2 * i), of_torque(4 + 2 * i)]),
+        }
+    }
+    fn specified_of_words<const COMMANDS: usize>(words: &[i64]) -> estimator::Flow<COMMANDS> {
+        let word = |i: usize| Int::from(words[i] as i32);
+        estimator::Flow {
+            reach: word(0),
+            drift: word(1),
+            loss: word(2),
+            commands: core::array::from_fn(|i| [word(3 + 2 * i), word(4 + 2 * i)]),
+        }
+    }
+    /// For [`DeviceInTicks::tick`].
+    pub fn over_a_tick<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, TAPS>> {
+        over_ticks::ask(told_of(device)).map(|words| of_words(&words))
+    }
+    /// For [`crate::spec::estimator_settings::over_a_tick`].
+    pub fn specified_over_a_tick(device: &Device) -> Option<estimator::Flow<3>> {
+        over_ticks::ask(specified_of(device)).map(|words| specified_of_words(&words))
+    }
+    /// For [`DeviceInTicks::ahead`].
+    pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
+        aheads::ask(told_of(device)).map(|words| of_words(&words))
+    }
+    /// For [`crate::spec::estimator_settings::ahead`].
+    pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
+        aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
+    }
     /// For [`EstimatorSettings::validate`]: whatever it accepts.
     pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsError> {
         Ok(())
@@ -273,33 +446,98 @@ mod by_one_answer {
     }
     /// For [`crate::estimator::times`].
     pub fn at_limit(weight: i32, limit: i64) -> i64 {
-        let answer = weights::ask(weight.into(), limit);
+        let answer = signed(weight.into(), limit, weights::ask(weight.into(), limit));
+        // Of two words.
         kani::assume(answer.unsigned_abs() <= 1 << 62);
         answer
+    }
+    /// For [`touchstone_control::Settings::validate`]: whatever it accepts.
+    pub fn law_accepted(_: &Settings) -> Result<(), SettingsError> {
+        Ok(())
+    }
+    static DERIVED: [AtomicI64; 6] = [const { AtomicI64::new(0) }; 6];
+    static IS_DERIVED: AtomicUsize = AtomicUsize::new(0);
+
+    /// What follows of the settings of a harness, that are not negative: the same each time.
+    fn following() -> [i64; 6] {
+        if IS_DERIVED.load(Relaxed) == 0 {
+            IS_DERIVED.store(1, Relaxed);
+            for value in &DERIVED {
+                let any: i64 = kani::any();
+                kani::assume(any >= 0);
+                value.store(any, Relaxed);
+            }
+        }
+        core::array::from_fn(|i| DERIVED[i].load(Relaxed))
+    }
+    /// For [`Settings::derived`].
+    pub fn derived(_: &Settings) -> Derived {
+        let [k_critical, inertia, filter, ground, device, damper] = following().map(Si::from_bits);
+        Derived {
+            k_critical,
+            mass_per_tick2: inertia,
+            filter_damping_per_tick: filter,
+            ground_damping_per_tick: ground,
+            device_damping_per_tick: device,
+            virtual_damping_per_tick: damper,
+        }
+    }
+    /// For [`crate::spec::law_settings::derived`].
+    pub fn specified_derived(
+        _: &crate::spec::law_settings::Settings,
+    ) -> crate::spec::law_settings::Derived {
+        let [k_critical, inertia, filter, ground, device, damper] = following().map(Int::from);
+        crate::spec::law_settings::Derived {
+            critical: k_critical,
+            inertia,
+            filter_damping: filter,
+            ground_damping: ground,
+            device_damping: device,
+            virtual_damping: damper,
+        }
+    }
+    /// For [`Settings::is_plain_spring`] of settings that are of a spring.
+    pub fn plain(_: &Settings) -> bool {
+        true
+    }
+    /// Of others.
+    pub fn not_plain(_: &Settings) -> bool {
+        false
+    }
+    /// For [`Number::root_of_four`] of the damping.
+    pub fn root_of_four(k: FixedI32<U12>) -> FixedI32<U12> {
+        FixedI32::from_bits(roots::ask(k.to_bits().into(), 0) as i32)
+    }
+    /// For [`crate::spec::fba::Fba::bound_of`].
+    pub fn specified_root_of_four(k: Int) -> Int {
+        Int::from(roots::ask(double(k), 0) as i32)
     }
     /// For [`GuardSettings::validate`]: whatever it accepts.
     pub fn guard_accepted(_: &GuardSettings, _: &GuardedDevice) -> Result<(), SettingsError> {
         Ok(())
     }
-    /// For [`Guard::new`]: it refuses an odd rate, and has a word of each that it was told.
+    /// For [`Guard::new`]: it refuses an odd rate, and has the leading digits of each that it was told.
     pub fn told<N: Number>(
         settings: &GuardSettings,
         device: &GuardedDevice,
     ) -> Result<Guard<N>, SettingsError> {
         let word = N::saturating_signal;
         let ratio = |value| N::ratio(value).unwrap_or_default();
+        let energy = |value| Energy(N::energy(value).unwrap_or_default());
+        let gain = |value| Stiffness(N::gain(value).unwrap_or_default());
+        let measured = settings.change == ChangeOfForce::Measured;
         let guard = Guard {
-            capacity: Energy::zero(),
-            refill: Energy::zero(),
-            damping: Stiffness::zero(),
+            capacity: energy(settings.capacity),
+            refill: energy(settings.refill),
+            damping: gain(settings.damping),
             furthest: Position(word(settings.overspeed)),
             count: Position(word(device.count)),
             late: Ratio(ratio(settings.delay)),
             stray: Compliance(ratio(settings.lag)),
             slack: Position(word(device.count)),
-            per_reach: Stiffness::zero(),
+            per_reach: gain(settings.share_of_damping),
             in_flight: Position(word(device.force_limit)),
-            overrun: Compliance(ratio(settings.damping)),
+            overrun: Compliance(ratio(if measured { Si::ONE } else { Si::ZERO })),
         };
         match device.rate_hz & 1 {
             0 => Ok(guard),

@@ -3,6 +3,7 @@
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_settings32
+//! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
 //! V, X of six devices                                                p11_integrals64
 //! ```
 
@@ -10,7 +11,7 @@ use crate::source::Source;
 use crate::spec::{Int, estimator_settings as estimator, guard_settings as guard};
 use crate::{
     assume, cover, estimated, flow_property, property, reckoned, reckoned_property, specified,
-    validated_property,
+    timed_property, validated_property,
 };
 use touchstone_control::estimator::DeviceInTicks;
 use touchstone_control::number::Exact;
@@ -121,6 +122,57 @@ validated_property! {
         assert!(found.as_ref().map(specified::at32::guard) == expected);
         cover!(s, found.is_some(), "made");
         cover!(s, found.is_none(), "refused");
+    }
+}
+fn any_device<S: Source>(s: &mut S) -> (DeviceInTicks, estimator::Device) {
+    let mut long = |most: Int| {
+        let bits = s.i64();
+        Exact::from_bits(if s.shortcut() {
+            (bits & i64::MAX) % (most as i64 + 1)
+        } else {
+            bits
+        })
+    };
+    let device = DeviceInTicks {
+        loss: long(estimator::LONG_ONE * 5 / 4),
+        per_torque: long(estimator::LONG_ONE / 2),
+        delay: long(2 * estimator::LONG_ONE),
+    };
+    let bits = |x: Exact| Int::from(x.to_bits());
+    let specified = estimator::Device {
+        loss: bits(device.loss),
+        per_torque: bits(device.per_torque),
+        delay: bits(device.delay),
+    };
+    (device, specified)
+}
+
+timed_property! {
+    /// P11: the flow of a device over a tick, and whether words hold it, is the specification's.
+    equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of a tick"
+    over "loss, q, delay"
+    by minisat fn p11_flow_tick32(s) {
+        let (device, specified) = any_device(s);
+        let found = device.tick::<N>();
+        reckoned::of_specification();
+        let expected = estimator::over_a_tick(&specified);
+        assert!(found.as_ref().map(estimated::flow) == expected);
+        cover!(s, found.is_some_and(|flow| flow.commands[1][0] > 0), "two commands");
+        cover!(s, expected.is_none(), "refused");
+    }
+}
+timed_property! {
+    /// P11: the same ahead, to when the next command begins to act.
+    equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of the delay"
+    over "loss, q, delay"
+    by minisat fn p11_flow_ahead32(s) {
+        let (device, specified) = any_device(s);
+        let found = device.ahead::<N>();
+        reckoned::of_specification();
+        let expected = estimator::ahead(&specified);
+        assert!(found.as_ref().map(estimated::flow) == expected);
+        cover!(s, found.is_some_and(|flow| flow.commands[1][0] > 0), "two commands");
+        cover!(s, expected.is_none(), "refused");
     }
 }
 flow_property! {

@@ -6,7 +6,7 @@
 //! VectorGuard::new = two guards', one of them with √3 of a count                    p11_vector_guard_settings32
 //! ```
 
-use crate::accepted::any_settings;
+use crate::accepted::{any_law, any_settings};
 use crate::set::{any_guard_settings, bits, setting};
 use crate::source::Source;
 use crate::spec::Int;
@@ -15,7 +15,7 @@ use crate::spec::settings::{ONE, over, times};
 use crate::{assume, cover, guarded_property, reckoned, reckoned_property};
 use touchstone_control::space::{FrictionSettings, LengthUnit, VectorGuard};
 use touchstone_control::{
-    FilterSettings, Fixed32, Guard, GuardSettings, GuardedDevice, LawKind, Position, Settings, Si,
+    FilterSettings, Fixed32, Guard, GuardSettings, GuardedDevice, Position, Settings, Si,
     StatesKind, VelocityKind, VelocitySettings,
 };
 
@@ -79,7 +79,7 @@ reckoned_property! {
     equation "k, b, m per u; E u"
     over "settings of any law, unit"
     by minisat fn p11_law_in_unit64(s) {
-        let law = if s.bool() { LawKind::EnhancedSfa } else { LawKind::Tdpa };
+        let law = any_law(s);
         let (set, (unit, per_metre)) = (any_settings(s, law), any_unit(s));
         let found = unit.settings(&set);
         reckoned::of_specification();
@@ -112,7 +112,7 @@ guarded_property! {
     /// P11: the guard of three axes is that of lengths with √3 of a count, and a quantum more where a position is rounded; a change is paid as
     /// along an axis.
     equation "VectorGuard::new = (Guard::new(√3 δ), δ + q, i + q, slack of δ)"
-    over "settings of the guard, rate, force limit, count; under the checker a guard that is what it was told"
+    over "settings of the guard, rate, force limit, count; under the checker a guard of which each word is one that it was told"
     by minisat fn p11_vector_guard_settings32(s) {
         let (settings, device) = any_guard_settings(s);
         let found = VectorGuard::<N>::new(&settings, &device).ok();

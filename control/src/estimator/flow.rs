@@ -44,7 +44,7 @@ pub struct DeviceInTicks {
 const TERMS: i32 = 48;
 
 impl DeviceInTicks {
-    /// `V` and `X` of a time in ticks.
+    /// `V`, ticks, and `X`, ticks², of a time in ticks, for `β t` from 0 to 4; beyond, the series is cut short.
     pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
         let mut term = time;
@@ -61,13 +61,13 @@ impl DeviceInTicks {
         (reach, drift)
     }
 
-    /// The flow over one tick, up to a sample.
+    /// The flow over one tick, up to a sample; `None` where a weight does not fit its format.
     pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
         // The command of the i-th tick back began to act 1 + i - delay ticks before the sample.
         self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
     }
 
-    /// The flow from a sample to when the next command begins to act.
+    /// The flow from a sample to when the next command begins to act; `None` where a weight does not fit its format.
     pub fn ahead<N: Number>(&self) -> Option<Flow<N, UNDER_WAY>> {
         self.flow(self.delay, |i| i)
     }

@@ -77,40 +77,49 @@ fn of_torque(x: Int) -> Option<Int> {
 }
 
 /// The device: `β`, `q`, and the delay in ticks.
-struct Device {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Device {
+    /// `β = b T/J`.
+    pub loss: Int,
+    /// `q = T²/J`.
+    pub per_torque: Int,
+    /// Until a command begins to act.
+    pub delay: Int,
+}
+
+/// A flow's weights, long.
+struct LongFlow<const COMMANDS: usize> {
+    reach: Int,
+    drift: Int,
     loss: Int,
-    per_torque: Int,
-    delay: Int,
+    commands: [[Int; 2]; COMMANDS],
 }
 
 impl Device {
     /// Over a time; the latest command ends so long before its end, and each a tick before the one after it.
-    fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> Option<Flow<COMMANDS>> {
+    fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> LongFlow<COMMANDS> {
         let at = |t: Int| integrals(self.loss, t.max(0).min(time));
+        let taken = |since, until| long_times(long(since - until), self.per_torque);
         let mut commands = [[0; 2]; COMMANDS];
         let mut until = at(latest);
         let mut i = 0;
         while i < COMMANDS {
             let since = at(latest + (i as Int + 1) * LONG_ONE);
-            let taken = |since, until| long_times(long(since - until), self.per_torque);
-            commands[i] = [
-                of_torque(taken(since.1, until.1))?,
-                of_torque(taken(since.0, until.0))?,
-            ];
+            commands[i] = [taken(since.1, until.1), taken(since.0, until.0)];
             until = since;
             i += 1;
         }
         let (reach, drift) = integrals(self.loss, time);
-        Some(Flow {
-            reach: of_motion(reach)?,
-            drift: of_motion(drift)?,
-            loss: of_motion(long_times(reach, self.loss))?,
+        LongFlow {
+            reach,
+            drift,
+            loss: long_times(reach, self.loss),
             commands,
-        })
+        }
     }
 
     /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`.
-    fn correction(&self, angle: Int) -> Option<[Int; 3]> {
+    fn correction(&self, angle: Int) -> [Int; 3] {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
         let pole = long(LONG_ONE - fast);
         let (reach, drift) = integrals(self.loss, LONG_ONE);
@@ -121,12 +130,36 @@ impl Device {
         let sum = long(2 * LONG_ONE + kept);
         let sum = long(long(sum - long_times(pole, 3 * LONG_ONE)) - position);
         let moved = long(sum - long_times(drift, pushed));
-        Some([
-            of_motion(position)?,
-            of_motion(long_over(moved, reach))?,
-            of_motion(pushed)?,
-        ])
+        [position, long_over(moved, reach), pushed]
     }
+}
+
+/// A flow of weights that words hold.
+fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMMANDS>> {
+    let mut commands = [[0; 2]; COMMANDS];
+    let mut i = 0;
+    while i < COMMANDS {
+        let [of_position, of_velocity] = long.commands[i];
+        commands[i] = [of_torque(of_position)?, of_torque(of_velocity)?];
+        i += 1;
+    }
+    Some(Flow {
+        reach: of_motion(long.reach)?,
+        drift: of_motion(long.drift)?,
+        loss: of_motion(long.loss)?,
+        commands,
+    })
+}
+
+/// The flow over a tick, if words hold it; what it is for the checker is in [`crate::reckoned`].
+#[must_use]
+pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
+    weighed(&device.flow(LONG_ONE, -device.delay))
+}
+/// From a sample to when the next command begins to act; what it is for the checker is in [`crate::reckoned`].
+#[must_use]
+pub fn ahead(device: &Device) -> Option<Flow<2>> {
+    weighed(&device.flow(device.delay, 0))
 }
 
 /// The estimator of settings that validation accepts, at a rate, Hz, for a largest force; none where a weight does not fit, or is not
@@ -142,10 +175,12 @@ pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
         per_torque: ratio(ONE, inertia),
         delay: ratio(times(set.delay, rate), ONE).min(2 * LONG_ONE),
     };
+    let (tick, ahead) = (over_a_tick(&device), ahead(&device));
+    let [position, moved, pushed] = device.correction(angle);
     let made = Estimator {
-        tick: device.flow(LONG_ONE, -device.delay)?,
-        ahead: device.flow(device.delay, 0)?,
-        correction: device.correction(angle)?,
+        tick: tick?,
+        ahead: ahead?,
+        correction: [of_motion(position)?, of_motion(moved)?, of_motion(pushed)?],
         limit: signal_of(limit),
     };
     (signal_fits(limit) && bounded(&made)).then_some(made)

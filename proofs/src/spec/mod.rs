@@ -19,6 +19,7 @@ pub mod guard;
 pub mod guard_settings;
 #[cfg(not(kani))]
 pub mod hands;
+pub mod law_settings;
 mod rounding;
 pub mod settings;
 pub mod sfa;

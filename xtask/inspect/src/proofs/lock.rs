@@ -30,11 +30,11 @@ const ESTIMATES: &str = "estimated";
 const WEIGHED: &str = "weighed";
 
 /// And what settings become, with their products and quotients.
-const BECOMES: [&str; 2] = ["set", "set_space"];
+const BECOMES: [&str; 3] = ["set", "set_laws", "set_space"];
 const RECKONED: [&str; 2] = ["reckoned", "estimated"];
 
 /// What a property is written in.
-pub const MACROS: [&str; 18] = [
+pub const MACROS: [&str; 20] = [
     "property",
     "divided_property",
     "multiplied_property",
@@ -50,9 +50,11 @@ pub const MACROS: [&str; 18] = [
     "placed_property",
     "reckoned_property",
     "validated_property",
+    "timed_property",
     "flow_property",
     "limited_property",
     "guarded_property",
+    "lawful_property",
 ];
 
 /// What a property or its file names after `by`.
