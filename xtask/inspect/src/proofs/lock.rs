@@ -13,11 +13,12 @@ const SOURCES: &str = "proofs/src";
 /// What every statement rests on: configurations and memories, sources of inputs, number formats.
 const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 /// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
-const COMPARES: [&str; 5] = [
+const COMPARES: [&str; 6] = [
     "refines",
     "refines_enhanced",
     "estimated",
     "set",
+    "set_laws",
     "set_space",
 ];
 const SPECIFICATION: &str = "proofs/src/spec";
@@ -31,7 +32,7 @@ const WEIGHED: &str = "weighed";
 
 /// And what settings become, with their products and quotients.
 const BECOMES: [&str; 3] = ["set", "set_laws", "set_space"];
-const RECKONED: [&str; 2] = ["reckoned", "estimated"];
+const RECKONED: [&str; 3] = ["reckoned", "estimated", "accepted"];
 
 /// What a property is written in.
 pub const MACROS: [&str; 20] = [
