@@ -199,7 +199,7 @@ mod by_one_answer {
             }
         };
         // The specification's n-th question gets the code's n-th answer, if it is the same question: a solver's work for each is one
-        // comparison, not one for each row. What else is true of the answers is left out, which a proof cannot profit from.
+        // comparison, not one for each row. That leaves out what else is true of the answers: more is possible then, and proved, than the code can do.
         (@nth) => {
             static AGAIN: AtomicUsize = AtomicUsize::new(0);
 

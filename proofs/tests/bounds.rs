@@ -89,13 +89,9 @@ fn the_estimator_s_bounds_are_where_they_are_said_to_be() {
         let [low, high] = bandwidths.map(si);
         let usual = si(if rate == 1 { "2" } else { "0.0001" });
         let accepts = |bandwidth, inertia| {
-            let settings = estimator(bandwidth, inertia);
-            let accepted = settings.validate(rate, Si::ONE).is_ok();
-            if accepted {
-                // What is accepted here is made as well, or does not fit.
-                let _ = settings.estimator::<Fixed32>(rate, Si::ONE);
-            }
-            accepted
+            estimator(bandwidth, inertia)
+                .validate(rate, Si::ONE)
+                .is_ok()
         };
         assert!(accepts(low + Si::DELTA, usual) && accepts(high - Si::DELTA, usual));
         assert!(!accepts(low - Si::from_bits(2), usual) && !accepts(high + Si::DELTA, usual));
