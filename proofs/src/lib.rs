@@ -27,6 +27,8 @@ macro_rules! assert {
 }
 
 pub mod accepted;
+#[cfg(kani)]
+pub mod answers;
 pub mod contact;
 pub mod controller;
 pub mod device;
@@ -63,10 +65,13 @@ pub mod spec;
 pub mod specified;
 pub mod spring_sfa;
 pub mod stage;
+#[cfg(kani)]
+pub mod stand_ins;
 pub mod tdpa;
 pub mod valid;
 pub mod vector_guard;
 pub mod vectors;
+pub mod velocity;
 pub mod views;
 pub mod weighed;
 pub mod wide;

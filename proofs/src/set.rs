@@ -71,7 +71,9 @@ pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice
     (settings, device)
 }
 
-fn specified_settings(
+/// A person's settings and a device as the specification has them.
+#[must_use]
+pub fn specified_settings(
     settings: &GuardSettings,
     device: &GuardedDevice,
 ) -> (guard::Settings, guard::Told) {

@@ -38,6 +38,12 @@ fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
     (still(stage.state.force) || before_end(2)) && (still(stage.state.older) || before_end(1))
 }
 
+/// Whether no force is shown there: from two furthest displacements before the format's end on, to either side.
+fn is_beyond_edge<N: Format>(stage: &Guarded<N>, e: Position<N>) -> bool {
+    let furthest = N::of_signal(stage.guard.furthest.0);
+    N::of_signal(e.0).abs() >= N::of_signal(N::HIGHEST) - 2 * furthest
+}
+
 /// What `Guard::new` sees to, the guard's invariant, and that a force that acts can end.
 pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let still = stage.state.force == Force::zero();
@@ -87,7 +93,7 @@ pub mod w8 {
             let force = after.tick(e, None, wanted);
             let mut state = before.state;
             let moved = before.last.map_or(Position::zero(), |last| e - last);
-            let ends = wanted != Force::zero() && before.is_beyond_edge(e);
+            let ends = wanted != Force::zero() && is_beyond_edge(&before, e);
             match before.guard.tick(&mut state, moved, wanted) {
                 Ok(_) if ends => {
                     let none = GuardState { force: Force::zero(), ..state };
@@ -123,7 +129,7 @@ pub mod w8 {
             }
             cover!(s, acts && measured != x, "overspeed into the end");
             cover!(s, after.tripped && !before.tripped && after.state.older != Force::zero(), "the last force is on its way");
-            cover!(s, before.state.older != Force::zero() && before.is_beyond_edge(e) && moved <= before.guard.furthest, "and ends");
+            cover!(s, before.state.older != Force::zero() && is_beyond_edge(&before, e) && moved <= before.guard.furthest, "and ends");
         }
     }
     property! {

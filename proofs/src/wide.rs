@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
+//! a machine of words takes the same word               p3_wide_of_words
 //! a weight is the nearest, or there is none             p3_wide_weights
 //! setting -> signal, towards zero, to the end           p8_saturating_signal32
 //! p / k by a prepared divisor, at 8 bits                p6_divide_by8
@@ -10,7 +11,7 @@
 //! ```
 
 use crate::{assume, cover, property};
-use touchstone_control::number::{Exact, Wide as _, Wide64};
+use touchstone_control::number::{Exact, Wide as _, Wide64, word_of};
 use touchstone_control::{Fixed8, Fixed32, Number, Si};
 
 property! {
@@ -52,6 +53,19 @@ property! {
         }
         cover!(s, whole < 0 && whole > -(1 << 26), "less than a step below zero");
         cover!(s, whole > 7 << 54 && whole < 8 << 54, "at the end of a part");
+    }
+}
+property! {
+    /// P3: what a machine of words takes of the two words of a state is the same word as another machine's.
+    equation "word from bit i = floor(w 2^-i) modulo 2^32"
+    over "a state, i from 1 to 31"
+    by cadical fn p3_wide_of_words(s) {
+        let (bits, from) = (s.i64(), u32::from(s.u8() % 31) + 1);
+        let whole = i128::from(bits);
+        let rest = whole.rem_euclid(1 << from);
+        let expected = ((whole - rest) / (1 << from)).rem_euclid(1 << 32);
+        assert!(i128::from(word_of(bits, from).cast_unsigned()) == expected);
+        cover!(s, whole < 0 && word_of(bits, from) > 0, "of more than a word");
     }
 }
 property! {

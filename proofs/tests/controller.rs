@@ -1,8 +1,9 @@
 //! The controller is its parts in their order: states, law, guard; and what it tells of them.
 
+use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
-    AnyLaw, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, LawKind, Position, Settings,
-    Si, States,
+    AnyLaw, Controller, Field, Fixed16, Fixed32, Force, Guard, GuardSettings, Guarded, LawKind,
+    Position, Settings, SettingsError, Si, States, StatesKind,
 };
 use touchstone_proofs::spec::hands::{Hand, Random, any_law, bits};
 
@@ -24,7 +25,7 @@ fn any(random: &mut Random) -> Settings {
             on,
             ..Settings::default().guard
         },
-        states: Settings::thesis().states,
+        states: [StatesKind::Measured, StatesKind::Estimated][random.below(2) as usize],
         ..any_law(random, kind)
     }
 }
@@ -32,7 +33,7 @@ fn any(random: &mut Random) -> Settings {
 #[test]
 fn a_tick_is_the_law_and_then_the_guard() {
     let mut random = Random(11);
-    let (mut compared, mut limited, mut tripped) = (0, 0, 0);
+    let (mut compared, mut limited, mut tripped, mut estimated) = (0, 0, 0, 0);
     while compared < 60_000 {
         let settings = any(&mut random);
         let (Ok(mut wall), Ok(mut law)) = (
@@ -46,7 +47,16 @@ fn a_tick_is_the_law_and_then_the_guard() {
             .guard
             .on
             .then(|| Guarded::new(guard.expect("a controller was made of it")));
-        let mut states = States::<Fixed32>::default();
+        let mut states = match settings.states {
+            StatesKind::Measured => States::<Fixed32>::default(),
+            StatesKind::Estimated => {
+                let told = &settings.estimator;
+                let estimator = told.estimator(settings.rate_hz, settings.force_limit);
+                let estimator = estimator.expect("a controller was made of it");
+                States::Estimated(estimator, EstimatorState::default())
+            }
+        };
+        estimated += u64::from(settings.states == StatesKind::Estimated);
         assert!(!wall.tripped() && (wall.guard.is_some() == settings.guard.on));
         let mut hand = Hand::any(&mut random);
         let mut force = Force::<Fixed32>::zero();
@@ -62,7 +72,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
             };
             assert_eq!(wall.tick(e), force, "{settings:?}");
             assert_eq!(wall.view(), law.view());
-            assert_eq!(wall.guard, guard);
+            assert_eq!((wall.states, wall.guard), (states, guard));
             assert_eq!(wall.tripped(), guard.is_some_and(|it| it.tripped));
             limited += u64::from(force != wanted);
             tripped += u64::from(wall.tripped());
@@ -86,6 +96,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
         }
     }
     assert!(limited > 1000 && tripped > 1000, "{limited} {tripped}");
+    assert!(estimated > 20, "{estimated}");
 }
 
 /// What counts is what was set, where it is to count.
@@ -123,4 +134,30 @@ fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
     assert!((gain("0.0005") - 0.25).abs() < 1e-6);
     assert!((gain("0.001") - 1.5).abs() < 1e-6);
     assert!(gain("0.0001").abs() < 1e-12);
+}
+
+#[test]
+fn a_coupling_that_a_format_rounds_to_nothing_is_refused() {
+    let of = |stiffness: &str| {
+        let mut settings = Settings::thesis();
+        settings.filter.stiffness = stiffness.parse().expect("a number");
+        settings.k_desired = "0.0149".parse().expect("a number");
+        settings.k_soft = "0.0148".parse().expect("a number");
+        settings
+    };
+    // A step of a gain in 16 bits is a 64th; a spring is not made of one that is less.
+    let soft = of("0.015");
+    let of_32 = AnyLaw::<Fixed32>::new(&soft);
+    assert!(of_32.is_ok(), "{of_32:?}");
+    let refused = AnyLaw::<Fixed16>::new(&soft);
+    assert!(
+        matches!(
+            refused,
+            Err(SettingsError::OutOfFormat {
+                field: Field::FilterStiffness,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
 }

@@ -1,9 +1,12 @@
 //! Every shipped law and its specification, bit for bit, force and whole memory: millions of ticks under random and hostile motions, for
 //! settings of every size that `AnyLaw::new` accepts.
 
-use fixed::types::I8F24;
-use touchstone_control::law::{Law as _, Sample};
-use touchstone_control::{AnyLaw, Fixed32, LawKind, Position, Settings};
+use fixed::types::{I8F24, I16F48};
+use touchstone_control::filter::MassState;
+use touchstone_control::law::{Augmented, Contact, EnhancedState, Law as _, Sample};
+use touchstone_control::{
+    AnyLaw, Energy, Fixed32, LawKind, ObserverForm, OffsetUpdate, Position, Settings,
+};
 use touchstone_proofs::spec::hands::{Hand, Random, any_law};
 use touchstone_proofs::spec::{enhanced, sfa};
 use touchstone_proofs::specified::at32;
@@ -197,4 +200,58 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
             stays && wide(e) < 0 && force > 0,
         ]
     });
+}
+
+/// A mass that the HIP leaves behind goes on where its energy just pays for the way, to the last quantum, and stands still where it does not.
+#[test]
+fn a_mass_that_is_left_behind_moves_where_its_energy_just_pays() {
+    let mut random = Random(7);
+    let (mut paid, mut stood) = (0_u32, 0_u32);
+    while paid < 200 || stood < 200 {
+        let settings = Settings {
+            offset_update: OffsetUpdate::Inward,
+            ..any_law(&mut random, LawKind::EnhancedSfa)
+        };
+        let Ok(AnyLaw::Enhanced(law, _)) = AnyLaw::<Fixed32>::new(&settings) else {
+            continue;
+        };
+        if law.observer != ObserverForm::Exact {
+            continue;
+        }
+        let mass = MassState {
+            position: Position(I8F24::from_bits(1000 + random.below(1 << 20) as i32)),
+            moved: Position(I8F24::from_bits(-(random.below(1 << 16) as i32))),
+        };
+        let wanted = (law.soft * mass.position).outward();
+        let step = law
+            .mass
+            .displacement(mass.position, law.mass.coast(&mass), wanted);
+        let cost = -wide(wanted.0) * wide(step.0);
+        if cost <= 0 {
+            continue;
+        }
+        let missing = i128::from(random.below(3)) - 1;
+        let energy = I16F48::from_bits((cost - missing) as i64);
+        let mut state = EnhancedState {
+            contact: Contact::Augmenting,
+            energy: Energy(energy),
+            augmented: Augmented {
+                mass,
+                ..Augmented::default()
+            },
+            ..EnhancedState::default()
+        };
+        // Just inside, so that the coupling would pull.
+        let (e, moved) = (I8F24::DELTA, I8F24::ZERO);
+        let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
+        let specified = at32::enhanced(&law, series);
+        let expected = specified.tick(&at32::of_enhanced(&state), wide(e), wide(moved));
+        let force = law.tick(&mut state, sample(e, moved));
+        let got = (at32::of_enhanced(&state), wide(force.0));
+        assert_eq!(got, expected, "{settings:?} {mass:?} {missing}");
+        if wide(force.0) == 0 && expected.0.contact == enhanced::Contact::Augmenting {
+            paid += u32::from(missing == 0 && expected.0.mass_moved == wide(step.0));
+            stood += u32::from(missing == 1 && expected.0.mass_moved == 0);
+        }
+    }
 }

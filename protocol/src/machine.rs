@@ -306,4 +306,20 @@ mod tests {
         assert_eq!(machine.state(), State::Stopped);
         assert_eq!(machine.tick(None, true, Some(Command::Arm)), Outputs::Off);
     }
+
+    #[test]
+    fn a_calibration_lasts_until_it_has_ended() {
+        let mut machine = Machine::new();
+        machine.tick(None, false, Some(Command::Calibrate));
+        for _ in 0..3 {
+            machine.tick(None, false, None);
+            assert_eq!(machine.state(), State::Calibrating);
+        }
+        // What ends in the tick in which another one begins is not that one.
+        let mut other = Machine::new();
+        other.tick(None, true, Some(Command::Calibrate));
+        assert_eq!(other.state(), State::Calibrating);
+        machine.tick(None, true, None);
+        assert_eq!(machine.state(), State::Ready);
+    }
 }

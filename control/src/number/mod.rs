@@ -22,7 +22,7 @@ pub use fixed_point::{Fixed8, Fixed16, Fixed32};
 #[cfg(feature = "float")]
 pub use reported::Reported;
 pub(crate) use saturating::Saturates;
-pub use wide::{Exact, Wide, Wide64};
+pub use wide::{Exact, Wide, Wide64, word_of};
 
 use crate::Si;
 use core::fmt::Debug;

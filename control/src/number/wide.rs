@@ -63,13 +63,20 @@ impl Wide64 {
             self.0
         );
         if cfg!(target_pointer_width = "64") {
-            return (self.0 >> down) as i32;
+            (self.0 >> down) as i32
+        } else {
+            word_of(self.0, down)
         }
-        // Of the two words, so that the compiler sees a word and multiplies words.
-        let (high, low) = ((self.0 >> 32) as u32, self.0 as u32);
-        let up = 32_u32.wrapping_sub(down);
-        (high.wrapping_shl(up) | low.wrapping_shr(down)).cast_signed()
     }
+}
+
+/// The word from a bit on, 1 to 31, as a machine of words takes it: of the two words, so that the compiler sees a word and multiplies words.
+#[inline(always)]
+#[must_use]
+pub const fn word_of(bits: i64, from: u32) -> i32 {
+    let (high, low) = ((bits >> 32) as u32, bits as u32);
+    let up = 32_u32.wrapping_sub(from);
+    (high.wrapping_shl(up) | low.wrapping_shr(from)).cast_signed()
 }
 
 impl Wide for Wide64 {

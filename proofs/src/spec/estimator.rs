@@ -98,7 +98,8 @@ pub fn shown(state: Int) -> Int {
 }
 
 /// Within so many radians, the lower end included.
-fn within(state: Int, rad: Int) -> bool {
+#[must_use]
+pub fn within(state: Int, rad: Int) -> bool {
     -rad * RAD <= state && state < rad * RAD
 }
 

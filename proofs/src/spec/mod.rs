@@ -24,6 +24,7 @@ mod rounding;
 pub mod settings;
 pub mod sfa;
 pub mod tdpa;
+pub mod velocity;
 
 pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 

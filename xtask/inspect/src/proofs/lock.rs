@@ -13,10 +13,11 @@ const SOURCES: &str = "proofs/src";
 /// What every statement rests on: configurations and memories, sources of inputs, number formats.
 const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
 /// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
-const COMPARES: [&str; 6] = [
+const COMPARES: [&str; 7] = [
     "refines",
     "refines_enhanced",
     "estimated",
+    "velocity",
     "set",
     "set_laws",
     "set_space",
@@ -26,13 +27,13 @@ const BRIDGE: &str = "specified";
 /// And the divisions, multiplications and pieces of ticks of those that have shared ones.
 const REPLACED: [&str; 3] = ["divided", "multiplied", "pieces"];
 
-/// And the estimator's, with the products and pieces of its own.
-const ESTIMATES: &str = "estimated";
-const WEIGHED: &str = "weighed";
+/// And the estimator's and the velocity filters', with the products and pieces of their own, and what a motion is.
+const ESTIMATES: [&str; 2] = ["estimated", "velocity"];
+const WEIGHED: [&str; 3] = ["weighed", "estimator", "estimated"];
 
 /// And what settings become, with their products and quotients.
 const BECOMES: [&str; 3] = ["set", "set_laws", "set_space"];
-const RECKONED: [&str; 3] = ["reckoned", "estimated", "accepted"];
+const RECKONED: [&str; 5] = ["reckoned", "answers", "stand_ins", "estimated", "accepted"];
 
 /// What a property is written in.
 pub const MACROS: [&str; 20] = [
@@ -117,8 +118,10 @@ impl Statements {
             if COMPARES.contains(&file.as_str()) {
                 shared ^= specification;
             }
-            if file == ESTIMATES {
-                shared ^= add(looked_at(WEIGHED, text_of(files, WEIGHED))?.beside, WEIGHED);
+            if ESTIMATES.contains(&file.as_str()) {
+                for of in WEIGHED {
+                    shared ^= add(looked_at(of, text_of(files, of))?.beside, of);
+                }
             }
             if BECOMES.contains(&file.as_str()) {
                 for of in RECKONED {

@@ -144,6 +144,11 @@ fn build(work: &Path, messages: &Path) -> Result<bool, String> {
     cargo
         .current_dir(work)
         .env("CARGO_TARGET_DIR", folder().join("target"))
+        // As it ships: a check of a debug build that panics would hide what comes out, and refutes nothing.
+        .env("CARGO_PROFILE_TEST_DEBUG_ASSERTIONS", "false")
+        .env("CARGO_PROFILE_TEST_OVERFLOW_CHECKS", "false")
+        .env("CARGO_PROFILE_DEV_DEBUG_ASSERTIONS", "false")
+        .env("CARGO_PROFILE_DEV_OVERFLOW_CHECKS", "false")
         .args([
             "-q",
             "--no-run",

@@ -1,0 +1,92 @@
+//! P11: the velocity filters of a spring-damper are their specification (`spec/velocity.rs`); and no state of theirs outgrows its range.
+//!
+//! As of the estimator ([`crate::weighed`]), a product of a weight and a part is one unknown number for both sides where they are compared,
+//! and any number in its range where only that matters. The window, which multiplies by whole ticks, is compared on samples
+//! (`proofs/tests/spec_velocity.rs`), with everything else.
+//!
+//! ```text
+//! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
+//! tracker = spec, a device that nothing brakes  p11_tracker; its sums are estimator::p3_flow_fits32's of no command
+//! ```
+
+use crate::estimated::motion;
+use crate::estimator::{any_measured, any_motion, holds};
+use crate::spec::Int;
+use crate::spec::velocity as spec;
+use crate::{bounded_property, cover, such, weighed, weighed_property};
+use touchstone_control::Fixed32;
+use touchstone_control::estimator::Flow;
+use touchstone_control::number::Wide64;
+use touchstone_control::velocity::{Smoothed, Tracker};
+
+type N = Fixed32;
+
+/// One, as a weight of motion.
+const ONE: i32 = 1 << 26;
+const RAD: i64 = 1 << Wide64::FRACTION;
+
+/// Any word, of samples one from 0 to `most`.
+fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
+    let any = s.i32();
+    if s.shortcut() {
+        any.rem_euclid(most + 1)
+    } else {
+        any
+    }
+}
+
+weighed_property! {
+    /// P11: a difference through a first-order filter is the specification's, and starts anew where that does.
+    equation "d' = d + a (x - x' - d); none beyond 8 rad of news or 4 rad a tick"
+    over "weight, motion in the invariant, measured position"
+    by minisat fn p11_smoothed(s) {
+        let law = Smoothed::<N> { share: weight(s, ONE) };
+        let before = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by p3_smoothed_stays32");
+        let measured = any_measured(s, &before);
+        let after = law.tick(&before, measured);
+        weighed::of_specification();
+        let expected = spec::smoothed(law.share.into(), motion(&before), measured.0.to_bits().into());
+        assert!(after.as_ref().map(motion) == expected);
+        cover!(s, expected.is_some_and(|after| after.d < 0), "outward");
+        cover!(s, expected.is_none(), "starts anew");
+    }
+}
+bounded_property! {
+    /// P3: a filter of a share up to 1 keeps its motion in the invariant, and none of its sums overflows.
+    equation "|d'| <= 4 rad, x' = e, g' = g"
+    over "share from 0 to 1, motion in the invariant, measured position"
+    by minisat fn p3_smoothed_stays32(s) {
+        let law = such!(s, Smoothed::<N> { share: weight(s, ONE) }, |law| (0..=ONE).contains(&law.share), "1 - exp(-a), of which no weight is more");
+        let before = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept here");
+        let measured = any_measured(s, &before);
+        let after = law.tick(&before, measured);
+        if let Some(after) = &after {
+            assert!(holds(after));
+            assert!(after.position.0 == i64::from(measured.0.to_bits()) << 30 && after.pushed == before.pushed);
+            assert!(after.moved.0.unsigned_abs() <= 4 * RAD.unsigned_abs());
+        }
+        cover!(s, after.is_none(), "starts anew");
+        cover!(s, after.is_some_and(|after| after.moved.0 < -RAD), "fast");
+    }
+}
+weighed_property! {
+    /// P11: a Kalman filter in its steady state is the specification's, and starts anew where that does.
+    equation "r = e - x - V d - X g; (x', d', g') = (x⁻, d⁻, g) + (α, β, γ) r"
+    over "weights, motion in the invariant, measured position"
+    by minisat fn p11_tracker(s) {
+        let law = Tracker::<N> {
+            free: Flow { reach: weight(s, ONE), drift: weight(s, ONE), loss: 0, commands: [] },
+            correction: [weight(s, ONE), weight(s, 2 * ONE), weight(s, 2 * ONE)],
+        };
+        let before = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by estimator::p3_motion_stays32");
+        let measured = any_measured(s, &before);
+        let after = law.tick(&before, measured);
+        weighed::of_specification();
+        let (reach, drift) = (law.free.reach.into(), law.free.drift.into());
+        let gains = law.correction.map(Int::from);
+        let expected = spec::tracked(reach, drift, gains, motion(&before), measured.0.to_bits().into());
+        assert!(after.as_ref().map(motion) == expected);
+        cover!(s, expected.is_some_and(|after| after.d < 0 && after.g > 0), "corrected");
+        cover!(s, expected.is_none(), "starts anew");
+    }
+}
