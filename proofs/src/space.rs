@@ -285,7 +285,7 @@ macro_rules! space {
 }
 space!(
     /// 8 bits: in `PROPERTIES` of `examples/every.rs`, proved, or sampled (across, friction).
-    w8, Fixed8, unit sampled, across sampled, longer sampled, within sampled, work cadical, leaving sampled, friction sampled
+    w8, Fixed8, unit sampled, across sampled, longer sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(
     /// As shipped, on samples.

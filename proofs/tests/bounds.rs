@@ -1,7 +1,7 @@
 //! Both sides of bounds that several settings share, and whom a refusal names: what a comparison with the specification cannot see, as it
 //! asks only whether settings become something.
 
-use touchstone_control::space::{FrictionSettings, LengthUnit};
+use touchstone_control::space::{FrictionError, FrictionSettings, LengthUnit};
 use touchstone_control::{
     Controller, EstimatorSettings, Field, Fixed16, Fixed32, GuardSettings, GuardedDevice, Settings,
     SettingsError, Si, Warning,
@@ -153,6 +153,24 @@ fn a_coefficient_of_friction_is_at_most_ten() {
             .is_ok()
     };
     assert!(at(si("10")) && !at(si("10") + Si::DELTA));
+    let refused = |stiffness, unit| {
+        let settings = FrictionSettings {
+            stiffness,
+            static_coefficient: si("0.5"),
+            kinetic_coefficient: si("0.4"),
+        };
+        settings.friction::<Fixed32>(unit, 1000, si("10")).err()
+    };
+    assert!(matches!(
+        refused(Si::ZERO, LengthUnit::Metre),
+        Some(FrictionError::Stiffness { .. })
+    ));
+    // A stiffness of which nothing is left in a millimetre reaches further than any format.
+    let Some(FrictionError::OutOfFormat { value, .. }) = refused(Si::DELTA, LengthUnit::Millimetre)
+    else {
+        panic!("it has no reach");
+    };
+    assert_eq!(value, Si::MAX);
 }
 
 #[test]

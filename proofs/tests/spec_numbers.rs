@@ -209,8 +209,8 @@ fn a_vector_that_is_longer_than_the_format_is_cut_to_the_limit() {
     let signal = <Fixed8 as Number>::Signal::from_bits;
     let square = |v: Axes<i8>| v.iter().map(|x| i32::from(*x).pow(2)).sum::<i32>();
     let mut cuts = 0_u32;
-    for x in i8::MIN..=i8::MAX {
-        for y in i8::MIN..=i8::MAX {
+    for x in (i8::MIN..=i8::MAX).step_by(5) {
+        for y in (i8::MIN..=i8::MAX).step_by(5) {
             for z in (i8::MIN..=i8::MAX).step_by(5) {
                 if square([x, y, z]) <= 126 * 126 {
                     continue;

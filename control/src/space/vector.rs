@@ -106,9 +106,8 @@ macro_rules! signal_vector {
             #[cold]
             fn half_shortened(self, limit: $quantity<N>) -> Self {
                 let (one, two) = (N::QUANTUM, N::add(N::QUANTUM, N::QUANTUM));
-                let half = self.map(|x| $quantity(N::share(x.0, one, two)));
-                // A quantum more than its own length, for the halves that were rounded.
-                let length = half.length_up() + $quantity::<N>::quantum();
+                let half = self.map(|x| $quantity::<N>(N::share(x.0, one, two)));
+                let length = half.length_up();
                 half.map(|x| $quantity(N::share(x.0, limit.0, length.0)))
             }
         }

@@ -90,15 +90,20 @@ pub fn run(args: &[String]) -> Outcome {
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            // Coq has one core to do with and the checker's compiler another: together at first.
-            let theorems = std::thread::spawn(coq::run);
+            // The checker's compiler has one core to do with for minutes: Coq and the trials of all inputs have the other.
+            let beside = std::thread::spawn(|| {
+                let theorems = coq::run();
+                let every = every::run("");
+                println!("all inputs: {every}");
+                (theorems, every)
+            });
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
-            let every = every::run("");
-            println!("all inputs: {every}");
-            let theorems = theorems
-                .join()
-                .unwrap_or_else(|_| Outcome::Failed("the theorems' run panicked".into()));
+            let panicked = |_| {
+                let failed = || Outcome::Failed("the run beside the harnesses' panicked".into());
+                (failed(), failed())
+            };
+            let (theorems, every) = beside.join().unwrap_or_else(panicked);
             with_theorems(theorems, with_every(every, harnesses))
         }
     }

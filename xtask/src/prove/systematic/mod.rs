@@ -210,8 +210,8 @@ fn in_turns(list: &mut [Listed]) {
 
 fn asked(shard: Shard) -> Result<(), String> {
     let (work, mut list) = built(&folder())?;
-    let binaries = binaries(&work)?;
-    let noise = noise(&binaries)?;
+    let mut binaries = binaries(&work)?;
+    let noise = noise(&mut binaries)?;
     let mut outcomes = Outcomes::open()?;
     in_turns(&mut list);
     for one in list.iter().filter(|one| shard.has(one.number)) {
@@ -228,10 +228,11 @@ fn asked(shard: Shard) -> Result<(), String> {
     Ok(())
 }
 
-/// Tests that fail where no change is on, as fewer samples do not reach all their covers: they refute nothing.
-fn noise(binaries: &[PathBuf]) -> Result<BTreeSet<String>, String> {
-    let mut found = BTreeSet::new();
-    for binary in binaries {
+/// Tests that fail where no change is on, as fewer samples do not reach all their covers: they refute nothing. Afterwards the quickest
+/// program comes first.
+fn noise(binaries: &mut [PathBuf]) -> Result<BTreeSet<String>, String> {
+    let (mut found, mut took) = (BTreeSet::new(), BTreeMap::new());
+    for binary in binaries.iter() {
         let begun = Instant::now();
         for failure in failures(binary, 0, &[], None)?.1 {
             found.insert(failure);
@@ -241,7 +242,9 @@ fn noise(binaries: &[PathBuf]) -> Result<BTreeSet<String>, String> {
             "{name}: {:.1} s without a change",
             begun.elapsed().as_secs_f64()
         );
+        took.insert(binary.clone(), begun.elapsed());
     }
+    binaries.sort_by_key(|binary| took.get(binary).copied());
     eprintln!("left out, as they fail without a change: {found:?}");
     Ok(found)
 }
