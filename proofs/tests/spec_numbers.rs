@@ -2,6 +2,8 @@
 
 use touchstone_control::fixed::types::{I8F24, I16F48};
 use touchstone_control::magnitude::Word as _;
+use touchstone_control::observer::ExactObserver;
+use touchstone_control::reciprocal::Reciprocal32;
 use touchstone_control::space::{Axes, Direction, Spatial, Vector};
 use touchstone_control::{Fixed8, Fixed16, Fixed32, Force, Number, Position, Si, Stiffness};
 use touchstone_proofs::spec::hands::Random;
@@ -298,6 +300,10 @@ fn what_has_no_end_of_its_own_ends_with_the_format() {
         1_u32.divides_within((1 << 31) - 1),
         Some(((1 << 31) - 1, (1 << 31) - 1))
     );
+    // What is prepared of nothing is nothing; an observer remembers where it was put.
+    assert_eq!(Reciprocal32::new(0).inverse, 0);
+    let observer = |x| ExactObserver::<Fixed32>::new(Position(I8F24::from_bits(x)));
+    assert_ne!(observer(1), observer(2));
     // A tension rounded up, by the largest and the least.
     let k = Stiffness::<Fixed32>(touchstone_control::fixed::types::I20F12::DELTA);
     for (x, up) in [(1, 1), (4096, 1), (4097, 2), (-1, 0), (i32::MAX, 524_288)] {

@@ -103,23 +103,28 @@ pub fn within(state: Int, rad: Int) -> bool {
     -rad * RAD <= state && state < rad * RAD
 }
 
+/// `x = x⁻ + α r`, `d = d⁻ + β r`, `g = g + γ r` with `r = e - x⁻`; nothing where no device moves like that.
+#[must_use]
+pub fn corrected(gains: [Int; 3], (x, d): (Int, Int), g: Int, e: Int) -> Option<Motion> {
+    let r = state(e) - x;
+    if !within(r, 8) {
+        return None;
+    }
+    let r = r >> BELOW_PART;
+    let [alpha, beta, gamma] = gains;
+    let after = Motion {
+        x: x + weighed(alpha, r),
+        d: d + weighed(beta, r),
+        g: g + weighed(gamma, r),
+    };
+    (within(after.d, 4) && within(after.g, 4)).then_some(after)
+}
+
 impl Estimator {
-    /// `x = x⁻ + α r`, `d = d⁻ + β r`, `g = g + γ r` with `r = e - x⁻`; nothing where no device moves like that.
+    /// Of the end of the flow of a tick.
     #[must_use]
     pub fn corrected(&self, before: Motion, f: [Int; REMEMBERED], e: Int) -> Option<Motion> {
-        let (x, d) = self.tick.end(before, f);
-        let r = state(e) - x;
-        if !within(r, 8) {
-            return None;
-        }
-        let r = r >> BELOW_PART;
-        let [alpha, beta, gamma] = self.correction;
-        let after = Motion {
-            x: x + weighed(alpha, r),
-            d: d + weighed(beta, r),
-            g: before.g + weighed(gamma, r),
-        };
-        (within(after.d, 4) && within(after.g, 4)).then_some(after)
+        corrected(self.correction, self.tick.end(before, f), before.g, e)
     }
 
     /// One tick at a measured position: the memory, and position and displacement at the time when the next command begins to act.

@@ -2,7 +2,7 @@
 //!
 //! A motion is as in [`super::estimator`]: displacements with 54 fractional bits, weights with what is missing to them.
 
-use super::estimator::{Estimator, Flow, Motion, shown, state, weighed, within};
+use super::estimator::{Flow, Motion, REMEMBERED, corrected, shown, state, weighed, within};
 use super::{Int, SIGNAL, signal};
 
 /// Positions that a window reaches back at most.
@@ -33,21 +33,9 @@ pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int)
         reach,
         drift,
         loss: 0,
-        commands: [[0; 2]; 3],
+        commands: [],
     };
-    let nothing = Flow {
-        reach: 0,
-        drift: 0,
-        loss: 0,
-        commands: [[0; 2]; 2],
-    };
-    let of = Estimator {
-        tick: free,
-        ahead: nothing,
-        correction: gains,
-        limit: 0,
-    };
-    of.corrected(before, [0; 3], at)
+    corrected(gains, free.end(before, [0; REMEMBERED]), before.g, at)
 }
 
 /// The memory after a position, and the velocity that is told: a device that could not have moved like that stands.
