@@ -92,15 +92,20 @@ macro_rules! fixed_number {
             fn from_si(si: Si, fraction: u32) -> i64 {
                 // Towards zero: shift the magnitude, not the number.
                 let magnitude = si.to_bits().unsigned_abs();
-                let bits = if fraction < 32 {
-                    (magnitude >> (32 - fraction)) as i64
+                let shifted = if fraction <= 32 {
+                    magnitude >> (32 - fraction)
                 } else {
                     let up = fraction - 32;
                     if magnitude > (i64::MAX as u64) >> up {
-                        i64::MAX
+                        i64::MAX as u64
                     } else {
-                        (magnitude << up) as i64
+                        magnitude << up
                     }
+                };
+                let bits = if shifted > i64::MAX as u64 {
+                    i64::MAX
+                } else {
+                    shifted as i64
                 };
                 if si.is_negative() { -bits } else { bits }
             }
