@@ -146,9 +146,12 @@ Definition device_told : device :=
   {|
     c := c_;
     s := s_;
+    r := s_;
     d := inject_Z (set_overspeed S) / inject_Z (2 ^ 8 * told_rate T);
     delta := inject_Z (told_count T) / inject_Z (2 ^ 8) + 2;
-    kappa := s_ * (1 - s_) / (4 * c_)
+    kappa := s_ * (1 - s_) / (4 * c_);
+    way_after := inject_Z (furthest made);
+    rough := 0
   |}.
 
 Lemma share_exact : inject_Z si_one * s device_told == late_ticks.
@@ -230,6 +233,7 @@ Proof.
   set (ss := s device_told) in *. set (dd := d device_told) in *. set (de := delta device_told) in *.
   constructor; fold ss dd de; try tauto; try lia.
   - split; apply (cancel (inject_Z si_one)); try reflexivity; rewrite ES; lra.
+  - change (way_after device_told) with (inject_Z (furthest made)). change 0 with (inject_Z 0). apply Zle_Q. lia.
   - apply (cancel (inject_Z (2 ^ 64))); [reflexivity|]. rewrite EC. change (inject_Z (2 ^ 64) * 0) with (inject_Z 0).
     apply Zle_Q. nia.
   - apply (cancel (inject_Z (2 ^ 8) * told_rate T)); [change (inject_Z (2 ^ 8)) with (256 # 1); lra|]. rewrite EW. lra.
@@ -280,6 +284,7 @@ Proof.
     assert (W1 : (0 <= ww)%Z).
     { unfold ww. rewrite distance_exact. destruct measured_within. pose proof (check_count checks). lia. }
     assert (F0 : 0 <= furthest made) by (change 0 with (inject_Z 0); apply Zle_Q; lia).
+    change (r device_told) with ss. change (way_after device_told) with (inject_Z (furthest made)). change (rough device_told) with 0.
     assert (A3 : Qabs (ss - late made / signal_one) * furthest made <= (ww + oo) * (1 # 4294967296)).
     { apply Zle_Q in A1, A2, W0, W1. in_Q A1. in_Q A2. change (inject_Z 0) with 0 in *.
       change (inject_Z (2 ^ 8)) with (256 # 1) in *.
@@ -328,6 +333,9 @@ Qed.
 (** Of the same delay, and otherwise no worse. *)
 Record no_worse (D told_of : device) : Prop := {
   same_share : s D == s told_of;
+  same_rest : r D == r told_of;
+  no_further_after : 0 <= way_after D <= way_after told_of;
+  as_rough : rough D <= rough told_of;
   more_damping : c told_of <= c D;
   no_further : 0 <= d D <= d told_of;
   as_exact : 0 <= delta D <= delta told_of;
@@ -336,7 +344,7 @@ Record no_worse (D told_of : device) : Prop := {
 
 Theorem no_worse_is_covered (G : guard) (D told_of : device) : covers G told_of -> no_worse D told_of -> covers G D.
 Proof.
-  intros [] [Es Hc Hd He Hk].
+  intros [] [Es Er Ha Hr Hc Hd He Hk].
   assert (L : 0 <= largest G) by (apply Q_nonneg, largest_force_nonneg; assumption).
   assert (P : 0 <= per_reach G) by (apply Q_nonneg; assumption).
   assert (W1 : s told_of * d D <= s told_of * d told_of) by (apply scaled; lra).
@@ -344,7 +352,9 @@ Proof.
   constructor; try assumption; try lra; try (rewrite Es; lra).
   - assert (c told_of * gain_one <= c D * gain_one) by (apply Qmult_le_compat_r; [exact Hc | discriminate]). lra.
   - rewrite Es. eapply Qle_trans; [|exact reach_covers]. apply scaled; [exact P|]. lra.
-  - rewrite Es. eapply Qle_trans; [|exact slack_covers].
+  - rewrite Er. eapply Qle_trans; [|exact slack_covers].
+    assert (Qabs (r told_of - late G / signal_one) * way_after D <= Qabs (r told_of - late G / signal_one) * way_after told_of)
+      by (apply scaled; [apply Qabs_nonneg | lra]).
     assert (Qmax 0 (kappa D - stray G / signal_one) <= Qmax 0 (kappa told_of - stray G / signal_one))
       by (apply Q.max_le_compat_l; lra).
     assert (Qmax 0 (kappa D - stray G / signal_one) * (2 * largest G)

@@ -95,7 +95,7 @@ Proof.
   eapply Qle_trans; [|apply (bound_in_settings _ N)].
   unfold joules. apply Qmult_le_compat_r; [|discriminate].
   assert (L : 0 <= largest made) by (apply Q_nonneg; apply largest_made).
-  destruct B as [_ _ _ [_ X] _].
+  destruct B as [_ _ _ _ _ _ [_ X] _].
   assert (largest made * (delta D * (1 # 2)) <= largest made * (delta (device_told S T) * (1 # 2)))
     by (apply scaled; [exact L | lra]).
   lra.

@@ -15,10 +15,13 @@ Coercion inject_Z : Z >-> Q.
 
 Record device : Set := {
   c : Q;      (* its damping over a tick, without the hand: energy = c moved^2 *)
-  s : Q;      (* after which share of a tick a new force begins to act *)
+  s : Q;      (* after which share of a tick a new force begins to act, in the mean *)
+  r : Q;      (* for which share of what is moved after the change as it is told: the same, where no position is taken there *)
   d : Q;      (* the furthest that it moves in a tick, evenly spread: s d before the change of force, (1-s) d after it *)
   delta : Q;  (* twice the largest error of a measured position *)
-  kappa : Q   (* what straying from the even motion can gain of a change of force: s (1-s)/4c, or more *)
+  kappa : Q;  (* what straying from the even motion can gain of a change of force: s (1-s)/4c, or more *)
+  way_after : Q;  (* the furthest that is measured from the change on *)
+  rough : Q   (* what the position at the change is rounded by, beside its error *)
 }.
 
 (** The largest force that a guard ever lets through. *)
@@ -26,6 +29,7 @@ Definition largest (G : guard) : Z := largest_force G (capacity G).
 
 Record covers (G : guard) (D : device) : Prop := {
   share : 0 <= s D <= 1;
+  way_after_nonneg : 0 <= way_after D;
   c_nonneg : 0 <= c D;
   d_nonneg : 0 <= d D;
   delta_nonneg : 0 <= delta D;
@@ -45,8 +49,8 @@ Record covers (G : guard) (D : device) : Prop := {
   reach_covers : per_reach G * ((1 - s D) * d D + in_flight G + delta D * (1 # 2)) <= gain_one * signal_one;
   (* the change of force: what strays, what is rounded, half a count *)
   slack_covers :
-    delta D * (1 # 2) + 1
-    + Qabs (s D - late G / signal_one) * furthest G
+    delta D * (1 # 2) + rough D + 1
+    + Qabs (r D - late G / signal_one) * way_after D
     + Qmax 0 (kappa D - stray G / signal_one) * (2 * largest G) <= slack G
 }.
 
@@ -57,8 +61,9 @@ Record covers (G : guard) (D : device) : Prop := {
 Record world : Set := { memory_of : memory; error : Q; taken : Q; ticks : nat }.
 
 Inductive event : Set :=
-| Tick (early rest damped : Q)                    (* what the device does until and after the force changes *)
+| Tick (under early rest damped : Q)              (* what the device does until and after the force changes *)
        (error' : Q) (moved : Z)                   (* the next sample: its error, and the displacement that it shows *)
+       (before : Z)                               (* the part of it before the change, as far as one is told; else 0 *)
        (wanted : Z)                               (* the force that the law wants: any *)
        (told : Z)                                 (* what came of the guarded force in the end: any *)
 | Away (damped : Q) (error' : Q).                 (* nobody looks, and no force acts: before arming *)
@@ -66,11 +71,14 @@ Inductive event : Set :=
 (** What a device that is covered can do, and a hand with it. The rest is free. *)
 Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
   match e with
-  | Tick early rest damped error' moved _ _ =>
-      acts_late (c D) (s D) (d D) (kappa D) early rest damped
+  | Tick under early rest damped error' moved before _ _ =>
+      acts_late (c D) (s D) (d D) (kappa D) under early rest damped
       /\ Qabs error' <= delta D * (1 # 2)
       /\ moved == early + rest + error w - error'
-      /\ (Z.abs moved <= furthest G)%Z
+      /\ (Z.abs moved <= furthest G)%Z /\ (Z.abs before <= furthest G)%Z
+      (* what the books have for the way under the old force is as far off as a position is *)
+      /\ Qabs (moved - before) <= way_after D
+      /\ Qabs (error w + under - (before + r D * (moved - before))) <= delta D * (1 # 2) + rough D
   | Away damped error' =>
       force (memory_of w) = 0%Z /\ older (memory_of w) = 0%Z /\ 0 <= damped /\ Qabs error' <= delta D * (1 # 2)
   end.
@@ -78,17 +86,17 @@ Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
 (** What the port takes. A force begins to act at the share [s] of a tick: until then it is the older one. *)
 Definition port (m : memory) (e : event) : Q :=
   match e with
-  | Tick early rest damped _ _ _ _ => older m * early + force m * rest + damped
+  | Tick _ early rest damped _ _ _ _ _ => older m * early + force m * rest + damped
   | Away damped _ => damped
   end.
 
 Definition after (G : guard) (w : world) (e : event) : world :=
   {| memory_of :=
        match e with
-       | Tick _ _ _ _ moved wanted told => commanded (fst (tick G (memory_of w) moved 0 wanted)) told
+       | Tick _ _ _ _ _ moved before wanted told => commanded (fst (tick G (memory_of w) moved before wanted)) told
        | Away _ _ => memory_of w
        end;
-     error := match e with Tick _ _ _ error' _ _ _ => error' | Away _ error' => error' end;
+     error := match e with Tick _ _ _ _ error' _ _ _ _ => error' | Away _ error' => error' end;
      taken := taken w + port (memory_of w) e;
      ticks := S (ticks w) |}.
 
@@ -225,7 +233,7 @@ Proof.
   all: unfold within in *; lia.
 Qed.
 
-Lemma tick_sound (m : memory) (moved wanted : Z) : sound G m -> sound G (fst (tick G m moved 0 wanted)).
+Lemma tick_sound (m : memory) (moved before wanted : Z) : sound G m -> sound G (fst (tick G m moved before wanted)).
 Proof.
   intros Hs. pose proof Hs as Hs'. destruct Hs. pose proof Cover as K. destruct K.
   assert (L0 : (0 <= largest G)%Z) by (apply largest_force_nonneg; assumption).
@@ -244,7 +252,7 @@ Proof.
     apply largest_force_nonneg; [assumption|]. unfold reserve. lia.
   - (* ordinary *)
     apply Z.ltb_ge in Deficit.
-    set (fr := free G m moved 0).
+    set (fr := free G m moved before).
     assert (F0 : (0 <= fr)%Z) by (unfold fr, free; lia).
     assert (R : (reserve G (force m) <= account m - reserve G (older m))%Z).
     { apply reserve_of_paid; [|auto]. specialize (reserve_is_there0 Deficit). lia. }
@@ -264,22 +272,23 @@ Qed.
 (** * What an account is worth *)
 
 (** One tick of the world with the book's own sum: [u] is what the code booked under the old force, up to a quantum. *)
-Lemma books_of_a_tick (x u g a f1 f2 early rest taken_out e e' m damped sigma stray' furthest' charge L : Q) :
-  acts_late (c D) (s D) (d D) (kappa D) early rest taken_out ->
+Lemma books_of_a_tick (x b u g a f1 f2 under early rest taken_out e e' m damped sigma stray' after' charge L : Q) :
+  acts_late (c D) (s D) (d D) (kappa D) under early rest taken_out ->
   x == early + rest + e - e' ->
   g == f1 - f2 -> a == Qabs g -> a <= 2 * L ->
   - (delta D * (1 # 2)) <= e <= delta D * (1 # 2) -> - (delta D * (1 # 2)) <= e' <= delta D * (1 # 2) ->
-  - furthest' <= x <= furthest' ->
-  sigma * x + stray' * g - 1 <= u <= sigma * x + stray' * g ->
+  - after' <= x - b <= after' ->
+  - (delta D * (1 # 2) + rough D) <= e + under - (b + r D * (x - b)) <= delta D * (1 # 2) + rough D ->
+  b + sigma * (x - b) + stray' * g - 1 <= u <= b + sigma * (x - b) + stray' * g ->
   0 <= m -> (m <= 0 \/ m + delta D <= x \/ m + delta D <= - x) -> damped <= c D * (m * m) ->
-  delta D * (1 # 2) + 1 + Qabs (s D - sigma) * furthest' + Qmax 0 (kappa D - stray') * (2 * L) <= charge ->
+  delta D * (1 # 2) + rough D + 1 + Qabs (r D - sigma) * after' + Qmax 0 (kappa D - stray') * (2 * L) <= charge ->
   f1 * x - g * u - a * charge + damped + f1 * e' - f2 * e <= f2 * early + f1 * rest + taken_out.
 Proof.
-  intros Late Ex Eg Ea HL He He' Hx Hu Hm Hd Hdamp Hcharge.
+  intros Late Ex Eg Ea HL He He' Hx Hb Hu Hm Hd Hdamp Hcharge.
   pose proof Cover as K. destruct K.
   set (X := early + rest).
   assert (EX : X == x + e' - e) by (unfold X; lra).
-  pose proof (straying_is_paid _ _ _ _ _ _ _ Late g) as Change.
+  pose proof (straying_is_paid _ _ _ _ _ _ _ _ Late g) as Change.
   fold X in Change.
   assert (Ha : - a <= g <= a).
   { rewrite Ea. apply Qabs_bounds. apply Qle_refl. }
@@ -295,42 +304,36 @@ Proof.
     - assert (L1 : m <= - X) by lra. pose proof (scaled m m (- X) Hm L1). assert (X0 : 0 <= - X) by lra.
       pose proof (scaled (- X) m (- X) X0 L1). lra. }
   (* the rounding of the part under the old force *)
-  assert (Round : - (g * u) <= - (g * (sigma * x + stray' * g)) + a).
-  { assert (B : - (1) <= u - (sigma * x + stray' * g) <= 1) by lra.
-    pose proof (product_within g (u - (sigma * x + stray' * g)) a 1 Ha B). lra. }
+  assert (Round : - (g * u) <= - (g * (b + sigma * (x - b) + stray' * g)) + a).
+  { assert (B : - (1) <= u - (b + sigma * (x - b) + stray' * g) <= 1) by lra.
+    pose proof (product_within g (u - (b + sigma * (x - b) + stray' * g)) a 1 Ha B). lra. }
   (* the share as stored *)
-  assert (Share : g * ((s D - sigma) * x) <= a * (Qabs (s D - sigma) * furthest')).
-  { assert (B : - Qabs (s D - sigma) <= s D - sigma <= Qabs (s D - sigma)).
+  assert (Share : g * ((r D - sigma) * (x - b)) <= a * (Qabs (r D - sigma) * after')).
+  { assert (B : - Qabs (r D - sigma) <= r D - sigma <= Qabs (r D - sigma)).
     { apply Qabs_bounds. apply Qle_refl. }
     pose proof (product_within _ _ _ _ B Hx) as B2.
     pose proof (product_within _ _ _ _ Ha B2). lra. }
   (* the stray as stored *)
   assert (Stray : (kappa D - stray') * (g * g) <= a * (Qmax 0 (kappa D - stray') * (2 * L))).
-  { set (r := Qmax 0 (kappa D - stray')).
-    assert (R0 : 0 <= r) by apply Q.le_max_l.
-    assert (R1 : kappa D - stray' <= r) by apply Q.le_max_r.
+  { set (rr := Qmax 0 (kappa D - stray')).
+    assert (R0 : 0 <= rr) by apply Q.le_max_l.
+    assert (R1 : kappa D - stray' <= rr) by apply Q.le_max_r.
     assert (GG : g * g <= a * (2 * L)).
     { pose proof (product_within g g a a Ha Ha). pose proof (scaled a a (2 * L) A0 HL). lra. }
     pose proof (square_nonneg g) as G0.
-    pose proof (scaled (g * g) _ _ G0 R1). pose proof (scaled r _ _ R0 GG).
+    pose proof (scaled (g * g) _ _ G0 R1). pose proof (scaled rr _ _ R0 GG).
     lra. }
   (* half a count *)
-  assert (Half : g * ((1 - s D) * e + s D * e') <= a * (delta D * (1 # 2))).
-  { assert (B : - (delta D * (1 # 2)) <= (1 - s D) * e + s D * e' <= delta D * (1 # 2)).
-    { destruct He as [E1 E2], He' as [E3 E4], share0 as [S0 S1].
-      assert (S2 : 0 <= 1 - s D) by lra.
-      pose proof (scaled _ _ _ S2 E1). pose proof (scaled _ _ _ S2 E2).
-      pose proof (scaled _ _ _ S0 E3). pose proof (scaled _ _ _ S0 E4). split; lra. }
-    pose proof (product_within _ _ _ _ Ha B). lra. }
+  assert (Half : g * (e + under - (b + r D * (x - b))) <= a * (delta D * (1 # 2) + rough D))
+    by (pose proof (product_within _ _ _ _ Ha Hb); lra).
   (* all charges together *)
-  assert (Charge : a * (delta D * (1 # 2)) + a + a * (Qabs (s D - sigma) * furthest')
+  assert (Charge : a * (delta D * (1 # 2) + rough D) + a + a * (Qabs (r D - sigma) * after')
                    + a * (Qmax 0 (kappa D - stray') * (2 * L)) <= a * charge)
     by (pose proof (scaled a _ _ A0 Hcharge); lra).
   assert (Eport : f2 * early + f1 * rest + taken_out == f1 * X + (taken_out - g * early))
     by (unfold X; rewrite Eg; ring).
   rewrite Eport.
-  assert (E1 : f1 * X - s D * g * X == f1 * x + f1 * e' - f1 * e - s D * g * x - s D * g * e' + s D * g * e)
-    by (rewrite EX; ring).
+  assert (E1 : f1 * X == f1 * x + f1 * e' - f1 * e) by (rewrite EX; ring).
   assert (E2 : f1 * e == g * e + f2 * e) by (rewrite Eg; ring).
   lra.
 Qed.
@@ -410,69 +413,72 @@ Lemma worth_after (w : world) (total : Q) (e : event) :
 Proof.
   intros Wo Po. pose proof Cover as K. destruct K.
   assert (P0 : 0 <= refill G) by (apply Q_nonneg; assumption).
-  destruct e as [early rest out e' moved wanted told | dmp e'].
+  destruct e as [under early rest out e' moved before wanted told | dmp e'].
   2: { destruct Po as (F & O & Hd & He). destruct Wo as [N A Sd E]. cbn in *.
        rewrite O in A. constructor; cbn; try assumption; [lra|].
        rewrite O. change (inject_Z 0) with 0 in *. lra. }
-  destruct Po as (Late & Be' & Ex & Slow). pose proof Late as [Hd Be Br _].
+  destruct Po as (Late & Be' & Ex & Slow & SlowB & Far & Told). pose proof Late as [Hd Be Br _].
   pose proof (nothing_lost_within w total early rest out Wo Be Br Hd) as [Within Next]; cbn in Within, Next.
   destruct Wo as [N A Sd E].
   set (m := memory_of w) in *.
-  assert (Sound' : sound G (commanded (fst (tick G m moved 0 wanted)) told)) by (apply commanded_sound, tick_sound, Sd).
-  assert (Nonneg : 0 <= total + port m (Tick early rest out e' moved wanted told) + refill G) by (cbn; lra).
+  assert (Sound' : sound G (commanded (fst (tick G m moved before wanted)) told)) by (apply commanded_sound, tick_sound, Sd).
+  assert (Nonneg : 0 <= total + port m (Tick under early rest out e' moved before wanted told) + refill G) by (cbn; lra).
   constructor; cbn [after memory_of error]; try assumption.
   fold m. cbn [commanded account older port].
   apply Qabs_bounds in E. pose proof Be' as Be2. apply Qabs_bounds in Be2.
-  assert (Bx : - furthest G <= moved <= furthest G).
-  { assert (H : (- furthest G <= moved <= furthest G)%Z) by lia. destruct H as [H1 H2].
-    apply Zle_Q in H1, H2. rewrite inject_Z_opp in H1. lra. }
+  apply Qabs_bounds in Far, Told.
   pose proof (damped_is_there moved) as (M0 & Mx & Md).
   set (mm := Z.max (Z.abs moved - count G) 0) in *.
   set (sigma := late G / signal_one) in *. set (stray' := stray G / signal_one) in *.
   assert (L0 : 0 <= largest G) by (apply Q_nonneg, largest_force_nonneg; assumption).
   unfold tick.
   assert (S1 : (furthest G <? Z.abs moved)%Z = false) by (apply Z.ltb_ge; assumption).
-  assert (S2 : (furthest G <? Z.abs 0)%Z = false) by (apply Z.ltb_ge; lia).
+  assert (S2 : (furthest G <? Z.abs before)%Z = false) by (apply Z.ltb_ge; assumption).
   rewrite S1, S2. cbn [orb].
   destruct (account m <? 0)%Z eqn:Deficit; cbn [fst make_up ordinary account older].
   - (* a deficit: no force acts *)
     apply Z.ltb_lt in Deficit. destruct Sd. destruct (deficit_without_force0 Deficit) as [F O].
     rewrite F, O in *. change (inject_Z 0) with 0 in *.
-    assert (B : 0 * moved - 0 * (sigma * moved) - 0 * slack G + damped G (Z.abs moved) + 0 * e' - 0 * error w
+    set (u0 := before + sigma * (moved - before)).
+    assert (B : 0 * moved - 0 * u0 - 0 * slack G + damped G (Z.abs moved) + 0 * e' - 0 * error w
                 <= 0 * early + 0 * rest + out).
-    { apply (books_of_a_tick moved (sigma * moved) 0 0 0 0 early rest out (error w) e' mm
-               (damped G (Z.abs moved)) sigma stray' (furthest G) (slack G) (largest G)); try assumption; try reflexivity; lra. }
+    { apply (books_of_a_tick moved before u0 0 0 0 0 under early rest out (error w) e' mm
+               (damped G (Z.abs moved)) sigma stray' (way_after D) (slack G) (largest G)); try assumption; try reflexivity;
+        unfold u0; lra. }
     assert (Min : Z.min (account m + refill G + damped G (Z.abs moved)) (capacity G)
                   <= inject_Z (account m + refill G + damped G (Z.abs moved))) by (apply Zle_Q; lia).
     rewrite !inject_Z_plus in Min. lra.
   - (* books and reserve *)
     apply Z.ltb_ge in Deficit. specialize (Next Deficit).
     set (change := (force m - older m)%Z).
-    set (u := ((late G * moved + stray G * change) / signal_one)%Z).
-    assert (Eu : under_older G moved 0 change = u).
-    { unfold under_older, u. rewrite Z.sub_0_r. lia. }
-    assert (Hu : sigma * moved + stray' * change - 1 <= u <= sigma * moved + stray' * change).
+    set (v := ((late G * (moved - before) + stray G * change) / signal_one)%Z).
+    set (u := (before + v)%Z).
+    assert (Eu : under_older G moved before change = u) by reflexivity.
+    assert (Hu : before + sigma * (moved - before) + stray' * change - 1 <= u <= before + sigma * (moved - before) + stray' * change).
     { assert (Hs : (0 < signal_one)%Z) by reflexivity.
-      pose proof (Z.mul_div_le (late G * moved + stray G * change) signal_one Hs) as U1.
-      pose proof (Z.mul_succ_div_gt (late G * moved + stray G * change) signal_one Hs) as U2.
-      fold u in U1, U2.
-      assert (U3 : (late G * moved + stray G * change <= signal_one * u + signal_one)%Z) by lia.
+      pose proof (Z.mul_div_le (late G * (moved - before) + stray G * change) signal_one Hs) as U1.
+      pose proof (Z.mul_succ_div_gt (late G * (moved - before) + stray G * change) signal_one Hs) as U2.
+      fold v in U1, U2.
+      assert (U3 : (late G * (moved - before) + stray G * change <= signal_one * v + signal_one)%Z) by lia.
       apply Zle_Q in U1, U3. in_Q U1. in_Q U3.
       assert (P : 0 < signal_one) by reflexivity.
-      assert (E1 : signal_one * (sigma * moved + stray' * change) == late G * moved + stray G * change).
+      assert (E1 : signal_one * (sigma * (moved - before) + stray' * change) == late G * (moved - before) + stray G * change).
       { unfold sigma, stray'. field. discriminate. }
-      split; apply (cancel signal_one); try exact P; lra. }
+      assert (EU : inject_Z u == inject_Z before + inject_Z v) by (unfold u; rewrite inject_Z_plus; reflexivity).
+      assert (V : sigma * (moved - before) + stray' * change - 1 <= v <= sigma * (moved - before) + stray' * change)
+        by (split; apply (cancel signal_one); try exact P; lra).
+      lra. }
     assert (Eg : inject_Z change == force m - older m) by (unfold change; apply minus_Q).
     assert (Ha : Z.abs change <= 2 * largest G).
     { assert (H : (Z.abs change <= 2 * largest G)%Z) by (destruct Sd; unfold change; lia).
       apply Zle_Q in H. rewrite inject_Z_mult in H. exact H. }
     assert (B : force m * moved - change * u - Z.abs change * slack G + damped G (Z.abs moved)
                 + force m * e' - older m * error w <= older m * early + force m * rest + out).
-    { apply (books_of_a_tick moved u change (Z.abs change) (force m) (older m) early rest out (error w) e' mm
-               (damped G (Z.abs moved)) sigma stray' (furthest G) (slack G) (largest G)); try assumption.
+    { apply (books_of_a_tick moved before u change (Z.abs change) (force m) (older m) under early rest out (error w) e' mm
+               (damped G (Z.abs moved)) sigma stray' (way_after D) (slack G) (largest G)); try assumption.
       apply abs_Q. }
     (* the account is the books' sum, or the reserve, or less *)
-    unfold free. set (sum := booked G m moved 0). set (r := reserve G (force m)).
+    unfold free. set (sum := booked G m moved before). set (r := reserve G (force m)).
     assert (Esum : inject_Z sum == account m + refill G + force m * moved - change * u - Z.abs change * slack G
                                    + damped G (Z.abs moved)).
     { unfold sum, booked. fold change. rewrite Eu. repeat (first [rewrite inject_Z_plus | rewrite minus_Q | rewrite inject_Z_mult]). ring. }
@@ -511,7 +517,7 @@ Qed.
     they ever are. *)
 Definition may_precede (w : world) (e : event) : Prop :=
   match e with
-  | Tick _ _ _ error' _ _ _ => Qabs error' <= delta D * (1 # 2)
+  | Tick _ _ _ _ error' _ _ _ _ => Qabs error' <= delta D * (1 # 2)
   | Away _ error' => force (memory_of w) = 0%Z /\ older (memory_of w) = 0%Z /\ Qabs error' <= delta D * (1 # 2)
   end.
 

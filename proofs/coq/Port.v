@@ -97,14 +97,14 @@ Qed.
 
 (** * What the guard's books ask of a device: that it acts late by a share [s] in the mean *)
 
-(** [early] and [rest] are the ways under the old force and under the new one, [damped] what the trusted damping took of a tick. For
-    every change of force [g] what straying gains is paid by [kappa g^2]. *)
-Record acts_late (c s d kappa early rest damped : Q) : Prop := {
+(** [early] and [rest] are the ways under the old force and under the new one, [damped] what the trusted damping took of a tick. [under]
+    is what the books have for [early]: for every change of force [g] what the difference of the two gains is paid by [kappa g^2]. *)
+Record acts_late (c s d kappa under early rest damped : Q) : Prop := {
   damping_takes : 0 <= damped;
   early_within : Qabs early <= s * d;
   rest_within : Qabs rest <= (1 - s) * d;
   straying_is_paid : forall g,
-    c * ((early + rest) * (early + rest)) - s * g * (early + rest) - kappa * (g * g) <= damped - g * early
+    c * ((early + rest) * (early + rest)) - g * under - kappa * (g * g) <= damped - g * early
 }.
 
 (** A force that begins to act all at once, [s] of a tick late. *)
@@ -112,11 +112,11 @@ Theorem pure_delay_acts_late (c s d kappa early rest d1 d2 : Q) :
   0 <= s <= 1 -> 0 <= c -> 0 <= kappa -> s * (1 - s) <= 4 * c * kappa ->
   part_of_tick c s early d1 -> part_of_tick c (1 - s) rest d2 ->
   Qabs early <= s * d -> Qabs rest <= (1 - s) * d ->
-  acts_late c s d kappa early rest (d1 + d2).
+  acts_late c s d kappa (s * (early + rest)) early rest (d1 + d2).
 Proof.
   intros Hs Hc Hk Hp P1 P2 He Hr. constructor; try assumption.
   - destruct P1, P2. lra.
-  - intros g. apply change_of_force; assumption.
+  - intros g. pose proof (change_of_force c s kappa early rest d1 d2 g Hs Hc Hk Hp P1 P2). lra.
 Qed.
 
 (** A current loop: its step response is a mean of steps at [at_share], each with its [weight]; [way] is how far the device came until
@@ -148,7 +148,7 @@ Theorem current_loop_acts_late (c d kappa moved damped : Q) (steps : list step_r
     /\ Qabs (way it) <= at_share it * d /\ Qabs (moved - way it) <= (1 - at_share it) * d) steps ->
   let s := mean at_share steps in
   s * (1 - s) <= 4 * c * kappa ->
-  acts_late c s d kappa (mean way steps) (moved - mean way steps) damped.
+  acts_late c s d kappa (s * moved) (mean way steps) (moved - mean way steps) damped.
 Proof.
   intros Hc Hd W One All s Hk.
   assert (Const : forall q, mean (fun _ => q) steps == q).
@@ -211,4 +211,105 @@ Proof.
     rewrite Ek. lra. }
   pose proof (scaled (g * g) _ _ (square_nonneg g) Kappa).
   assert (E : mean way steps + (moved - mean way steps) == moved) by ring. rewrite E. lra.
+Qed.
+
+(** A change of force that comes as it likes, at an instant that is told in some way: the tick in so many pieces, of each its share and
+    way, what the damping took of it, what was [missing] of the change, and what the books have for that, [booked_as]: [s], or where a
+    position is taken in between the mean of the part before it or of the part after it. *)
+Record piece : Set := { its_share : Q; its_way : Q; its_damping : Q; missing : Q; booked_as : Q }.
+
+Fixpoint sum (of_ : piece -> Q) (pieces : list piece) : Q :=
+  match pieces with nil => 0 | (it :: pieces)%list => of_ it + sum of_ pieces end.
+
+Lemma sum_sum (f h : piece -> Q) (a b : Q) (pieces : list piece) :
+  sum (fun it => a * f it + b * h it) pieces == a * sum f pieces + b * sum h pieces.
+Proof. induction pieces as [|it pieces IH]; cbn [sum]; [ring | rewrite IH; ring]. Qed.
+
+Lemma sum_le (f h : piece -> Q) (pieces : list piece) :
+  Forall (fun it => f it <= h it) pieces -> sum f pieces <= sum h pieces.
+Proof.
+  intros H. induction pieces as [|it pieces IH]; cbn [sum]; [lra|].
+  inversion H as [|? ? H0 H1]; subst. specialize (IH H1). lra.
+Qed.
+
+(** The damping of a piece is above each of its tangents. *)
+Lemma tangent (c share moved damped q : Q) :
+  0 <= c -> 0 <= share -> part_of_tick c share moved damped -> c * (2 * q * moved - q * q * share) <= damped.
+Proof.
+  intros Hc Hs [D E N].
+  destruct (Qlt_le_dec 0 share) as [P|P].
+  - apply (cancel share); [exact P|].
+    assert (0 <= c * ((moved - q * share) * (moved - q * share))) by (apply times_nonneg; [exact Hc | apply square_nonneg]).
+    lra.
+  - assert (Z : share == 0) by lra. rewrite (N Z), Z. lra.
+Qed.
+
+(** (1) and (2) of docs/energy-guard.md: it counts as a delay of [s], with the [kappa] of what is left open. *)
+Theorem told_change_acts_late (c d kappa : Q) (pieces : list piece) :
+  0 < c -> 0 <= d -> sum its_share pieces == 1 ->
+  Forall (fun it => 0 <= its_share it /\ part_of_tick c (its_share it) (its_way it) (its_damping it)
+    /\ 0 <= missing it <= 1 /\ Qabs (its_way it) <= its_share it * d) pieces ->
+  sum (fun it => its_share it * (missing it - booked_as it)) pieces == 0 ->
+  sum (fun it => its_share it * ((missing it - booked_as it) * (missing it - booked_as it))) pieces <= 4 * c * kappa ->
+  let s := sum (fun it => its_share it * missing it) pieces in
+  acts_late c s d kappa (sum (fun it => booked_as it * its_way it) pieces)
+    (sum (fun it => missing it * its_way it) pieces)
+    (sum its_way pieces - sum (fun it => missing it * its_way it) pieces)
+    (sum its_damping pieces).
+Proof.
+  intros Hc Hd One All Mean Open s.
+  set (X := sum its_way pieces).
+  assert (C0 : 0 <= c) by lra.
+  constructor.
+  - assert (H : sum (fun _ => 0) pieces <= sum its_damping pieces).
+    { apply sum_le. eapply Forall_impl; [|exact All]. intros it (_ & [A _ _] & _). exact A. }
+    assert (Z : sum (fun _ => 0) pieces == 0) by (clear; induction pieces as [|it p IH]; cbn [sum]; lra). lra.
+  - apply Qabs_Qle_condition.
+    assert (L : sum (fun it => missing it * its_way it) pieces <= sum (fun it => d * (its_share it * missing it) + 0 * its_share it) pieces).
+    { apply sum_le. eapply Forall_impl; [|exact All]. intros it (_ & _ & [M _] & W). apply Qabs_Qle_condition in W.
+      pose proof (scaled _ _ _ M (proj2 W)). lra. }
+    assert (G : sum (fun it => (- d) * (its_share it * missing it) + 0 * its_share it) pieces <= sum (fun it => missing it * its_way it) pieces).
+    { apply sum_le. eapply Forall_impl; [|exact All]. intros it (_ & _ & [M _] & W). apply Qabs_Qle_condition in W.
+      pose proof (scaled _ _ _ M (proj1 W)). lra. }
+    rewrite sum_sum in L, G. fold s in L, G. lra.
+  - apply Qabs_Qle_condition.
+    assert (E : X - sum (fun it => missing it * its_way it) pieces == sum (fun it => 1 * its_way it + (- 1) * (missing it * its_way it)) pieces)
+      by (rewrite sum_sum; unfold X; ring).
+    rewrite E.
+    assert (L : sum (fun it => 1 * its_way it + (- 1) * (missing it * its_way it)) pieces
+                <= sum (fun it => d * its_share it + (- d) * (its_share it * missing it)) pieces).
+    { apply sum_le. eapply Forall_impl; [|exact All]. intros it (_ & _ & [_ M] & W). apply Qabs_Qle_condition in W.
+      assert (N : 0 <= 1 - missing it) by lra. pose proof (scaled _ _ _ N (proj2 W)). lra. }
+    assert (G : sum (fun it => (- d) * its_share it + d * (its_share it * missing it)) pieces
+                <= sum (fun it => 1 * its_way it + (- 1) * (missing it * its_way it)) pieces).
+    { apply sum_le. eapply Forall_impl; [|exact All]. intros it (_ & _ & [_ M] & W). apply Qabs_Qle_condition in W.
+      assert (N : 0 <= 1 - missing it) by lra. pose proof (scaled _ _ _ N (proj1 W)). lra. }
+    pose proof (sum_sum its_way (fun it => missing it * its_way it) 1 (- 1) pieces) as S0.
+    pose proof (sum_sum its_share (fun it => its_share it * missing it) d (- d) pieces) as S1.
+    pose proof (sum_sum its_share (fun it => its_share it * missing it) (- d) d pieces) as S2.
+    cbn beta in S0, S1, S2. fold s in S1, S2. rewrite One in S1, S2. lra.
+  - intros g.
+    set (k := g / (2 * c)).
+    assert (Ek : 2 * c * k == g) by (unfold k; field; lra).
+    (* a tangent of each piece: at the speed of the whole tick, and as much beside it as pays best *)
+    set (off := fun it => missing it - booked_as it).
+    assert (T : sum (fun it => c * (2 * (X + k * off it) * its_way it - (X + k * off it) * (X + k * off it) * its_share it)) pieces
+                <= sum its_damping pieces).
+    { apply sum_le. eapply Forall_impl; [|exact All]. intros it (S0 & P & _). apply tangent; assumption. }
+    assert (E : sum (fun it => c * (2 * (X + k * off it) * its_way it - (X + k * off it) * (X + k * off it) * its_share it)) pieces
+      == 2 * c * X * sum its_way pieces + 2 * c * k * (sum (fun it => missing it * its_way it) pieces - sum (fun it => booked_as it * its_way it) pieces)
+         - c * X * X * sum its_share pieces - 2 * c * k * X * sum (fun it => its_share it * off it) pieces
+         - c * k * k * sum (fun it => its_share it * (off it * off it)) pieces).
+    { clearbody X k. clear. unfold off. induction pieces as [|it p IH]; cbn [sum]; [ring | rewrite IH; ring]. }
+    rewrite E, One in T. unfold off in T. rewrite Mean in T. fold X in T.
+    set (V := sum (fun it => its_share it * ((missing it - booked_as it) * (missing it - booked_as it))) pieces) in *.
+    set (H := sum (fun it => missing it * its_way it) pieces) in *.
+    set (B := sum (fun it => booked_as it * its_way it) pieces) in *.
+    assert (K : c * k * k * V <= kappa * (g * g)).
+    { assert (CK : 0 <= c * k * k) by (assert (0 <= k * k) by apply square_nonneg; assert (0 <= c * (k * k)) by (apply times_nonneg; lra); lra).
+      pose proof (scaled _ _ _ CK Open) as Q1.
+      assert (Q2 : c * k * k * (4 * c * kappa) == kappa * ((2 * c * k) * (2 * c * k))) by ring.
+      rewrite Q2, Ek in Q1. exact Q1. }
+    assert (EX : H + (X - H) == X) by ring. rewrite EX.
+    rewrite Ek in T. lra.
 Qed.

@@ -31,9 +31,12 @@ Definition whole : guard := shipped 16777216 24 1010587 26214409.
 Definition knob (s : Q) : device := {|
   c := 32 # 100;
   s := s;
+  r := s;
   d := (6 # 100) * inject_Z (2 ^ 24);
   delta := 26375 # 10;
-  kappa := s * (1 - s) / (4 * (32 # 100))
+  kappa := s * (1 - s) / (4 * (32 # 100));
+  way_after := inject_Z 1006632;
+  rough := 0
 |}.
 
 Ltac by_numbers := constructor; repeat split; vm_compute; discriminate.
@@ -50,7 +53,7 @@ Theorem knob_acts_late (s_ early rest d1 d2 : Q) :
   let D := knob s_ in
   part_of_tick (c D) s_ early d1 -> part_of_tick (c D) (1 - s_) rest d2 ->
   Qabs early <= s_ * d D -> Qabs rest <= (1 - s_) * d D ->
-  acts_late (c D) (s D) (d D) (kappa D) early rest (d1 + d2).
+  acts_late (c D) (s D) (d D) (kappa D) (s_ * (early + rest)) early rest (d1 + d2).
 Proof.
   intros Hs D P1 P2 He Hr. apply pure_delay_acts_late; cbn in *; try assumption; try lra.
   - apply Qle_shift_div_l; [reflexivity|]. assert (0 <= s_ * (1 - s_)) by (apply times_nonneg; lra). lra.

@@ -22,7 +22,7 @@ fn quarter<N: Format>() -> i64 {
 }
 
 /// A position of at most a quarter, and not negative.
-fn room<N: Format>(x: &Position<N>) -> bool {
+pub fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 

@@ -236,7 +236,9 @@ pub mod root8 {
 /// Quotients by a divisor that stays.
 pub mod reciprocal {
     use super::*;
+    use fixed::FixedI32;
     use touchstone_control::reciprocal::{Reciprocal8, Reciprocal32};
+    use touchstone_control::{Fixed32, Number};
 
     property! {
         /// P3/P6: the quotient by a prepared divisor is the plain one, at 8 bits, of every dividend by every divisor: two divisions and a
@@ -264,6 +266,26 @@ pub mod reciprocal {
             cover!(s, divisor == 0, "no divisor");
             cover!(s, q > 1 && q < i32::MAX as u32 && q.times(divisor) < dividend, "rounded");
             cover!(s, q == i32::MAX as u32, "saturated");
+        }
+    }
+    property! {
+        /// P3/P6: the same of every dividend by the largest divisor, as the laws divide: its inverse has few digits, and a solver follows them.
+        equation "|q| d <= |n| < (|q| + 1) d, sign of n; or highest"
+        over "double word; divisor 2^31 - 1"
+        by kissat fn p6_reciprocal_of_largest32(s) {
+            let by = Fixed32::divisor(FixedI32::MAX);
+            let dividend = s.i64();
+            let q = i64::from(Fixed32::divide_by(dividend, &by).to_bits());
+            let (size, whole) = (q.unsigned_abs(), dividend.unsigned_abs());
+            let d = i32::MAX as u64;
+            assert!(q == 0 || (q < 0) == (dividend < 0));
+            if whole < d << 31 {
+                assert!(size * d <= whole && whole - size * d < d);
+            } else {
+                assert!(size == d);
+            }
+            cover!(s, q < -1 && size * d < whole, "rounded");
+            cover!(s, q == i64::from(i32::MAX), "saturated");
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
-//! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_settings32
+//! what it is warned of                                               p11_guard_warned64
+//! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_validated32, p11_estimator_settings32
 //! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
 //! V, X of six devices                                                p11_integrals64
 //! ```
@@ -13,7 +14,7 @@ use crate::{
     assume, cover, estimated, flow_property, property, reckoned, reckoned_property, specified,
     timed_property, validated_property,
 };
-use touchstone_control::estimator::DeviceInTicks;
+use touchstone_control::estimator::{DeviceInTicks, ratio_of_bits};
 use touchstone_control::number::Exact;
 use touchstone_control::{
     ChangeOfForce, EstimatorSettings, Fixed32, Guard, GuardSettings, GuardedDevice, Si,
@@ -110,6 +111,21 @@ reckoned_property! {
         cover!(s, !accepted, "refused");
     }
 }
+reckoned_property! {
+    /// P11: what the guard's settings are warned of is what their specification says.
+    equation "needed > capacity, refill = 0; needed = f D (1 + late) + f δ/2"
+    over "settings of the guard in their ranges, rate, force limit, count"
+    by minisat fn p11_guard_warned64(s) {
+        let (settings, device) = any_guard_settings(s);
+        let (set, told) = specified_settings(&settings, &device);
+        assume!(s, guard::in_ranges(&set, &told), "GuardSettings::validate");
+        let found = settings.warnings(&device).map(|warning| warning.is_some());
+        reckoned::of_specification();
+        assert!(found == guard::warned(&set, &told));
+        cover!(s, found == [true, false], "softens");
+        cover!(s, found == [false, true], "never refilled");
+    }
+}
 validated_property! {
     /// P11: the guard that settings become which validation lets through, and whether they become one, is the specification's.
     equation "Guard::new(settings, device) = spec(settings, device)"
@@ -177,31 +193,73 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
+/// Any settings of the estimator with a rate, Hz; on samples often such as are accepted.
+fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
+    const ONE: i64 = 1 << 32;
+    let rate = s.u32();
+    let (rate, tick) = if s.shortcut() {
+        let rate = 1 + rate % 10_000;
+        (rate, ONE / i64::from(rate))
+    } else {
+        (rate, 0)
+    };
+    let settings = EstimatorSettings {
+        bandwidth_hz: setting(s, i64::from(rate >> 3) << 32),
+        inertia: setting(s, ONE / 100),
+        damping: setting(s, ONE / 100),
+        delay_s: setting(s, 3 * tick),
+    };
+    (settings, rate)
+}
+/// A person's settings as the specification has them.
+fn specified_estimator(settings: &EstimatorSettings) -> estimator::Settings {
+    estimator::Settings {
+        bandwidth: bits(settings.bandwidth_hz),
+        inertia: bits(settings.inertia),
+        damping: bits(settings.damping),
+        delay: bits(settings.delay_s),
+    }
+}
+
+reckoned_property! {
+    /// P11: what validation of the estimator's settings lets through is what its specification does.
+    equation "accepted = spec(settings, rate, limit)"
+    over "settings of the estimator, rate, force limit"
+    by minisat fn p11_estimator_validated32(s) {
+        let (settings, rate) = any_estimator_settings(s);
+        let limit = setting(s, 200 << 32);
+        assume!(s, limit >= Si::ZERO, "Settings::validate");
+        let accepted = settings.validate(rate, limit).is_ok();
+        reckoned::of_specification();
+        assert!(accepted == estimator::in_ranges(&specified_estimator(&settings), rate.into(), bits(limit)));
+        cover!(s, accepted && settings.damping > Si::ZERO, "accepted");
+        cover!(s, !accepted, "refused");
+    }
+}
+property! {
+    /// P8: a ratio of the estimator's settings is rounded down, to its last digit or the largest number: of any number to one.
+    equation "r = floor(a 2^56 / b), or highest"
+    over "number not negative, to a setting of one"
+    by kissat fn p8_ratio64(s) {
+        let of = s.i64() & i64::MAX;
+        let ratio = ratio_of_bits(of, 1 << 32).to_bits();
+        assert!(ratio == of.saturating_mul(1 << 24));
+        cover!(s, ratio > 1 && ratio < i64::MAX, "a number");
+        cover!(s, ratio == i64::MAX, "the largest");
+    }
+}
 flow_property! {
     /// P11: the estimator that accepted settings become, and whether they become one, is the specification's; one that is made is bounded.
     equation "settings.estimator(rate, limit) = spec(settings, rate, limit)"
     over "settings of the estimator, rate, force limit"
     by minisat fn p11_estimator_settings32(s) {
-        const ONE: i64 = 1 << 32;
-        let rate = s.u32();
-        let (rate, tick) = if s.shortcut() { (1 + rate % 10_000, ONE / i64::from(1 + rate % 10_000)) } else { (rate, 0) };
-        let settings = EstimatorSettings {
-            bandwidth_hz: setting(s, i64::from(rate >> 3) << 32),
-            inertia: setting(s, ONE / 100),
-            damping: setting(s, ONE / 100),
-            delay_s: setting(s, 3 * tick),
-        };
-        let limit = setting(s, 200 * ONE);
+        let (settings, rate) = any_estimator_settings(s);
+        let limit = setting(s, 200 << 32);
         assume!(s, limit >= Si::ZERO, "Settings::validate");
         let accepted = settings.validate(rate, limit).is_ok();
         let found = settings.estimator::<N>(rate, limit).ok();
         reckoned::of_specification();
-        let set = estimator::Settings {
-            bandwidth: bits(settings.bandwidth_hz),
-            inertia: bits(settings.inertia),
-            damping: bits(settings.damping),
-            delay: bits(settings.delay_s),
-        };
+        let set = specified_estimator(&settings);
         let expected = if accepted { estimator::made(&set, rate.into(), bits(limit)) } else { None };
         assert!(found.as_ref().map(estimated::specified) == expected);
         cover!(s, found.is_some(), "made");

@@ -13,7 +13,7 @@ use crate::contact::{along, compliance, force, force_bits, less, place_bits, sti
 use crate::format::Format;
 use crate::objects::{N, ONE, direction, parts, position, signed, squares, vector};
 use crate::{cover, property};
-use touchstone_control::law::{Fba, Sample, Spring, SpringState};
+use touchstone_control::law::{Contact, Fba, Sample, Spring, SpringState, View};
 use touchstone_control::space::environment::Cuboid;
 use touchstone_control::space::{
     Along, Bounding, Direction, Friction, FrictionState, Held, Leaving, Magnitude, PerAxis, Rule,
@@ -28,6 +28,25 @@ fn spring(stiff: i64) -> Held<N, Spring<N>> {
         damping: stiffness(0),
         limit: force(127),
     })
+}
+
+/// A law that pushes with a quantum, wherever it is.
+#[derive(Debug, Clone, Copy)]
+struct Pushes;
+
+impl Along<N> for Pushes {
+    fn tick(&mut self, _: Sample<N>) -> Force<N> {
+        force(1)
+    }
+    fn view(&self) -> View<N> {
+        View {
+            contact: Contact::Free,
+            energy: None,
+            offset: Position::zero(),
+            mass: None,
+        }
+    }
+    fn reset(&mut self) {}
 }
 
 property! {
@@ -92,6 +111,11 @@ property! {
             let size = law.tick(Sample { e: position(e), moved: Position::zero() });
             let size = N::of_signal(size.0);
             assert!(force_bits(told)[i] == if part < 0 { -size } else { size });
+        }
+        // A coordinate of 0 is on the positive side, whatever the law of its axis wants there.
+        let pushing = PerAxis::new([Pushes; 3], leaving).tick(&touched);
+        for (i, part) in parts(&normal).into_iter().enumerate() {
+            assert!(force_bits(pushing)[i] == if part < 0 { -1 } else { 1 });
         }
         cover!(s, force_bits(told).iter().all(|f| *f < 0), "against all axes");
     }

@@ -3,17 +3,84 @@
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
-//! Δ = e - e(n-1), none at the first sample   p9_stage_measures
+//! Δ = e - e(n-1), none at the first sample   w32::p9_stage_measures
 //! f acts => Δ = x - x(n-1), x without end    p9_no_way_uncounted
 //! resumed: B' = min(B, C'), f = 0            p7_stage_resumes
 //! ```
 
 use crate::format::Format;
+use crate::guard::room;
 use crate::source::Source;
+#[cfg(kani)]
+use crate::source::Symbolic;
 use crate::valid::Valid;
 use crate::{cover, property, such};
+use fixed::FixedI32;
 use fixed::types::I1F7;
-use touchstone_control::{Energy, Fixed8, Force, Guard, GuardState, Guarded, Position};
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Guarded, Position};
+
+#[cfg(kani)]
+use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
+#[cfg(kani)]
+use touchstone_control::guard::Overspeed;
+
+/// A property of the stage, whatever its guard answers: the same to the same question.
+#[macro_export]
+macro_rules! staged_property {
+    ($($property:tt)*) => {
+        $crate::replaced_property! {
+            [(touchstone_control::Guard::tick_with_change, $crate::stage::any_tick)]
+            $($property)*
+        }
+    };
+}
+
+/// For [`Guard::tick_with_change`]: any memory and any force or overspeed; the same again if asked the same. Of which guard is not
+/// part of the question: there is one.
+#[cfg(kani)]
+pub fn any_tick<N: Format>(
+    _: &Guard<N>,
+    state: &mut GuardState<N>,
+    moved: Position<N>,
+    before_change: Position<N>,
+    wanted: Force<N>,
+) -> Result<Force<N>, Overspeed> {
+    static ASKED: AtomicBool = AtomicBool::new(false);
+    static QUESTION: [AtomicI64; 6] = [const { AtomicI64::new(0) }; 6];
+    static ANSWER: [AtomicI64; 5] = [const { AtomicI64::new(0) }; 5];
+    let words = |state: &GuardState<N>| {
+        let of = |force: Force<N>| N::of_signal(force.0);
+        [
+            N::of_energy(state.account.0),
+            of(state.force),
+            of(state.older),
+        ]
+    };
+    let [account, force, older] = words(state);
+    let signals = [moved.0, before_change.0, wanted.0].map(N::of_signal);
+    let question = [account, force, older, signals[0], signals[1], signals[2]];
+    let s = &mut Symbolic;
+    let after = GuardState {
+        account: N::any_energy(s),
+        force: N::any_force(s),
+        older: N::any_force(s),
+    };
+    let (shown, fine) = (N::any_force(s), s.bool());
+    let [account, force, older] = words(&after);
+    let answer = [account, force, older, N::of_signal(shown.0), fine.into()];
+    let asked = ASKED.swap(true, Relaxed);
+    let mut same = asked;
+    for at in 0..question.len() {
+        same &= QUESTION[at].load(Relaxed) == question[at];
+        QUESTION[at].store(question[at], Relaxed);
+    }
+    for at in 0..answer.len() {
+        kani::assume(!same | (ANSWER[at].load(Relaxed) == answer[at]));
+        ANSWER[at].store(answer[at], Relaxed);
+    }
+    *state = after;
+    if fine { Ok(shown) } else { Err(Overspeed) }
+}
 
 /// Any stage whose memory satisfies the guard's invariant.
 pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
@@ -82,32 +149,6 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9: the displacement that the guard is told is that since the last sample, and none at the first; at the end of what positions
-        /// can say the same is booked, and the force is none.
-        equation "(memory, f) = guard(memory, e - e(n-1), f_wanted); first sample: guard(memory, 0, f_wanted); beyond the edge f = 0"
-        over "valid configuration, memory in the invariant, sample, wanted force"
-        by kissat fn p9_stage_measures(s) {
-            let before = such!(s, any_stage::<N, S>(s), |it| stage_holds(&it) && !it.tripped, "Guard::new; invariant; case: tripped is p4_stage_latches");
-            let (e, wanted) = (N::any_position(s), N::any_force(s));
-            let mut after = before;
-            let force = after.tick(e, None, wanted);
-            let mut state = before.state;
-            let moved = before.last.map_or(Position::zero(), |last| e - last);
-            let ends = wanted != Force::zero() && is_beyond_edge(&before, e);
-            match before.guard.tick(&mut state, moved, wanted) {
-                Ok(_) if ends => {
-                    let none = GuardState { force: Force::zero(), ..state };
-                    assert!(after.tripped && force == Force::zero() && after.state == none);
-                }
-                Ok(alone) => assert!(!after.tripped && alone == force && state == after.state),
-                Err(_) => assert!(after.tripped && state.account == after.state.account),
-            }
-            cover!(s, before.last.is_none() && force != Force::zero(), "the first sample");
-            cover!(s, before.last.is_some_and(|last| last != e) && !after.tripped, "moved");
-            cover!(s, ends && after.state.older != Force::zero(), "a force ends there");
-        }
-    }
-    property! {
         /// P9: while a force acts, or one is still on its way, what is counted is the true displacement, wherever the device goes: a
         /// position beyond the format's end, which is measured as that end, is overspeed first.
         equation "f or f(n-1) /= 0, |Δ| <= d  =>  e = x, |e(n-1)| < end, for every x; and f' /= 0 => |e| < end - 2 d"
@@ -146,6 +187,60 @@ pub mod w8 {
             assert!(guard.holds(&after.state));
             cover!(s, before.state.account < Energy::zero(), "a deficit stays");
             cover!(s, before.state.account > guard.capacity, "a smaller account");
+        }
+    }
+}
+
+/// As shipped, whatever the guard answers.
+pub mod w32 {
+    use super::*;
+    type N = Fixed32;
+
+    /// Of samples, which do not come there: after a tick just before the edge, and a place within reach of it.
+    fn at_the_edge<S: Source>(s: &mut S, guard: Guard<N>) -> (Guarded<N>, Position<N>) {
+        let mut stage = Guarded::new(guard);
+        let mut within = |most: Position<N>| {
+            let bits = s.u32() & i32::MAX.cast_unsigned();
+            Position::<N>(FixedI32::from_bits(
+                bits.cast_signed() % (most.0.to_bits() + 1),
+            ))
+        };
+        let reach = guard.furthest;
+        let edge = Position(N::HIGHEST) - reach - reach;
+        let before = edge - Position::quantum() - within(reach);
+        let e = before + within(reach);
+        let _ = stage.tick(before, None, N::any_force(s));
+        (stage, e)
+    }
+
+    staged_property! {
+        /// P9: the displacement that the guard is told is that since the last sample, and none at the first; at the end of what positions
+        /// can say the same is booked, and the force is none.
+        equation "(memory, f) = guard(memory, e - e(n-1), x - e(n-1), f_wanted), none of x: 0; first sample: guard(memory, 0, x - e, f_wanted); beyond the edge f = 0"
+        over "furthest displacement, memory, sample, with and without one at the change of force, wanted force; under the checker whatever the guard answers"
+        by minisat fn p9_stage_measures(s) {
+            let before = such!(s, any_stage::<N, S>(s), |it| (cfg!(kani) || stage_holds(&it)) && room(&it.guard.furthest) && !it.tripped, "Guard::new; case: tripped is p4_stage_latches");
+            let (before, e) = if s.shortcut() { at_the_edge(s, before.guard) } else { (before, N::any_position(s)) };
+            let wanted = N::any_force(s);
+            let at_change = s.bool().then(|| N::any_position(s));
+            let mut after = before;
+            let force = after.tick(e, at_change, wanted);
+            let mut state = before.state;
+            let from = before.last.unwrap_or(e);
+            let (moved, before_change) = (e - from, at_change.map_or(Position::zero(), |x| x - from));
+            let ends = wanted != Force::zero() && is_beyond_edge(&before, e);
+            match before.guard.tick_with_change(&mut state, moved, before_change, wanted) {
+                Ok(_) if ends => {
+                    let none = GuardState { force: Force::zero(), ..state };
+                    assert!(after.tripped && force == Force::zero() && after.state == none);
+                }
+                Ok(alone) => assert!(!after.tripped && alone == force && state == after.state),
+                Err(_) => assert!(after.tripped && state.account == after.state.account),
+            }
+            assert!(after.guard == before.guard && after.last == Some(e));
+            cover!(s, before.last.is_none() && force != Force::zero(), "the first sample");
+            cover!(s, before.last.is_some_and(|last| last != e) && !after.tripped, "moved");
+            cover!(s, ends && after.state.older != Force::zero(), "a force ends there");
         }
     }
 }

@@ -30,7 +30,8 @@ mod settings;
 pub use crate::settings::EstimatorSettings;
 pub use flow::{DeviceInTicks, Flow, TAPS, UNDER_WAY};
 pub(crate) use flow::{approach, free};
-pub(crate) use settings::{check_bandwidth, per_tick, ratio_of_bits};
+pub use settings::ratio_of_bits;
+pub(crate) use settings::{check_bandwidth, per_tick};
 
 use crate::law::Sample;
 use crate::number::{Exact, Wide as _};

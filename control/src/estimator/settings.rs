@@ -11,10 +11,10 @@ fn ratio(a: Si, b: Si) -> Exact {
     ratio_of_bits(a.to_bits(), b.to_bits())
 }
 
-/// The same for two positive values of one format, by their bits.
+/// `a / b` for two positive values of one format, by their bits, rounded down and saturating.
 #[cold]
 #[inline(never)]
-pub(crate) fn ratio_of_bits(a: i64, b: i64) -> Exact {
+pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     let bits = i128::from(a)
         .wrapping_shl(Exact::FRAC_NBITS)
         .checked_div(i128::from(b))

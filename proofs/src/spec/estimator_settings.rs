@@ -3,7 +3,7 @@
 //! Between setting and weight a number has 56 fractional bits: ±128, and what is beyond stays at the end.
 
 use super::estimator::{Estimator, Flow};
-use super::settings::{MOST, ONE, between, signal_fits, signal_of, times};
+use super::settings::{MOST, ONE, between, over, signal_fits, signal_of, times};
 use super::{BITS, Int};
 
 /// One, with 56 fractional bits.
@@ -162,11 +162,37 @@ pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
 }
 
+/// `1/T`, Hz; a rate of nothing is one.
+fn rate_of(rate: Int) -> Int {
+    (rate.max(1) * ONE).min(MOST)
+}
+
+/// What `validate` lets through: a bandwidth from a 500th to a fifth of the rate, and an inertia `J/T²` of which the largest force, and
+/// 0.76, make no more than one, and not more than 6e7.
+#[must_use]
+pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
+    let each = between(8_589_935, set.bandwidth, 20_000 * ONE)
+        && between(0, set.inertia, 10_000 * ONE)
+        && between(0, set.damping, 10_000 * ONE)
+        && between(0, set.delay, 2 * ONE);
+    if !each {
+        return false;
+    }
+    let rate = rate_of(rate);
+    let lightest = limit.max(3_264_175_145);
+    between(over(rate, 500 * ONE), set.bandwidth, over(rate, 5 * ONE))
+        && between(
+            lightest,
+            times(times(set.inertia, rate), rate),
+            60_000_000 * ONE,
+        )
+}
+
 /// The estimator of settings that validation accepts, at a rate, Hz, for a largest force; none where a weight does not fit, or is not
 /// within what the harnesses assume.
 #[must_use]
 pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
-    let rate = (rate.max(1) * ONE).min(MOST);
+    let rate = rate_of(rate);
     // `J/T²`.
     let inertia = times(times(set.inertia, rate), rate);
     let angle = long_times(ratio(set.bandwidth, rate), TAU);

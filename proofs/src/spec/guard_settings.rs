@@ -82,6 +82,19 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
+/// What settings in their ranges give away: whether the account does not pay for the largest force over the longest displacement, and
+/// the part of it that the force acts on after the next sample, with half a count; and whether it is never refilled.
+#[must_use]
+pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
+    let rate = rate(told);
+    let distance = plus(plus(over(set.overspeed, rate), told.count), UP);
+    let reach = plus(distance, told.count);
+    let late = times(plus(set.delay, set.lag), rate);
+    let over_a_tick = times(times(told.limit, reach), plus(ONE, late));
+    let needed = plus(over_a_tick, times(told.limit, told.count) / 2);
+    [set.capacity < needed, set.refill == 0]
+}
+
 /// The guard that settings in their ranges become, if every coefficient fits.
 #[must_use]
 pub fn made(set: &Settings, told: &Told) -> Option<Guard> {

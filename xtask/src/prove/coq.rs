@@ -1,8 +1,8 @@
 //! The theorems over traces, `proofs/coq/`: compiled by Coq, what they assume counted, and the specification that they are about
 //! run beside the shipped code.
 //!
-//! Coq ends with 0 also for a proof that was admitted or rests on an axiom. So every claim is in `Theorems.v`, which asks for what
-//! each one assumes, and each answer must be that it assumes nothing.
+//! Coq ends with 0 also for a proof that was admitted or rests on an axiom, and for one of less than was claimed. So every claim is in
+//! `Theorems.v`, which asks what it says and what it assumes: each must assume nothing, and all of it must be what `claims.txt` says.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,11 +13,13 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// In the order in which each needs those before it.
-const FILES: [&str; 18] = [
+const FILES: [&str; 20] = [
     "Guard",
     "Port",
     "GuardLosesNothing",
+    "ToldChange",
     "Shipped",
+    "Boards",
     "GuardSettings",
     "AcceptedIsValid",
     "AcceptedCovers",
@@ -35,6 +37,10 @@ const FILES: [&str; 18] = [
 ];
 /// What the theorems are claimed in.
 const CLAIMS: &str = "Theorems.v";
+/// What Coq says of them; committed, so that none goes or says less unseen.
+const SAID: &str = "claims.txt";
+/// Of a claim that assumes nothing.
+const CLOSED: &str = "Closed under the global context";
 const SOURCES: &str = "proofs/coq";
 const MUTANTS: &str = "proofs/coq/mutants.toml";
 const INSTALL: &str = "Coq is not installed; install with `apt-get install --no-install-recommends coq` (1 GB on disk)";
@@ -139,23 +145,53 @@ fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
             answers = String::from_utf8_lossy(&done.stdout).into_owned();
             let asked = text.matches("\nPrint Assumptions ").count();
             nothing_assumed(asked, &answers).map_err(|why| broken(CLAIMS, why))?;
+            as_claimed(folder, &answers)?;
         }
     }
-    Ok(answers.lines().count())
+    Ok(closed(&answers))
+}
+
+/// Claims that assume nothing.
+fn closed(answers: &str) -> usize {
+    answers.lines().filter(|line| *line == CLOSED).count()
 }
 
 /// As many answers as questions, and each that nothing is assumed.
 fn nothing_assumed(asked: usize, answers: &str) -> Result<(), String> {
-    let other = answers
-        .lines()
-        .find(|line| *line != "Closed under the global context");
-    match other {
-        Some(line) => Err(format!("a theorem rests on more: {line}")),
-        None if asked == 0 || answers.lines().count() != asked => {
-            Err(format!("{asked} theorems, and not as many answers"))
-        }
-        None => Ok(()),
+    // What is assumed follows this word.
+    if let Some(at) = answers.find("Axioms:") {
+        let assumed = answers[at..].lines().nth(1).unwrap_or_default();
+        return Err(format!("a theorem rests on more: {assumed}"));
     }
+    if asked == 0 || closed(answers) != asked {
+        return Err(format!("{asked} theorems, and not as many answers"));
+    }
+    Ok(())
+}
+
+/// What Coq says of the claims is what is committed, but for where its lines end.
+fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
+    let claims = std::fs::read_to_string(folder.join(SAID)).map_err(|why| broken(SAID, why))?;
+    let (claimed, said) = (claims.split_whitespace(), answers.split_whitespace());
+    if claimed.eq(said) {
+        return Ok(());
+    }
+    // For who wants to read what is different, and to commit it.
+    let now = folder.join("claims.now.txt");
+    std::fs::write(&now, answers).map_err(|why| broken(SAID, why))?;
+    let line = claims
+        .lines()
+        .zip(answers.lines())
+        .find(|(claimed, said)| claimed != said)
+        .map_or("the end", |(_, said)| said);
+    Err(broken(
+        SAID,
+        format!(
+            "the theorems say something else: `{}`; all of it is in {}, to compare and to commit",
+            line.trim(),
+            now.display()
+        ),
+    ))
 }
 
 /// The extracted specification beside ticks of the code.
@@ -265,12 +301,44 @@ mod tests {
 
     #[test]
     fn an_axiom_is_no_proof() {
-        let closed = "Closed under the global context\n";
+        let closed = "it\n     : Prop\nClosed under the global context\n";
         assert_eq!(nothing_assumed(2, &closed.repeat(2)), Ok(()));
         assert!(nothing_assumed(2, closed).is_err());
         assert!(nothing_assumed(0, "").is_err());
-        let axioms = format!("{closed}Axioms:\nclassic : forall P : Prop, P \\/ ~ P\n");
-        assert!(nothing_assumed(2, &axioms).unwrap_err().contains("Axioms"));
+        let axioms = format!("{closed}Axioms:\nclassic : forall P : Prop, P \\/ ~ P\n{closed}");
+        assert!(nothing_assumed(2, &axioms).unwrap_err().contains("classic"));
+    }
+
+    #[test]
+    fn a_claim_that_says_less_is_seen() {
+        let folder = shell::target("coq-claims-test");
+        std::fs::create_dir_all(&folder).expect("writable");
+        std::fs::write(folder.join(SAID), "it\n : a -> b\nClosed\n").expect("writable");
+        assert_eq!(as_claimed(&folder, "it : a\n   -> b\nClosed\n"), Ok(()));
+        for other in ["it : c -> a -> b\nClosed\n", "it : a -> b\n", ""] {
+            let why = as_claimed(&folder, other).unwrap_err();
+            assert_eq!(why.file, SAID);
+        }
+    }
+
+    /// Each claim is asked for what it says as well as for what it assumes, and is in the committed answers.
+    #[test]
+    fn every_claim_is_in_the_committed_answers() {
+        let read = |file| {
+            let path = shell::root().join(SOURCES).join(file);
+            std::fs::read_to_string(path).expect("readable")
+        };
+        let (theorems, said) = (read(CLAIMS), read(SAID));
+        let names = |before: &str| -> Vec<String> {
+            let of = |line: &str| Some(line.strip_prefix(before)?.trim_end_matches('.').to_owned());
+            theorems.lines().filter_map(of).collect()
+        };
+        let claims = names("Print Assumptions ");
+        assert_eq!(claims, names("Check "));
+        assert_eq!(closed(&said), claims.len());
+        for claim in claims {
+            assert!(said.lines().any(|line| line == claim), "{claim}");
+        }
     }
 
     #[test]
