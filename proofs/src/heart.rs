@@ -3,7 +3,7 @@
 //! Magnitudes of signed words are at most `2^(BITS-1)`; energies at most the signed limit of the double width. That is all
 //! that is assumed, and the types of the callers enforce it.
 
-use crate::{assume, cover, property};
+use crate::{assume, cover, property, replaced_property};
 use touchstone_control::magnitude::{
     Root, Word, affordable, passivity_step, quotient, root, root_digit, scale,
 };
@@ -269,24 +269,61 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P3/P6: the same of every dividend by the largest divisor, as the laws divide: its inverse has few digits, and a solver follows them.
-        equation "|q| d <= |n| < (|q| + 1) d, sign of n; or highest"
-        over "double word; divisor 2^31 - 1"
-        by kissat fn p6_reciprocal_of_largest32(s) {
-            let by = Fixed32::divisor(FixedI32::MAX);
-            let dividend = s.i64();
-            let q = i64::from(Fixed32::divide_by(dividend, &by).to_bits());
-            let (size, whole) = (q.unsigned_abs(), dividend.unsigned_abs());
-            let d = i32::MAX as u64;
-            assert!(q == 0 || (q < 0) == (dividend < 0));
-            if whole < d << 31 {
-                assert!(size * d <= whole && whole - size * d < d);
-            } else {
-                assert!(size == d);
+        /// P6: the quotient is the leading digits of a product, scaled dividend times inverse: of inverses of one digit.
+        equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
+        over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
+        by cadical fn p6_leading_digits32(s) {
+            let dividend = s.u64() >> 2;
+            for inverse in [1_u64 << 63, 1 << 62 | 1 << 33] {
+                let by = Reciprocal32 { divisor: 1 << 31, scale: 1, inverse };
+                let product = (u128::from(dividend) + 1) * u128::from(inverse);
+                assert!(u128::from(by.quotient(dividend)) == product >> 95);
             }
-            cover!(s, q < -1 && size * d < whole, "rounded");
-            cover!(s, q == i64::from(i32::MAX), "saturated");
+            cover!(s, dividend >> 33 > 0, "a quotient");
         }
+    }
+    replaced_property! {
+        [(touchstone_control::reciprocal::Reciprocal32::new, crate::heart::reciprocal::told_divisor)
+        (touchstone_control::reciprocal::Reciprocal32::quotient, crate::heart::reciprocal::any_quotient)]
+        /// P6: a number is divided by its magnitude, by the prepared divisor's, and has the sign of the dividend, whatever a quotient is.
+        equation "q(p, k) = sign(p) q(|p|, |k|)"
+        over "product, gain; under the checker whatever a quotient of magnitudes is"
+        by cadical fn p6_divide_by32(s) {
+            let (dividend, divisor) = (s.i64(), s.i32());
+            let by = Fixed32::divisor(FixedI32::from_bits(divisor));
+            let found = i64::from(Fixed32::divide_by(dividend, &by).to_bits());
+            let size = Reciprocal32::new(divisor.unsigned_abs()).quotient(dividend.unsigned_abs());
+            assert!(found == if dividend < 0 { -i64::from(size) } else { size.into() });
+            cover!(s, found < 0 && divisor > 0, "of a negative number");
+            cover!(s, found > 0 && divisor < 0, "by a negative number");
+        }
+    }
+
+    /// For `Reciprocal32::new`: what it was told.
+    #[cfg(kani)]
+    pub fn told_divisor(divisor: u32) -> Reciprocal32 {
+        Reciprocal32 {
+            divisor,
+            scale: 0,
+            inverse: 0,
+        }
+    }
+    /// For `Reciprocal32::quotient`: any magnitude of a number; the same again if asked the same.
+    #[cfg(kani)]
+    pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
+        use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
+        static ASKED: [AtomicU64; 4] = [const { AtomicU64::new(0) }; 4];
+        let answer: u32 = kani::any();
+        let question = [1, by.divisor.into(), dividend];
+        let same = (0..3).all(|at| ASKED[at].load(Relaxed) == question[at]);
+        kani::assume(
+            answer <= i32::MAX as u32 && (!same || ASKED[3].load(Relaxed) == u64::from(answer)),
+        );
+        for at in 0..3 {
+            ASKED[at].store(question[at], Relaxed);
+        }
+        ASKED[3].store(answer.into(), Relaxed);
+        answer
     }
 }
 

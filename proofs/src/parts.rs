@@ -114,18 +114,19 @@ property! {
 property! {
     /// P8: an accepted bandwidth of the estimator is from a 500th to a fifth of the control rate.
     equation "rate/500 <= p <= rate/5"
-    over "bandwidth of 64 bits, rate of 17 bits; other settings as by default"
-    by kissat fn p8_estimator_bandwidth(s) {
+    over "bandwidth of 64 bits, at six rates from 1 Hz to 100 kHz; other settings as by default"
+    by minisat fn p8_estimator_bandwidth(s) {
         let si = |s: &mut S| Si::from_bits(s.i64());
         let settings = EstimatorSettings { bandwidth_hz: si(s), ..EstimatorSettings::default() };
-        let rate = s.bits(17) as u32;
-        if settings.validate(rate, Si::ONE).is_err() {
-            return;
+        for rate in [1, 7, 300, 1_000, 7_919, 100_000] {
+            if settings.validate(rate, Si::ONE).is_err() {
+                continue;
+            }
+            let bits = i128::from(settings.bandwidth_hz.to_bits());
+            let most = i128::from(rate) << 32;
+            assert!(bits > 0 && bits * 5 <= most);
+            assert!((bits + 1) * 500 > most);
+            cover!(s, rate == 1_000, "at 1 kHz");
         }
-        let bits = i128::from(settings.bandwidth_hz.to_bits());
-        let most = i128::from(rate.max(1)) << 32;
-        assert!(bits > 0 && bits * 5 <= most);
-        assert!((bits + 1) * 500 > most);
-        cover!(s, rate == 1000, "at 1 kHz");
     }
 }

@@ -140,10 +140,11 @@ macro_rules! space {
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
                 over "every vector, every limit from 0 to below the end of the format"
                 by $within fn p4_within(s) {
-                    let (v, limit) = (forces::<N, S>(s), N::any_force(s));
+                    let limit = N::any_force(s);
+                    assume!(s, limit >= Force::zero() && limit.0 < N::HIGHEST, "validate: a limit is far within the format");
+                    let v = forces::<N, S>(s);
                     let bits = force_bits(v);
                     let most = N::exact(N::of_signal(limit.0));
-                    assume!(s, limit >= Force::zero() && limit.0 < N::HIGHEST, "validate: a limit is far within the format");
                     let after = force_bits(v.within(limit));
                     assert!(squares::<N>(after) <= most * most);
                     assert!(squares::<N>(bits) > most * most || after == bits);
@@ -158,8 +159,9 @@ macro_rules! space {
                 equation "|v| > l  <=>  Σ v_i² > l²"
                 over "every vector, every limit that is not negative"
                 by $longer fn p4_longer(s) {
-                    let (v, limit) = (positions::<N, S>(s), N::any_position(s));
+                    let limit = N::any_position(s);
                     assume!(s, limit >= Position::zero(), "limits are not negative");
+                    let v = positions::<N, S>(s);
                     let most = N::exact(N::of_signal(limit.0));
                     let longer = v.is_longer(limit);
                     assert!(longer == (squares::<N>(position_bits(v)) > most * most));

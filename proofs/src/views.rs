@@ -11,7 +11,7 @@
 use crate::format::Format;
 use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
-use crate::{cover, property, such};
+use crate::{cover, property, staged_property, such};
 use touchstone_control::law::{Contact, EnhancedSfa, Fba, Law, Sample, Sfa, Spring, Tdpa, View};
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{Energy, Fixed8, Fixed32, Force, Position};
@@ -123,7 +123,7 @@ property! {
         cover!(s, moved > N::of_signal(e.0), "the surface lay between");
     }
 }
-crate::staged_property! {
+staged_property! {
     /// P11: from the other end of the axis the guard is the same, told ways and forces of the other sign.
     equation "f = -guard(-Δ, -f_wanted | -f(n-1))"
     over "memory, displacement, the part before the change, wanted force; under the checker whatever the guard answers"

@@ -1,63 +1,23 @@
 //! The committed list of harnesses, each with a number of what it states: its body with all that it assumes and claims, what stands
-//! beside it in its file, and what every file shares. A statement that was weakened has another number.
+//! beside it in its file, and what stands in every file that this one reaches by `crate::`. A statement that was weakened has another number.
 //!
 //! The number is of tokens: comments and layout do not count.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 pub const LOCK: &str = "proofs/harnesses.lock";
 const SOURCES: &str = "proofs/src";
-/// What every statement rests on: configurations and memories, sources of inputs, number formats.
-const SHARED: [&str; 5] = ["valid", "source", "format", "facts", "functions"];
-/// Whose statements are comparisons with a specification, and what they rest on beside that: the specification.
-const COMPARES: [&str; 7] = [
-    "refines",
-    "refines_enhanced",
-    "estimated",
-    "velocity",
-    "set",
-    "set_laws",
-    "set_space",
-];
 const SPECIFICATION: &str = "proofs/src/spec";
-const BRIDGE: &str = "specified";
-/// And the divisions, multiplications and pieces of ticks of those that have shared ones.
-const REPLACED: [&str; 3] = ["divided", "multiplied", "pieces"];
+/// The crate itself: its `assert!` is that of every file.
+const CRATE: &str = "lib";
 
-/// And the estimator's and the velocity filters', with the products and pieces of their own, and what a motion is.
-const ESTIMATES: [&str; 2] = ["estimated", "velocity"];
-const WEIGHED: [&str; 3] = ["weighed", "estimator", "estimated"];
-
-/// And what settings become, with their products and quotients.
-const BECOMES: [&str; 3] = ["set", "set_laws", "set_space"];
-const RECKONED: [&str; 5] = ["reckoned", "answers", "stand_ins", "estimated", "accepted"];
-
-/// What a property is written in.
-pub const MACROS: [&str; 20] = [
-    "property",
-    "divided_property",
-    "multiplied_property",
-    "booked_property",
-    "composed_property",
-    "first_property",
-    "settings_property",
-    "any_law_property",
-    "weighed_property",
-    "flowed_property",
-    "corrected_property",
-    "bounded_property",
-    "placed_property",
-    "reckoned_property",
-    "validated_property",
-    "timed_property",
-    "flow_property",
-    "limited_property",
-    "guarded_property",
-    "lawful_property",
-];
+/// Whether a macro is one of those that a property is written in: `property!`, `divided_property!`. By a path, `$crate::`, one is handed on.
+pub fn writes_a_property(name: &str) -> bool {
+    !name.contains(':') && (name == "property" || name.ends_with("_property"))
+}
 
 /// What a property or its file names after `by`.
 const SOLVERS: [&str; 6] = ["cadical", "minisat", "kissat", "cvc5", "z3", "sampled"];
@@ -97,39 +57,18 @@ impl Statements {
     }
 
     fn of(files: &BTreeMap<String, String>) -> Result<Self, String> {
-        let mut shared = EMPTY;
-        for file in SHARED {
-            shared = looked_at(file, text_of(files, file))?
-                .beside
-                .wrapping_add(add(shared, file));
-        }
-        let mut specification = EMPTY;
+        let mut looked = BTreeMap::new();
         for (file, text) in files {
-            let of_comparisons = file == BRIDGE || REPLACED.contains(&file.as_str());
-            if of_comparisons || file.starts_with("spec/") {
-                let beside = looked_at(file, text)?.beside;
-                specification = beside.wrapping_add(add(specification, file));
-            }
+            looked.insert(file.as_str(), looked_at(file, text)?);
         }
         let mut numbers = BTreeMap::<String, u64>::new();
-        for (file, text) in files {
-            let found = looked_at(file, text)?;
-            let mut shared = shared;
-            if COMPARES.contains(&file.as_str()) {
-                shared ^= specification;
+        for (file, own) in &looked {
+            let mut shared = EMPTY;
+            for reached in reached(file, &looked) {
+                shared = add(add(shared, reached), &looked[reached].beside.to_string());
             }
-            if ESTIMATES.contains(&file.as_str()) {
-                for of in WEIGHED {
-                    shared ^= add(looked_at(of, text_of(files, of))?.beside, of);
-                }
-            }
-            if BECOMES.contains(&file.as_str()) {
-                for of in RECKONED {
-                    shared ^= add(looked_at(of, text_of(files, of))?.beside, of);
-                }
-            }
-            for (property, number) in found.properties {
-                let all = [shared, found.beside, number].map(|number| number.to_string());
+            for (property, number) in &own.properties {
+                let all = [shared, *number].map(|number| number.to_string());
                 let number = all.iter().fold(EMPTY, |hash, text| add(hash, text));
                 // Two modules of a file may have one of the same name: then each is a part of the number.
                 numbers
@@ -155,8 +94,25 @@ impl Statements {
     }
 }
 
-fn text_of<'a>(files: &'a BTreeMap<String, String>, file: &str) -> &'a str {
-    files.get(file).map_or("", String::as_str)
+/// A file, and all that it reaches: files whose names, or whose macros, follow `crate::` in it, and so on. The specification counts as one.
+fn reached<'a>(file: &'a str, looked: &'a BTreeMap<&'a str, Looked>) -> BTreeSet<&'a str> {
+    let mut found = BTreeSet::new();
+    let mut waiting = vec![file, CRATE];
+    while let Some(next) = waiting.pop() {
+        let Some((name, of)) = looked.get_key_value(next) else {
+            continue;
+        };
+        if !found.insert(*name) {
+            continue;
+        }
+        for (other, it) in looked {
+            let part = other.split('/').next().unwrap_or_default();
+            if of.reaches.contains(part) || it.macros.iter().any(|name| of.reaches.contains(name)) {
+                waiting.push(other);
+            }
+        }
+    }
+    found
 }
 
 fn name(path: &Path) -> String {
@@ -173,20 +129,65 @@ fn property(harness: &str) -> String {
     format!("{}::{}", first.unwrap_or(&""), last.unwrap_or(&""))
 }
 
-/// One file: the number of each property, and of everything beside them.
+/// One file: the number of each property, and of everything beside them; its macros, and what follows `crate::` in it.
 struct Looked {
     properties: Vec<(String, u64)>,
     beside: u64,
+    macros: BTreeSet<String>,
+    reaches: BTreeSet<String>,
+}
+
+impl Looked {
+    const fn nothing() -> Self {
+        Self {
+            properties: Vec::new(),
+            beside: EMPTY,
+            macros: BTreeSet::new(),
+            reaches: BTreeSet::new(),
+        }
+    }
 }
 
 fn looked_at(file: &str, text: &str) -> Result<Looked, String> {
     let tokens: TokenStream = text.parse().map_err(|why| format!("{file}.rs: {why}"))?;
-    let mut looked = Looked {
-        properties: Vec::new(),
-        beside: EMPTY,
-    };
+    let mut looked = Looked::nothing();
+    refer(&tokens, &mut looked);
     look(tokens, &mut looked);
     Ok(looked)
+}
+
+/// Names of macros that are made here, and what follows `crate::`: a name, or in braces several.
+fn refer(tokens: &TokenStream, into: &mut Looked) {
+    let tokens: Vec<TokenTree> = tokens.clone().into_iter().collect();
+    let is = |at: usize, text: &str| {
+        tokens
+            .get(at)
+            .is_some_and(|token| token.to_string() == text)
+    };
+    for (at, token) in tokens.iter().enumerate() {
+        if let TokenTree::Group(group) = token {
+            refer(&group.stream(), into);
+        }
+        if is(at, "macro_rules") && is(at + 1, "!") {
+            into.macros
+                .extend(tokens.get(at + 2).map(ToString::to_string));
+        }
+        if is(at, "crate") && is(at + 1, ":") && is(at + 2, ":") {
+            match tokens.get(at + 3) {
+                Some(TokenTree::Group(group)) => {
+                    let mut begins = true;
+                    for token in group.stream() {
+                        let text = token.to_string();
+                        if begins {
+                            into.reaches.insert(text.clone());
+                        }
+                        begins = text == ",";
+                    }
+                }
+                other => into.reaches.extend(other.map(ToString::to_string)),
+            }
+        }
+    }
 }
 
 /// Walks through the tokens and the groups in them; `property! { ... }` is taken out, so that one more is no change of the others.
@@ -200,7 +201,7 @@ fn look(tokens: TokenStream, into: &mut Looked) {
             at += 2;
             continue;
         }
-        if MACROS.contains(&word(at).as_str())
+        if writes_a_property(&word(at))
             && word(at + 1) == "!"
             && let Some(TokenTree::Group(group)) = tokens.get(at + 2)
             && group.delimiter() == Delimiter::Brace
@@ -233,10 +234,7 @@ fn is_doc(group: &str) -> bool {
 
 /// A property: the name after `fn`, and the number of all of it but its documentation.
 fn one(tokens: TokenStream) -> Option<(String, u64)> {
-    let mut inner = Looked {
-        properties: Vec::new(),
-        beside: EMPTY,
-    };
+    let mut inner = Looked::nothing();
     let words: Vec<String> = tokens
         .clone()
         .into_iter()
@@ -254,7 +252,8 @@ mod tests {
 
     fn numbers(law: &str, valid: &str) -> Statements {
         let file = |name: &str, text: &str| (name.to_owned(), text.to_owned());
-        Statements::of(&BTreeMap::from([file("law", law), file("valid", valid)])).expect("tokens")
+        let law = format!("use crate::valid::valid; {law}");
+        Statements::of(&BTreeMap::from([file("law", &law), file("valid", valid)])).expect("tokens")
     }
 
     const LAW: &str = "
@@ -285,21 +284,53 @@ mod tests {
         assert_ne!(two("x > 0"), two("true"));
     }
 
+    /// By name, in braces, through another file, by a macro, and through the specification's own folder: what is reached is a part of the number,
+    /// and what is not is none.
     #[test]
-    fn a_comparison_is_also_of_its_specification() {
+    fn what_a_file_reaches_is_a_part_of_its_statements() {
         let property = "property! { equation \"a\" over \"b\" fn p11_x(s) { assert!(true); } }";
-        let number = |specification: &str| {
-            let files = [
-                ("refines", property),
-                ("tdpa", property),
-                ("spec/tdpa", specification),
+        let files = |changed: &str| {
+            let uses = |what: &str| format!("use {what}; {property}");
+            let made = |name: &str, text: &str| {
+                let with = if name == changed { " fn more() {}" } else { "" };
+                (name.to_owned(), format!("{text}{with}"))
+            };
+            let all = [
+                made("by_name", &uses("crate::guard::valid")),
+                made("in_braces", &uses("crate::{assume, guard::valid}")),
+                made("through", &uses("crate::by_name")),
+                made("by_macro", &uses("crate::stage_property")),
+                made("spec_user", &uses("crate::spec::tdpa")),
+                made("alone", property),
+                made("guard", "fn valid() {}"),
+                made(
+                    "stage",
+                    "macro_rules! stage_property { () => { $crate::guard::valid } }",
+                ),
+                made("spec/tdpa", "fn tick() {}"),
+                made("lib", "macro_rules! assert { () => {} }"),
             ];
-            let files = files.map(|(name, text)| (name.to_owned(), text.to_owned()));
-            let all = Statements::of(&BTreeMap::from(files)).expect("tokens");
-            ["refines", "tdpa"].map(|file| all.line(&format!("{file}::w8::p11_x::proof")))
+            Statements::of(&BTreeMap::from(all)).expect("tokens").0
         };
-        let (before, after) = (number("fn f() -> i32 { 1 }"), number("fn f() -> i32 { 2 }"));
-        assert!(before[0] != after[0] && before[1] == after[1]);
+        let before = files("");
+        let changed = |file: &str| -> Vec<String> {
+            let after = files(file);
+            let other = before
+                .iter()
+                .filter(|(name, number)| after[*name] != **number);
+            other
+                .map(|(name, _)| name.trim_end_matches("::p11_x").to_owned())
+                .collect()
+        };
+        assert_eq!(
+            changed("guard"),
+            ["by_macro", "by_name", "in_braces", "through"]
+        );
+        assert_eq!(changed("stage"), ["by_macro"]);
+        assert_eq!(changed("by_name"), ["by_name", "through"]);
+        assert_eq!(changed("spec/tdpa"), ["spec_user"]);
+        assert_eq!(changed("alone"), ["alone"]);
+        assert_eq!(changed("lib").len(), 6);
     }
 
     #[test]

@@ -25,12 +25,16 @@ const BUILT_WITH: &str = "name = \"fixed\"";
 /// them, or names a file that does. As in a statement's number comments and layout do not count, nor do the code's own tests.
 pub struct Code(BTreeMap<String, u64>);
 
+/// The number of the control laws' code with the numbers that it is built with.
+pub fn law() -> Result<u64, String> {
+    let lock = std::fs::read_to_string("Cargo.lock").map_err(|why| format!("Cargo.lock: {why}"))?;
+    let package = lock.split("[[package]]").find(|it| it.contains(BUILT_WITH));
+    Ok(add(of_folder(LAW)?, package.unwrap_or_default()))
+}
+
 impl Code {
     pub fn read() -> Result<Self, String> {
-        let lock =
-            std::fs::read_to_string("Cargo.lock").map_err(|why| format!("Cargo.lock: {why}"))?;
-        let package = lock.split("[[package]]").find(|it| it.contains(BUILT_WITH));
-        let law = add(of_folder(LAW)?, package.unwrap_or_default());
+        let law = law()?;
         let mut beside = Vec::new();
         for (name, folder) in BESIDE {
             beside.push((name, of_folder(folder)?));

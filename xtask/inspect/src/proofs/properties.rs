@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::lock::MACROS;
+use super::lock::writes_a_property;
 
 /// One property; it may be proved at several widths.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -64,10 +64,7 @@ pub fn read(file: &str, text: &str) -> Vec<Property> {
     let mut open = String::new();
     for line in text.lines() {
         let code = line.trim();
-        if code
-            .strip_suffix("! {")
-            .is_some_and(|word| MACROS.contains(&word))
-        {
+        if code.strip_suffix("! {").is_some_and(writes_a_property) {
             depth = line[..line.len() - line.trim_start().len()].to_string();
             found.push(Property {
                 file: file.into(),

@@ -8,7 +8,7 @@ use super::properties::{self, Property};
 use super::report::Verdict;
 use super::usage::Usage;
 
-const README: &str = "proofs/README.md";
+pub const README: &str = "proofs/README.md";
 const START: &str = "<!-- table: written by `cargo xtask prove` -->\n";
 const END: &str = "<!-- end of table -->";
 

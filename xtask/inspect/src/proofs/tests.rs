@@ -130,6 +130,17 @@ fn too_long_and_too_large_are_faults() {
     assert_eq!(with(PROCESSOR_S, MEMORY_KIB), 0);
     assert_eq!(with(PROCESSOR_S + 0.5, 0), 1);
     assert_eq!(with(1.0, MEMORY_KIB + 1), 1);
+    // Where it was not measured, the clock counts.
+    let by_clock = |seconds| {
+        let verdict = Verdict {
+            usage: None,
+            seconds,
+            ..recorded()["w8::proved"].clone()
+        };
+        wrong(&BTreeMap::from([("a".to_string(), verdict)]), MEMORY_KIB).len()
+    };
+    assert_eq!(by_clock(PROCESSOR_S), 0);
+    assert_eq!(by_clock(PROCESSOR_S + 0.5), 1);
 }
 
 #[test]
