@@ -269,7 +269,7 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P6: the quotient is the leading digits of a product, scaled dividend times inverse: of inverses of one digit.
+        /// P6: the quotient is the leading digits of a product, scaled dividend times inverse: of inverses of one digit and two.
         equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
         over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
         by cadical fn p6_leading_digits32(s) {

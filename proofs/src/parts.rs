@@ -114,11 +114,11 @@ property! {
 property! {
     /// P8: an accepted bandwidth of the estimator is from a 500th to a fifth of the control rate.
     equation "rate/500 <= p <= rate/5"
-    over "bandwidth of 64 bits, at six rates from 1 Hz to 100 kHz; other settings as by default"
+    over "bandwidth of 64 bits, at 1 Hz, 1 kHz and 100 kHz; other settings as by default"
     by minisat fn p8_estimator_bandwidth(s) {
         let si = |s: &mut S| Si::from_bits(s.i64());
         let settings = EstimatorSettings { bandwidth_hz: si(s), ..EstimatorSettings::default() };
-        for rate in [1, 7, 300, 1_000, 7_919, 100_000] {
+        for rate in [1, 1_000, 100_000] {
             if settings.validate(rate, Si::ONE).is_err() {
                 continue;
             }

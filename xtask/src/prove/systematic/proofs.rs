@@ -25,8 +25,6 @@ const ASKED: usize = 3;
 const PROCESS_S: u32 = 100;
 /// Parts of the names of what builds a law of its settings.
 const BUILDING: [&str; 2] = ["_accepted", "controller::"];
-/// Parts of the names of what had no answer to any change: asked last.
-const SLOW: [&str; 2] = ["views::p11_guard_mirrored", "stage::w8::p9_stage_measures"];
 /// Part of the names of what proves a tick to be its specification.
 const OF_A_TICK: &str = "p11_";
 /// A tick beside its specification, by samples; and the proofs of the same.
@@ -244,8 +242,7 @@ impl Asking {
         let builds = |name: &String| BUILDING.iter().any(|part| name.contains(part));
         let mut all: Vec<String> = subject.into_iter().chain(others).collect();
         all.retain(|name| one.row.contains("controller.rs") || !builds(name));
-        let is_slow = |name: &String| SLOW.iter().any(|slow| name.contains(slow));
-        all.sort_by_key(|name| (is_slow(name), !name.contains(OF_A_TICK)));
+        all.sort_by_key(|name| !name.contains(OF_A_TICK));
         all
     }
 
