@@ -113,6 +113,8 @@ pub struct Port {
     pub board: Option<BoardLoop>,
     /// Whether positions are measured in counts.
     pub counts: bool,
+    /// Of so many radians.
+    pub count_rad: f64,
     /// Whether the guard is told so.
     pub told: bool,
     /// The law.
@@ -168,6 +170,7 @@ impl Port {
             board: None,
             reads: true,
             counts,
+            count_rad: COUNT_RAD,
             told: counts,
             law: law.into(),
             guard: guarded.then(|| Self::settings(delay_ticks)),
@@ -181,7 +184,11 @@ impl Port {
         GuardedDevice {
             rate_hz: 1000,
             force_limit: si(self.force_limit_n_m),
-            count: if self.told { si(COUNT_RAD) } else { Si::ZERO },
+            count: if self.told {
+                si(self.count_rad)
+            } else {
+                Si::ZERO
+            },
         }
     }
 
@@ -209,7 +216,7 @@ impl Port {
             |guard: &Option<Guarded<Fixed32>>| guard.map_or(0.0, |it| it.account().to_f64());
         let sample = |x: f64| {
             let x = if self.counts {
-                (x / COUNT_RAD).round() * COUNT_RAD
+                (x / self.count_rad).round() * self.count_rad
             } else {
                 x
             };

@@ -140,10 +140,12 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
         change: ChangeOfForce::Estimated,
         ..law.guard
     };
-    // The force that 45 mJ allow is 0.75 N·m.
-    let bound_j = capacity_j + 0.76 * COUNT_RAD;
+    // `board_window` of proofs/coq/Boards.v: half a count under the force that 45 mJ allow.
+    let bound_j = 0.045_145;
+    let count_rad = law.position.count.to_num::<f64>();
     let port = |settings: GuardSettings, reads: bool| {
         let mut port = Port::new(law, 0.0, true, true);
+        port.count_rad = count_rad;
         port.guard = Some(settings);
         port.board = Some(board);
         port.reads = reads;
@@ -152,6 +154,7 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
     let ships = port(law.guard, true);
     let mut late = Port::new(Settings::default(), LATE_TICKS, true, true);
     late.guard = Some(GuardSettings::default());
+    late.count_rad = count_rad;
     let mut worst_j = 0.0_f64;
     for (name, tried) in [
         ("as it ships", ships.clone()),

@@ -27,7 +27,7 @@ use systematic::Asked;
 pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --elf [--mutants] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs | --every]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --elf [--mutants] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs [NAME] | --every]]";
 /// What the proofs are made of; nothing else has to build.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
@@ -115,11 +115,12 @@ fn by_rule(words: &[&str]) -> Outcome {
         return systematic::sample();
     }
     let (asked, words) = match words {
-        [words @ .., "--proofs"] => (Asked::Proofs, words),
+        [words @ .., "--proofs"] => (Asked::Proofs(""), words),
+        [words @ .., "--proofs", part] => (Asked::Proofs(part), words),
         [words @ .., "--every"] => (Asked::Every, words),
         words => (Asked::Tests, words),
     };
-    if asked == Asked::Proofs && !has_checker() {
+    if matches!(asked, Asked::Proofs(_)) && !has_checker() {
         return Outcome::NotRun(INSTALL.into());
     }
     part(words).map_or_else(usage, |shard| systematic::run(shard, asked))

@@ -4,7 +4,7 @@
 //! environment. A change is refuted when an assertion of a property or a test fails: not by a panic of the code itself, nor by a cover
 //! that is no longer reached, nor by the time. What was found is written down at once, so that a run can be broken off and taken up
 //! again, and several can share the list (`--shard 1/8`). One of each function comes first, then the second of each, and so on, so that
-//! a run that is broken off has been everywhere. With `--proofs` the checker is asked ([`proofs`]), with `--every`
+//! a run that is broken off has been everywhere. With `--proofs` the checker is asked ([`proofs`]), with a name of those harnesses only, with `--every`
 //! the properties of which all inputs are tried ([`every`]).
 
 mod every;
@@ -78,9 +78,10 @@ impl Shard {
 
 /// Who is asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Asked {
+pub enum Asked<'a> {
     Tests,
-    Proofs,
+    /// Those with this in their names.
+    Proofs(&'a str),
     Every,
 }
 
@@ -93,7 +94,7 @@ fn is_proof(outcome: &str) -> bool {
 pub fn run(shard: Shard, of: Asked) -> Outcome {
     let done = match of {
         Asked::Tests => asked(shard),
-        Asked::Proofs => proofs::asked(shard),
+        Asked::Proofs(part) => proofs::asked(shard, part),
         Asked::Every => every::asked(shard),
     };
     match done {

@@ -59,10 +59,12 @@ struct Asking {
     /// Of each harness, the smaller programs first: the functions in it.
     reached: Vec<(String, Vec<String>)>,
     folder: PathBuf,
+    /// No others than those with this in their names: all, if it is empty.
+    part: String,
 }
 
 /// The command.
-pub fn asked(shard: Shard) -> Result<(), String> {
+pub fn asked(shard: Shard, part: &str) -> Result<(), String> {
     let folder = folder().join(format!("by-proofs-{}", shard.index));
     let list = list(&folder)?;
     let mut outcomes = Outcomes::open()?;
@@ -77,6 +79,7 @@ pub fn asked(shard: Shard) -> Result<(), String> {
         names,
         reached: reached()?,
         folder,
+        part: part.to_owned(),
     };
     let mut functions = BTreeMap::<String, Vec<&Listed>>::new();
     for one in &list {
@@ -231,7 +234,9 @@ impl Asking {
             .reached
             .iter()
             .filter(|(name, functions)| {
-                self.names.contains(name) && functions.iter().any(|of| is_of(of, function))
+                self.names.contains(name)
+                    && name.contains(&self.part)
+                    && functions.iter().any(|of| is_of(of, function))
             })
             .map(|(name, _)| name.clone())
             .partition(|name| {
@@ -241,7 +246,8 @@ impl Asking {
         // What builds a law of settings reaches much that it says nothing of, and takes long.
         let builds = |name: &String| BUILDING.iter().any(|part| name.contains(part));
         let mut all: Vec<String> = subject.into_iter().chain(others).collect();
-        all.retain(|name| one.row.contains("controller.rs") || !builds(name));
+        let is_asked_for = !self.part.is_empty() || one.row.contains("controller.rs");
+        all.retain(|name| is_asked_for || !builds(name));
         all.sort_by_key(|name| !name.contains(OF_A_TICK));
         all
     }
@@ -328,6 +334,7 @@ mod tests {
             names: names.map(str::to_owned).into(),
             reached: Vec::new(),
             folder: PathBuf::new(),
+            part: String::new(),
         };
         assert_eq!(asking.belonging("heart::w8::p5_root::sampled"), [names[0]]);
         assert_eq!(
