@@ -29,7 +29,7 @@ pub struct Campaign {
 /// How long the device is watched after the outputs are off.
 const WATCHED: u64 = 30 * MS;
 
-/// What a shaft that rests moves in a tenth of a second, rad: a thousandth of a turn.
+/// Within what a shaft that rests stays for a tenth of a second, rad: a thousandth of a turn.
 const RESTS_RAD: f64 = 6e-3;
 
 impl Campaign {
@@ -321,15 +321,18 @@ impl Campaign {
 }
 
 /// A person calibrates a knob that rests. A light rotor swings on for seconds after a reset in which it was let go, and the field may take such a one
-/// along to another pole, which the calibration refuses.
+/// along to another pole, which the calibration refuses. Looked at all the way: one that swings ten times a second is where it was after each tenth.
 fn rest(bench: &mut Bench) -> Result<(), String> {
-    for _ in 0..20 {
-        let before = bench.machine.chip().world.angle_rad();
-        bench.run(100 * MS)?;
-        let moved_rad = bench.machine.chip().world.angle_rad() - before;
-        if moved_rad.abs() < RESTS_RAD {
-            break;
+    for _ in 0..100 {
+        let mut within_rad = [f64::INFINITY, f64::NEG_INFINITY];
+        for _ in 0..100 {
+            bench.run(MS)?;
+            let angle_rad = bench.machine.chip().world.angle_rad();
+            within_rad = [within_rad[0].min(angle_rad), within_rad[1].max(angle_rad)];
+        }
+        if within_rad[1] - within_rad[0] < RESTS_RAD {
+            return Ok(());
         }
     }
-    Ok(())
+    Err("the shaft does not come to rest in ten seconds".into())
 }
