@@ -71,10 +71,16 @@ const PROPERTIES: &[Row] = &[
     every!(vector_guard::w8::p4_vector_commanded),
 ];
 
-/// All inputs, one after the other: each number that is asked for is a digit of one large number that counts up.
+/// Numbers that a property asks for at most.
+const DIGITS: usize = 16;
+
+/// All inputs, one after the other: each number that is asked for is a digit of one large number that counts up. What is done for each of
+/// some thousand million inputs is written so that it costs little beside the property.
 struct Every {
     /// Value and width of each.
-    digits: Vec<(u64, u32)>,
+    digits: [(u64, u32); DIGITS],
+    /// How many there are.
+    known: usize,
     at: usize,
     rejected: bool,
     covers: Vec<(&'static str, u64)>,
@@ -85,8 +91,11 @@ struct Every {
 impl Every {
     /// Those whose first digit, of 8 bits or cut to fewer, is `first`.
     fn beginning_with(first: u64) -> Self {
+        let mut digits = [(0, 8); DIGITS];
+        digits[0].0 = first;
         Self {
-            digits: vec![(first, 8)],
+            digits,
+            known: 1,
             at: 0,
             rejected: false,
             covers: Vec::new(),
@@ -95,52 +104,65 @@ impl Every {
     }
 
     /// The next input; `false` where there is none with the same first digit.
+    #[inline(always)]
     fn advance(&mut self) -> bool {
         // What was not asked for after a refused assumption does not count.
-        self.digits.truncate(self.at.max(1));
-        while let [_, .., (value, bits)] = self.digits.as_mut_slice() {
+        self.known = self.known.min(self.at.max(1));
+        while self.known > 1 {
+            let (value, bits) = &mut self.digits[self.known - 1];
             if *value < u64::MAX >> (64 - *bits) {
                 *value += 1;
                 return true;
             }
-            self.digits.pop();
+            self.known -= 1;
         }
         false
+    }
+
+    /// One that is not where it was for the input before.
+    #[cold]
+    fn other_cover(&mut self, reached: bool, what: &'static str) {
+        match self.covers.iter_mut().find(|(text, _)| *text == what) {
+            Some((_, count)) => *count += u64::from(reached),
+            None => self.covers.push((what, u64::from(reached))),
+        }
     }
 }
 
 impl Source for Every {
+    #[inline(always)]
     fn bits(&mut self, bits: u32) -> u64 {
-        if self.at == self.digits.len() {
-            self.digits.push((0, bits));
+        let at = self.at;
+        if at == self.known {
+            self.digits[at] = (0, bits);
+            self.known = at + 1;
         }
-        let digit = &mut self.digits[self.at];
-        if self.at == 0 {
+        let digit = &mut self.digits[at];
+        if at == 0 {
             assert!(bits <= 8, "the first question is of one byte");
             digit.1 = bits;
         }
         assert!(digit.1 == bits, "another question after the same answers");
-        self.at += 1;
+        self.at = at + 1;
         digit.0 & (u64::MAX >> (64 - bits))
     }
+    #[inline(always)]
     fn assume(&mut self, holds: bool) -> bool {
         self.rejected |= !holds;
         holds
     }
+    #[inline(always)]
     fn shortcut(&mut self) -> bool {
         false
     }
+    #[inline(always)]
     fn cover(&mut self, reached: bool, what: &'static str) {
-        if let Some((text, count)) = self.covers.get_mut(self.cover_at)
-            && std::ptr::eq(*text, what)
-        {
-            *count += u64::from(reached);
-            self.cover_at += 1;
-            return;
-        }
-        match self.covers.iter_mut().find(|(text, _)| *text == what) {
-            Some((_, count)) => *count += u64::from(reached),
-            None => self.covers.push((what, u64::from(reached))),
+        match self.covers.get_mut(self.cover_at) {
+            Some((text, count)) if std::ptr::eq(*text, what) => {
+                *count += u64::from(reached);
+                self.cover_at += 1;
+            }
+            _ => self.other_cover(reached, what),
         }
     }
 }
