@@ -29,7 +29,7 @@ pub struct Campaign {
 /// How long the device is watched after the outputs are off.
 const WATCHED: u64 = 30 * MS;
 
-/// `calibration::Reason::Uneven` of the drive.
+/// The fault's value where the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
 const UNEVEN: i32 = 4;
 
 /// Within what a shaft that rests stays for a tenth of a second, rad: a thousandth of a turn.
