@@ -5,7 +5,7 @@
 //! what it is warned of                                               p11_guard_warned64
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_validated32, p11_estimator_settings32
 //! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
-//! V, X of three devices                                              p11_integrals64
+//! V, X of three devices                                                p11_integrals64
 //! ```
 
 use crate::source::Source;
