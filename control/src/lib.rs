@@ -43,6 +43,7 @@
 extern crate std;
 
 pub mod choices;
+mod coefficients;
 pub mod controller;
 mod division;
 pub mod encoder;

@@ -270,6 +270,13 @@ impl Scenery for Around {
         }
     }
 
+    fn switched_off(&mut self, law: &mut Law) {
+        match (self.runs, self.now()) {
+            (true, Some(now)) => now.environment.switched_off(),
+            _ => law.switched_off(),
+        }
+    }
+
     #[inline(always)]
     fn is_tripped(&self, law: &Law) -> bool {
         self.running()

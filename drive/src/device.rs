@@ -262,7 +262,12 @@ impl Device {
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
         let last = self.record.penetration;
+        // A fault may have switched off before this tick.
+        let acted = watch.driven && found.is_none() && verdict.count.is_some();
         self.observe(tick, input, verdict.count);
+        if before == State::Armed && after != State::Armed {
+            self.leave(acted, last, read, scenery);
+        }
         let (drive, limits) = match (after, verdict.count) {
             (State::Armed, Some(_)) => {
                 self.since_change(last, read);

@@ -33,6 +33,8 @@ pub(crate) trait Scenery {
     fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32>;
     /// What became of that force.
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
+    /// The outputs are switched off, after a tick whose force was none, or at a time that nobody knows.
+    fn switched_off(&mut self, law: &mut Law);
     /// Whether the guard has switched the force off for overspeed.
     fn is_tripped(&self, law: &Law) -> bool;
     /// The inside of what is touched.
@@ -69,6 +71,11 @@ impl Scenery for WallAlone {
     #[inline(always)]
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>) {
         law.commanded(force);
+    }
+
+    #[inline(always)]
+    fn switched_off(&mut self, law: &mut Law) {
+        law.switched_off();
     }
 
     #[inline(always)]

@@ -31,8 +31,8 @@ enum Knows {
 pub struct Twin {
     config: Config,
     law: Controller<Fixed32>,
-    /// The record before: its tick and its state.
-    before: Option<(u32, Phase)>,
+    /// The record before: its tick, its state, and whether the law ran in it.
+    before: Option<(u32, Phase, bool)>,
     knows: Knows,
     /// Share of the torque while it fades in, 2^-32.
     fade: u32,
@@ -60,13 +60,19 @@ impl Twin {
     /// The force of the model in this record's tick; `None` where the device's law does not run, or the model does not know what it
     /// remembers.
     pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
-        let before = self.before.replace((record.tick, record.phase));
-        let follows = before.is_some_and(|(tick, _)| record.tick == tick.wrapping_add(1));
         let limits = Limits::from_wire(record.limits);
+        let has_reading = !limits.has(Limit::Encoder);
+        let ran = record.phase == Phase::Armed && has_reading;
+        let before = self.before.replace((record.tick, record.phase, ran));
+        let follows = before.is_some_and(|(tick, ..)| record.tick == tick.wrapping_add(1));
+        let was_armed = before.is_some_and(|(_, phase, _)| phase == Phase::Armed);
         if record.phase != Phase::Armed {
+            if was_armed {
+                let ran = follows && before.is_some_and(|(.., ran)| ran);
+                self.leave(record, ran && has_reading && record.phase != Phase::Fault);
+            }
             return None;
         }
-        let was_armed = before.is_some_and(|(_, phase)| phase == Phase::Armed);
         if !was_armed || !follows {
             self.law.resume(&self.config.law);
             self.pushes = false;
@@ -79,7 +85,7 @@ impl Twin {
             };
         }
         // The law does not run in a tick without a good reading.
-        if limits.has(Limit::Encoder) {
+        if !ran {
             return None;
         }
         // What else there is to touch is in no record.
@@ -87,12 +93,7 @@ impl Twin {
             self.knows = Knows::Little(0);
             return None;
         }
-        let now = Position(record.penetration_rad);
-        let at_change = now - Position(record.since_change_rad);
-        let measures = self.config.change.is_some();
-        let force = self
-            .law
-            .tick_with_change(now, measures.then_some(at_change));
+        let force = self.law_tick(record);
         self.becomes_of(force, limits);
         if let Knows::Little(outside) = &mut self.knows {
             let is_outside = record.penetration_rad <= 0 && !limits.has(Limit::FadeIn);
@@ -107,6 +108,23 @@ impl Twin {
             self.knows = Knows::All;
         }
         Some(force.0)
+    }
+
+    fn law_tick(&mut self, record: &Telemetry) -> Force<Fixed32> {
+        let now = Position(record.penetration_rad);
+        let at_change = now - Position(record.since_change_rad);
+        let measures = self.config.change.is_some();
+        self.law
+            .tick_with_change(now, measures.then_some(at_change))
+    }
+
+    /// The tick in which the device switches off, as the device does.
+    fn leave(&mut self, record: &Telemetry, acted: bool) {
+        if acted {
+            let _ = self.law_tick(record);
+            self.law.commanded(Force::zero());
+        }
+        self.law.switched_off();
     }
 
     /// Tells the law what became of its force, as the device does.

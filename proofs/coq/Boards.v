@@ -70,16 +70,5 @@ Proof.
     - exact gimbal_covers.
     - exact kit_covers.
     - exact mini_covers. }
-  destruct K as (K & C1 & C2).
-  pose proof (any_window_by_settings G D K error0 before window early rest damped E0 Hb Hw He Hr Hd) as B.
-  cbn zeta in B. fold begin w port_took in B.
-  set (n := inject_Z (Z.of_nat (length window))) in *.
-  assert (N : 0 <= n) by (unfold n; change 0 with (inject_Z 0); rewrite <- Zle_Qle; apply Zle_0_nat).
-  unfold microjoules in *.
-  set (A := capacity G + largest G * (delta D * (1 # 2))) in *.
-  set (R := inject_Z (refill G)) in *.
-  assert (T : (1000000 / inject_Z (2 ^ 48)) * - port_took <= (1000000 / inject_Z (2 ^ 48)) * (A + R * n)).
-  { assert (0 <= 1000000 / inject_Z (2 ^ 48)) by (vm_compute; discriminate). unfold A. nra. }
-  assert (T2 : R * 1000000 / inject_Z (2 ^ 48) * n <= (59 # 100) * n) by nra.
-  unfold Qdiv in *. lra.
+  destruct K as (K & C1 & C2). exact (window_in_microjoules G D _ _ _ _ _ _ _ _ K C1 C2 E0 Hb Hw He Hr Hd).
 Qed.

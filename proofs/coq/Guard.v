@@ -87,6 +87,11 @@ Definition tick (G : guard) (s : memory) (moved before_change wanted : Z) : memo
   else if account s <? 0 then (make_up G s moved, true)
   else (ordinary G s moved before_change wanted, true).
 
+(** The force is switched off and no tick follows: [Guard::switched_off]. *)
+Definition switched_off (G : guard) (s : memory) : memory :=
+  {| account := if force s =? 0 then account s - reserve G (older s) else Z.min (account s) 0;
+     force := 0; older := 0 |}.
+
 (** What is told of the force in the end: [Guard::commanded]. *)
 Definition commanded (s : memory) (told : Z) : memory :=
   {| account := account s; force := within told (Z.abs (force s)); older := older s |}.

@@ -66,7 +66,8 @@ Inductive event : Set :=
        (before : Z)                               (* the part of it before the change, as far as one is told; else 0 *)
        (wanted : Z)                               (* the force that the law wants: any *)
        (told : Z)                                 (* what came of the guarded force in the end: any *)
-| Away (damped : Q) (error' : Q).                 (* nobody looks, and no force acts: before arming *)
+| Off (early rest damped : Q) (error' : Q)         (* the force is switched off, at some time within a tick, and nobody looks *)
+| Away (damped : Q) (error' : Q).                 (* nobody looks, and no force acts: until arming *)
 
 (** What a device that is covered can do, and a hand with it. The rest is free. *)
 Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
@@ -79,6 +80,9 @@ Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
       (* what the books have for the way under the old force is as far off as a position is *)
       /\ Qabs (moved - before) <= way_after D
       /\ Qabs (error w + under - (before + r D * (moved - before))) <= delta D * (1 # 2) + rough D
+  | Off early rest damped error' =>
+      (* however short each acts *)
+      Qabs early <= s D * d D /\ Qabs rest <= (1 - s D) * d D /\ 0 <= damped /\ Qabs error' <= delta D * (1 # 2)
   | Away damped error' =>
       force (memory_of w) = 0%Z /\ older (memory_of w) = 0%Z /\ 0 <= damped /\ Qabs error' <= delta D * (1 # 2)
   end.
@@ -86,7 +90,7 @@ Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
 (** What the port takes. A force begins to act at the share [s] of a tick: until then it is the older one. *)
 Definition port (m : memory) (e : event) : Q :=
   match e with
-  | Tick _ early rest damped _ _ _ _ _ => older m * early + force m * rest + damped
+  | Tick _ early rest damped _ _ _ _ _ | Off early rest damped _ => older m * early + force m * rest + damped
   | Away damped _ => damped
   end.
 
@@ -94,9 +98,10 @@ Definition after (G : guard) (w : world) (e : event) : world :=
   {| memory_of :=
        match e with
        | Tick _ _ _ _ _ moved before wanted told => commanded (fst (tick G (memory_of w) moved before wanted)) told
+       | Off _ _ _ _ => switched_off G (memory_of w)
        | Away _ _ => memory_of w
        end;
-     error := match e with Tick _ _ _ _ error' _ _ _ _ => error' | Away _ error' => error' end;
+     error := match e with Tick _ _ _ _ error' _ _ _ _ | Off _ _ _ error' | Away _ error' => error' end;
      taken := taken w + port (memory_of w) e;
      ticks := S (ticks w) |}.
 
@@ -269,6 +274,17 @@ Proof.
     + replace (fr + reserve G (force m) - reserve G (force m))%Z with fr by lia. lia.
 Qed.
 
+Lemma switched_off_sound (m : memory) : sound G m -> sound G (switched_off G m).
+Proof.
+  intros []. pose proof in_flight_nonneg. destruct Cover.
+  assert (0 <= reserve G (older m))%Z by (unfold reserve; apply Z.mul_nonneg_nonneg; lia).
+  assert (0 <= largest G)%Z by (apply largest_force_nonneg; assumption).
+  constructor; cbn [switched_off account force older]; change (Z.abs 0) with 0%Z; try lia.
+  - destruct (force m =? 0)%Z; lia.
+  - unfold reserve. cbn. lia.
+  - intros. apply largest_force_nonneg; [assumption|]. unfold reserve at 2. cbn. lia.
+Qed.
+
 (** * What an account is worth *)
 
 (** One tick of the world with the book's own sum: [u] is what the code booked under the old force, up to a quantum. *)
@@ -413,7 +429,23 @@ Lemma worth_after (w : world) (total : Q) (e : event) :
 Proof.
   intros Wo Po. pose proof Cover as K. destruct K.
   assert (P0 : 0 <= refill G) by (apply Q_nonneg; assumption).
-  destruct e as [under early rest out e' moved before wanted told | dmp e'].
+  destruct e as [under early rest out e' moved before wanted told | early rest out e' | dmp e'].
+  2: { destruct Po as (Be & Br & Hd & He').
+       pose proof (nothing_lost_within w total early rest out Wo Be Br Hd) as [Within _]; cbn in Within.
+       destruct Wo as [N A Sd E]. constructor; cbn [after memory_of error port]; try assumption.
+       - lra.
+       - cbn [switched_off account older]. set (m := memory_of w) in *.
+         change (inject_Z 0) with 0. destruct (Z.eqb_spec (force m) 0) as [F|F].
+         + rewrite F in *. change (inject_Z 0) with 0 in *. rewrite minus_Q. unfold reserve. rewrite inject_Z_mult, abs_Q.
+           set (o := inject_Z (older m)) in *.
+           assert (Bo : - Qabs o <= o <= Qabs o) by (apply Qabs_bounds, Qle_refl).
+           apply Qabs_bounds in E, Be.
+           pose proof (product_within _ _ _ _ Bo Be) as P1. pose proof (product_within _ _ _ _ Bo E) as P2.
+           assert (O0 : 0 <= Qabs o) by lra.
+           assert (P3 : Qabs o * (s D * d D + delta D * (1 # 2)) <= Qabs o * in_flight G) by nra.
+           lra.
+         + assert (Min : Z.min (account m) 0 <= inject_Z 0) by (apply Zle_Q; lia). change (inject_Z 0) with 0 in Min. lra.
+       - apply switched_off_sound; assumption. }
   2: { destruct Po as (F & O & Hd & He). destruct Wo as [N A Sd E]. cbn in *.
        rewrite O in A. constructor; cbn; try assumption; [lra|].
        rewrite O. change (inject_Z 0) with 0 in *. lra. }
@@ -517,7 +549,7 @@ Qed.
     they ever are. *)
 Definition may_precede (w : world) (e : event) : Prop :=
   match e with
-  | Tick _ _ _ _ error' _ _ _ _ => Qabs error' <= delta D * (1 # 2)
+  | Tick _ _ _ _ error' _ _ _ _ | Off _ _ _ error' => Qabs error' <= delta D * (1 # 2)
   | Away _ error' => force (memory_of w) = 0%Z /\ older (memory_of w) = 0%Z /\ Qabs error' <= delta D * (1 # 2)
   end.
 
@@ -530,8 +562,8 @@ Lemma sound_always (es : list event) (w : world) :
 Proof.
   revert w. induction es as [|e es IH]; intros w Sd E P; [split; assumption|].
   destruct P as [P1 P2]. cbn [run]. apply IH; [| |exact P2].
-  - destruct e; cbn; [apply commanded_sound, tick_sound; exact Sd | exact Sd].
-  - destruct e; cbn; [exact P1 | apply P1].
+  - destruct e; cbn; [apply commanded_sound, tick_sound; exact Sd | apply switched_off_sound; exact Sd | exact Sd].
+  - destruct e; cbn; [exact P1 | exact P1 | apply P1].
 Qed.
 
 Lemma full_is_sound : sound G (full G).

@@ -64,11 +64,32 @@ Qed.
 (** A quantum of energy is 2^-48 J. *)
 Definition microjoules (quanta : Q) : Q := quanta * 1000000 / inject_Z (2 ^ 48).
 
-Lemma constant (G : guard) : (capacity G = 12666373931008)%Z -> (per_reach G = 67910)%Z -> (refill G = 140705792)%Z ->
-  microjoules (capacity G + largest G * ((26375 # 10) * (1 # 2))) <= 45059 /\ microjoules (refill G) <= 1 # 2.
+(** What the theorem comes to for coefficients and a device of which two numbers are known. *)
+Lemma window_in_microjoules (G : guard) (D : device) (most per_tick : Q) (error0 : Q) (before window : list event)
+    (early rest damped : Q) :
+  covers G D ->
+  microjoules (capacity G + largest G * (delta D * (1 # 2))) <= most -> microjoules (refill G) <= per_tick ->
+  Qabs error0 <= delta D * (1 # 2) ->
+  let begin := run G (power_up G error0) before in
+  let w := run G begin window in
+  all_may_precede G D (power_up G error0) before ->
+  all_possible G D begin window ->
+  Qabs early <= s D * d D -> Qabs rest <= (1 - s D) * d D -> 0 <= damped ->
+  let port_took := taken w - taken begin + older (memory_of w) * early + force (memory_of w) * rest + damped in
+  microjoules (- port_took) <= most + per_tick * inject_Z (Z.of_nat (length window)).
 Proof.
-  intros E1 E2 E3. unfold largest, largest_force. rewrite E1, E2, E3.
-  split; vm_compute; discriminate.
+  intros K C1 C2 E0 begin w Hb Hw He Hr Hd port_took.
+  pose proof (any_window_by_settings G D K error0 before window early rest damped E0 Hb Hw He Hr Hd) as B.
+  cbn zeta in B. fold begin w port_took in B.
+  set (n := inject_Z (Z.of_nat (length window))) in *.
+  assert (N : 0 <= n) by (unfold n; change 0 with (inject_Z 0); rewrite <- Zle_Qle; apply Zle_0_nat).
+  unfold microjoules in *.
+  set (A := capacity G + largest G * (delta D * (1 # 2))) in *.
+  set (R := inject_Z (refill G)) in *.
+  assert (T : (1000000 / inject_Z (2 ^ 48)) * - port_took <= (1000000 / inject_Z (2 ^ 48)) * (A + R * n)).
+  { assert (0 <= 1000000 / inject_Z (2 ^ 48)) by (vm_compute; discriminate). unfold A. nra. }
+  assert (T2 : R * 1000000 / inject_Z (2 ^ 48) * n <= per_tick * n) by nra.
+  unfold Qdiv in *. lra.
 Qed.
 
 (** In a window of [n] ticks any hand gets out at most 45.059 mJ + n 0.0005 mJ: with any law before the guard, at any of these
@@ -85,24 +106,12 @@ Theorem shipped_window (G : guard) (D : device) (error0 : Q) (before window : li
   microjoules (- port_took) <= 45059 + (1 # 2) * inject_Z (Z.of_nat (length window)).
 Proof.
   intros H E0 begin w Hb Hw He Hr Hd port_took.
-  assert (K : covers G D /\ delta D = 26375 # 10 /\ capacity G = 12666373931008%Z /\ per_reach G = 67910%Z
-              /\ refill G = 140705792%Z).
-  { destruct H as [H|[H|[H|[H|[]]]]]; injection H as <- <-; (split; [|repeat split]).
+  assert (K : covers G D /\ microjoules (capacity G + largest G * (delta D * (1 # 2))) <= 45059
+              /\ microjoules (refill G) <= 1 # 2).
+  { destruct H as [H|[H|[H|[H|[]]]]]; injection H as <- <-; (split; [|split; vm_compute; discriminate]).
     - exact at_once_covers.
     - exact tenth_covers.
     - exact half_covers.
     - exact whole_covers. }
-  destruct K as (K & Ed & E1 & E2 & E3).
-  pose proof (any_window_by_settings G D K error0 before window early rest damped E0 Hb Hw He Hr Hd) as B.
-  cbn zeta in B. fold begin w port_took in B.
-  destruct (constant G E1 E2 E3) as [C1 C2]. rewrite Ed in B.
-  set (n := inject_Z (Z.of_nat (length window))) in *.
-  assert (N : 0 <= n) by (unfold n; change 0 with (inject_Z 0); rewrite <- Zle_Qle; apply Zle_0_nat).
-  unfold microjoules in *.
-  set (A := capacity G + largest G * ((26375 # 10) * (1 # 2))) in *.
-  set (R := inject_Z (refill G)) in *.
-  assert (T : (1000000 / inject_Z (2 ^ 48)) * - port_took <= (1000000 / inject_Z (2 ^ 48)) * (A + R * n)).
-  { assert (0 <= 1000000 / inject_Z (2 ^ 48)) by (vm_compute; discriminate). unfold A. nra. }
-  assert (T2 : R * 1000000 / inject_Z (2 ^ 48) * n <= (1 # 2) * n) by nra.
-  unfold Qdiv in *. lra.
+  destruct K as (K & C1 & C2). exact (window_in_microjoules G D _ _ _ _ _ _ _ _ K C1 C2 E0 Hb Hw He Hr Hd).
 Qed.

@@ -2,7 +2,7 @@
     claim goes, and none says less, without that file changing. What a tick of guard and laws is, is compared with the code. *)
 
 Require Import ZArith QArith Qabs Qminmax List.
-From Touchstone Require Import Guard Port GuardLosesNothing ToldChange Shipped Boards GuardSettings AcceptedIsValid AcceptedCovers
+From Touchstone Require Import Quotient Guard Port GuardLosesNothing ToldChange Shipped Boards GuardSettings AcceptedIsValid AcceptedCovers
   AcceptedWindow Laws LawsArePassive Mass Enhanced EnhancedIsPassive EnhancedOffset EnhancedStorage EnhancedPort.
 
 Open Scope Q_scope.
@@ -140,3 +140,5 @@ Check hand_over_adds_nothing.
 Print Assumptions hand_over_adds_nothing.
 Check contact_gives_at_most_what_it_took.
 Print Assumptions contact_gives_at_most_what_it_took.
+Check quotient_is_div.
+Print Assumptions quotient_is_div.

@@ -27,12 +27,13 @@ type running =
 let running = ref Nothing
 let ticks = ref 0
 let made = ref 0
+let ended = ref 0
 let allowed = ref 0
 let refused = ref 0
 
 let fail line why = Printf.printf "after %d ticks: %s: %s\n" !ticks line why; exit 1
 let check line same = if same then incr ticks else fail line "the specification says otherwise"
-let settled count line same = if same then incr count else fail line "the specification of the settings says otherwise"
+let settled count line same = if same then incr count else fail line "the specification says otherwise"
 
 (* Of the enhanced law, in how many ticks what a comparison must have seen was so. *)
 let seen = Array.make 7 0
@@ -87,6 +88,10 @@ let take line =
             (after.account = account' && after.force = force' && after.older = older'
             && answer = (fine <> Z0) && last.force = told');
           running := A_guard (it, last)
+      | "off", [ account'; force'; older' ], A_guard (it, m) ->
+          let after = switched_off it m in
+          settled ended line (after = { account = account'; force = force'; older = older' });
+          running := A_guard (it, after)
       | "law", [ e; moved; force'; energy' ], A_tdpa (it, m) ->
           let after = tdpa_tick it m e moved in
           check line (after.shown = force' && after.energy = energy');
@@ -108,8 +113,9 @@ let () =
   (try while true do take (input_line stdin) done with End_of_file -> ());
   if !ticks = 0 then fail "nothing" "nothing was compared";
   Array.iter (fun count -> if count < 50 then fail "the enhanced law" "a case was hardly reached") seen;
+  if !ended < 1_000 then fail "the guard" "its force hardly ever ended";
   if !allowed < 10_000 || !refused < 10_000 then fail "settings" "hardly any were accepted, or hardly any refused";
   Printf.printf
-    "%d ticks of %d guards and laws are the extracted specification's, bit for bit, and so are what %d settings make and the refusal \
+    "%d ticks of %d guards and laws, and %d ends of a guard's force, are the extracted specification's, bit for bit, and so are what %d settings make and the refusal \
      of %d\n"
-    !ticks !made !allowed !refused
+    !ticks !made !ended !allowed !refused

@@ -29,7 +29,6 @@ const PROPERTIES: &[Row] = &[
     every!(heart::reciprocal::p6_reciprocal_8),
     every!(space::w8::p4_unit),
     every!(space::w8::p4_within),
-    every!(space::w8::p4_longer),
     every!(space::w8::p4_polar),
     every!(space::w8::p7_leaving),
     every!(objects::p4_ball_nearest),

@@ -278,7 +278,9 @@ fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
             } else {
                 bits(0)
             };
-            let told = bits(random.signed(31));
+            // Armed again with what is left: after a tick that commanded none, or under a force.
+            let ends = random.below(60);
+            let told = bits(if ends == 0 { 0 } else { random.signed(31) });
             let answer = law.tick_with_change(
                 &mut state,
                 Position(moved),
@@ -300,6 +302,11 @@ fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
                 after.older,
                 u8::from(fine),
             )?;
+            if ends < 2 {
+                law.switched_off(&mut state);
+                let off = memory(&state);
+                writeln!(out, "off {} {} {}", off.account, off.force, off.older)?;
+            }
         }
     }
     Ok(())

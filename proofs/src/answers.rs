@@ -6,7 +6,7 @@ use crate::spec::{Int, estimator};
 use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 use fixed::FixedI64;
 use fixed::types::extra::LeEqU64;
-use touchstone_control::estimator::{DeviceInTicks, Flow, TAPS, UNDER_WAY};
+use touchstone_control::estimator::{DeviceInTicks, Flow, TAPS, UNDER_WAY, Weight};
 use touchstone_control::number::{Exact, Wide, Wide64};
 use touchstone_control::{Estimator, EstimatorSettings, Number, SettingsError, Si};
 
@@ -203,7 +203,7 @@ pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
         drifts::ask(loss, time).into(),
     )
 }
-/// A flow of a device: any words, or none; of the same device the specification's are the code's.
+/// A flow of a device, or its correction: any words, or none; of the same device the specification's are the code's.
 macro_rules! flows {
     ($(#[doc = $doc:literal])* $module:ident, $words:literal) => {
         $(#[doc = $doc])*
@@ -248,6 +248,10 @@ flows!(
 flows!(
     /// Ahead.
     aheads, 7
+);
+flows!(
+    /// Of the correction.
+    corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {
     [device.loss, device.per_torque, device.delay].map(Exact::to_bits)
@@ -296,6 +300,19 @@ pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
 /// For [`crate::spec::estimator_settings::ahead`].
 pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
     aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
+}
+/// For [`DeviceInTicks::correction`], which has nothing to do with torques and delays.
+pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
+    let told = [device.loss.to_bits(), angle.to_bits(), 0];
+    corrections::ask(told).map(|words| {
+        let flow: Flow<N, 0> = of_words(&words);
+        [flow.reach, flow.drift, flow.loss]
+    })
+}
+/// For [`crate::spec::estimator_settings::Device::correction`].
+pub fn specified_correction(device: &Device, angle: Int) -> Option<[Int; 3]> {
+    let told = [double(device.loss), double(angle), 0];
+    corrections::ask(told).map(|words| words.map(|word| Int::from(word as i32)))
 }
 /// For [`EstimatorSettings::validate`]: whatever it accepts.
 pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsError> {

@@ -12,52 +12,28 @@ use crate::source::{Source, one_with};
 use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
-use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring};
-use touchstone_control::{
-    AnyLaw, Controller, Fixed8, Force, Guarded, LawKind, Settings, Si, States,
-};
+use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring, SpringState};
+use touchstone_control::{AnyLaw, Controller, Fixed8, Force, Guarded, States, Stiffness};
 
 type N = Fixed8;
 
-/// A controller that 8 bits can hold, to put any law and any guard into.
+/// A controller of a spring that is none.
 fn plain() -> Controller<N> {
-    let settings = Settings {
-        law: LawKind::Spring,
-        k_desired: Si::const_from_int(8),
-        k_soft: Si::const_from_int(8),
-        force_limit: const { Si::lit("0.5") },
-        ..Settings::thesis()
-    };
-    // No word of why: the checker would follow it letter by letter.
-    let Ok(wall) = Controller::new(&settings) else {
-        unreachable!("8 bits hold these")
-    };
-    wall
-}
-
-/// For `AnyLaw::new`: a spring that is none; the law is put in afterwards, and what is made of settings is `accepted.rs`.
-#[cfg(kani)]
-pub fn new_law<N: touchstone_control::Number>(
-    _: &Settings,
-) -> Result<AnyLaw<N>, touchstone_control::SettingsError> {
-    let none = touchstone_control::Stiffness::zero();
+    let none = Stiffness::zero();
     let spring = Spring {
         desired: none,
         damping: none,
         limit: Force::zero(),
     };
-    Ok(AnyLaw::Spring(
-        spring,
-        touchstone_control::law::SpringState::default(),
-    ))
+    let law = AnyLaw::Spring(spring, SpringState::default());
+    Controller::of_parts(law, States::default(), None)
 }
 
 /// A property of a controller whatever its law is.
 macro_rules! any_law_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
-            [(touchstone_control::AnyLaw::new, crate::controller::new_law)
-            (touchstone_control::Guarded::tick, crate::controller::kept)]
+            [(touchstone_control::Guarded::tick, crate::controller::kept)]
             $($property)*
         }
     };
@@ -198,6 +174,23 @@ any_law_property! {
         let before = wall;
         wall.commanded(told);
         assert!(wall.last_commanded() == told && wall.guard == guard);
+        assert!(wall.law == before.law && wall.states == before.states);
+        cover!(s, wall.guard != before.guard, "the guard counts with it");
+    }
+}
+any_law_property! {
+    /// P11, controller: switched off, its guard is and nothing is commanded; the law's memory is not touched.
+    equation "guard = switched_off(guard), f = 0"
+    over "guard or none, memories"
+    by cadical fn p11_controller_switched_off(s) {
+        let mut wall = any_wall(s);
+        let mut guard = wall.guard;
+        if let Some(Guarded { guard, state, .. }) = &mut guard {
+            guard.switched_off(state);
+        }
+        let before = wall;
+        wall.switched_off();
+        assert!(wall.last_commanded() == Force::zero() && wall.guard == guard);
         assert!(wall.law == before.law && wall.states == before.states);
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }

@@ -355,6 +355,33 @@ macro_rules! guard {
                 }
             }
             property! {
+                /// P1: switched off after a tick that commands none, what is left is without the reserve of the older force; else nothing is.
+                /// The invariant holds.
+                equation "f = 0: 0 <= B' = B - R; f != 0: B' = min(B, 0); f' = 0"
+                over "valid configuration, memory in the invariant"
+                by $solver fn p1_switched_off(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state) && (state.account < Energy::zero() || state.account >= law.reserve(state.older)),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let mut state = before;
+                    law.switched_off(&mut state);
+                    assert!(state.force == Force::zero() && state.older == Force::zero() && law.holds(&state));
+                    let energy = |e: Energy<N>| N::exact(N::of_energy(e.0));
+                    let reserve = N::exact(N::of_signal(before.older.0).abs()) * N::exact(N::of_signal(law.in_flight.0));
+                    let left = if before.force == Force::zero() {
+                        energy(before.account) - reserve
+                    } else {
+                        energy(before.account).min(N::exact(0))
+                    };
+                    assert!(energy(state.account) == left && state.account >= before.account.min(Energy::zero()));
+                    cover!(s, state.account < before.account && state.account > Energy::zero(), "the older force acts on");
+                    cover!(s, state.account == Energy::zero() && before.account > Energy::zero(), "nobody knows how long it acted");
+                }
+            }
+            property! {
                 /// P4: what is told of the force commanded in the end never grows what is remembered.
                 equation "|f'| <= |f|"
                 over "valid configuration, memory in the invariant, force"

@@ -80,38 +80,38 @@ macro_rules! limited_property {
         }
     };
 }
-/// The same of the estimator's flows: with its long products, and with how far a device moves in a time.
+/// The same of the estimator's flows and its correction: with its long products and quotients, and with how far a device moves in a time.
 #[macro_export]
 macro_rules! timed_property {
     ($($property:tt)*) => {
         $crate::reckoned_property! {
             and [
+                (fixed::FixedI64::checked_div, $crate::reckoned::checked_div)
                 (touchstone_control::estimator::DeviceInTicks::integrals, $crate::reckoned::integrals)
                 ($crate::spec::estimator_settings::long_times, $crate::reckoned::long_times)
+                ($crate::spec::estimator_settings::long_over, $crate::reckoned::long_over)
                 ($crate::spec::estimator_settings::integrals, $crate::reckoned::specified_integrals)
             ]
             $($property)*
         }
     };
 }
-/// The same of the estimator's coefficients: further with its long quotients, and with the flows as such, of which `timed_property!` is.
+/// The same of the estimator's coefficients: with its ratios, and with flows and correction as such, of which `timed_property!` is.
 #[macro_export]
 macro_rules! flow_property {
     ($($property:tt)*) => {
         $crate::reckoned_property! {
             and [
-                (fixed::FixedI64::checked_div, $crate::reckoned::checked_div)
                 (touchstone_control::estimator::settings::ratio_of_bits, $crate::reckoned::ratio_of_bits)
-                (touchstone_control::estimator::DeviceInTicks::integrals, $crate::reckoned::integrals)
                 (touchstone_control::estimator::DeviceInTicks::tick, $crate::reckoned::over_a_tick)
                 (touchstone_control::estimator::DeviceInTicks::ahead, $crate::reckoned::ahead)
                 (touchstone_control::EstimatorSettings::validate, $crate::reckoned::accepted)
                 (touchstone_control::Estimator::is_bounded, $crate::reckoned::bounded)
                 ($crate::spec::estimator_settings::bounded, $crate::reckoned::specified_bounded)
+                (touchstone_control::estimator::DeviceInTicks::correction, $crate::reckoned::correction)
                 ($crate::spec::estimator_settings::long_times, $crate::reckoned::long_times)
-                ($crate::spec::estimator_settings::long_over, $crate::reckoned::long_over)
                 ($crate::spec::estimator_settings::ratio, $crate::reckoned::specified_ratio)
-                ($crate::spec::estimator_settings::integrals, $crate::reckoned::specified_integrals)
+                ($crate::spec::estimator_settings::Device::correction, $crate::reckoned::specified_correction)
                 ($crate::spec::estimator_settings::over_a_tick, $crate::reckoned::specified_over_a_tick)
                 ($crate::spec::estimator_settings::ahead, $crate::reckoned::specified_ahead)
             ]

@@ -293,6 +293,30 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
+                /// P11, guard: switched off.
+                equation "(B', f', f(n-1)') = spec(B, f, f(n-1))"
+                over "valid configuration, memory in the invariant"
+                by $solver fn p11_guard_switched_off(s) {
+                    let law = such!(s, Guard::<N>::any(s), |law| law.valid(), "Guard::new");
+                    multiplied::of_memory();
+                    let before = such!(
+                        s, <Guard<N> as Valid<N>>::any_state(s),
+                        |state| law.holds(&state),
+                        "invariant, kept by p1_account_stays and p4_overspeed"
+                    );
+                    let mut state = before;
+                    multiplied::of_code();
+                    law.switched_off(&mut state);
+                    multiplied::of_specification();
+                    let expected = specified::guard(&law).switched_off(&specified::of_guard(&before));
+                    assert!(expected == specified::of_guard(&state));
+                    cover!(s, state.account < before.account && before.force == Force::zero(), "the older force acts on");
+                    cover!(s, state.account == Energy::zero() && before.account > Energy::zero(), "nobody knows how long it acted");
+                    cover!(s, state.account < Energy::zero(), "with a deficit");
+                }
+            }
+            booked_property! {
+                $products
                 /// P11, guard: a tick without a position taken when the force changed is one that did not move before.
                 equation "tick(Δ) = tick(Δ, 0)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"

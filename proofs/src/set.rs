@@ -5,7 +5,8 @@
 //! what it is warned of                                               p11_guard_warned64
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_validated32, p11_estimator_settings32
 //! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
-//! V, X of three devices                                                p11_integrals64
+//! its correction, of any device and angle                            p11_correction32
+//! V, X of three devices                                              p11_integrals64
 //! ```
 
 use crate::source::Source;
@@ -190,6 +191,22 @@ timed_property! {
         let expected = estimator::ahead(&specified);
         assert!(found.as_ref().map(estimated::flow) == expected);
         cover!(s, found.is_some_and(|flow| flow.commands[1][0] > 0), "two commands");
+        cover!(s, expected.is_none(), "refused");
+    }
+}
+timed_property! {
+    /// P11: what corrects the estimator, and whether words hold it, is the specification's.
+    equation "α = 1 - z³/ρ, V γ = (1 - z)³, V β = 2 + ρ - 3z - α - X γ"
+    over "loss, angle of the poles"
+    by minisat fn p11_correction32(s) {
+        let (device, specified) = any_device(s);
+        let angle = s.i64();
+        let angle = if s.shortcut() { angle.rem_euclid(estimator::LONG_ONE as i64 * 5 / 4) } else { angle };
+        let found = device.correction::<N>(Exact::from_bits(angle));
+        reckoned::of_specification();
+        let expected = specified.correction(angle.into());
+        assert!(found.map(|words| words.map(Int::from)) == expected);
+        cover!(s, found.is_some_and(|words| words[2] > 0), "a push");
         cover!(s, expected.is_none(), "refused");
     }
 }

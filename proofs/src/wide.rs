@@ -125,7 +125,7 @@ property! {
     /// P6: at 8 bits, the quotient by a prepared divisor is the quotient towards zero, at the end of the format beyond it.
     equation "|q| = min(floor(|p| / k), 127), sign of p"
     over "product of 16 bits, gain of 8 bits above zero"
-    by cadical fn p6_divide_by8(s) {
+    by kissat fn p6_divide_by8(s) {
         let (p, k) = (s.i16(), s.i8());
         assume!(s, k > 0, "validate: a total is above zero");
         let divisor = Fixed8::divisor(<Fixed8 as Number>::Gain::from_bits(k));

@@ -178,6 +178,60 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
+/// What a hand got out that has the force switched off every now and then, J above the refill in the worst window, and how much of it
+/// under the last force of an arming; with the guard told of it, or not.
+fn switching_off(told: bool, seed: u64) -> (f64, f64) {
+    let mut settings = Settings::thesis();
+    settings.guard.on = true;
+    settings.law = LawKind::Spring;
+    let fresh = Controller::<Fixed32>::new(&settings).unwrap();
+    let mut wall = fresh;
+    let mut random = Random::new(seed);
+    let guard = &settings.guard;
+    let trusted: f64 = (guard.share_of_damping * guard.damping).to_num::<f64>() * 1e3;
+    let refill_j = guard.refill.to_num::<f64>() * 1e-3;
+    let (mut at, mut out, mut least, mut most, mut last) = (0_i64, 0.0_f64, 0.0, 0.0_f64, 0.0);
+    for _ in 0..20_000 {
+        // In without a force, so that it costs nothing; a tick of a force; and out, to be switched off on the way.
+        wall.resume(&fresh);
+        at = 40 + i64::from(random.whole(100)).abs();
+        let force = counted(&mut wall, at);
+        least = f64::min(least, out);
+        let moved = -(i64::from(random.whole(380)).abs() + 1);
+        at += moved;
+        let moved = moved as f64 * COUNT_RAD;
+        out -= force * moved + trusted * moved * moved + refill_j;
+        last += -force * moved;
+        most = most.max(out - least);
+        if told {
+            counted(&mut wall, at);
+            wall.commanded(Force::zero());
+            wall.switched_off();
+        }
+    }
+    assert!(at < 200);
+    (most, last)
+}
+
+/// Whoever has the force switched off gets no more out for it, however often.
+#[test]
+fn what_the_last_force_of_an_arming_does_is_counted() {
+    let capacity_j = Settings::thesis().guard.capacity.to_num::<f64>();
+    for seed in 0..3 {
+        let (most, _) = switching_off(true, seed);
+        let (untold, last) = switching_off(false, seed);
+        println!(
+            "{:.3} mJ of {:.3}; untold {:.0} mJ",
+            1e3 * most,
+            1e3 * capacity_j,
+            1e3 * last
+        );
+        assert!(most <= capacity_j + 0.5 * COUNT_RAD);
+        assert!(most > 0.3 * capacity_j, "nothing was tried");
+        assert!(untold > 10.0 * capacity_j, "it would not have shown");
+    }
+}
+
 #[test]
 fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
     let fresh = wall(|_| ());

@@ -208,6 +208,16 @@ impl<N: Number> Environment<N> {
         }
     }
 
+    /// The force is switched off, after the last tick or without one: [`Guard::switched_off`].
+    ///
+    /// [`Guard::switched_off`]: crate::Guard::switched_off
+    pub fn switched_off(&mut self) {
+        self.commanded = Force::zero();
+        if let Some(Guarded { guard, state, .. }) = &mut self.guard {
+            guard.switched_off(state);
+        }
+    }
+
     /// Whether the guard has switched the force off for overspeed.
     #[must_use]
     pub fn tripped(&self) -> bool {

@@ -115,7 +115,7 @@ impl EstimatorSettings {
             Some(Estimator {
                 tick: device.tick()?,
                 ahead: device.ahead()?,
-                correction: correction::<N>(&device, angle)?,
+                correction: device.correction::<N>(angle)?,
                 limit: N::signal(force_limit).map(Force)?,
             })
         };
@@ -129,25 +129,27 @@ impl EstimatorSettings {
     }
 }
 
-/// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`.
-fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
-    let fast = approach(angle);
-    let pole = Exact::ONE.saturating_sub(fast);
-    let (reach, drift) = device.integrals(Exact::ONE);
-    let kept = Exact::ONE.saturating_sub(device.loss.saturating_mul(reach));
-    let cube = |x: Exact| x.saturating_mul(x).saturating_mul(x);
-    let quotient = |a: Exact, b: Exact| a.checked_div(b).unwrap_or(Exact::ZERO);
-    let two = Exact::const_from_int(2);
-    let three = Exact::const_from_int(3);
+impl DeviceInTicks {
+    /// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`; `None` where one does not fit its format.
+    pub fn correction<N: Number>(&self, angle: Exact) -> Option<[Weight<N>; 3]> {
+        let fast = approach(angle);
+        let pole = Exact::ONE.saturating_sub(fast);
+        let (reach, drift) = self.integrals(Exact::ONE);
+        let kept = Exact::ONE.saturating_sub(self.loss.saturating_mul(reach));
+        let cube = |x: Exact| x.saturating_mul(x).saturating_mul(x);
+        let quotient = |a: Exact, b: Exact| a.checked_div(b).unwrap_or(Exact::ZERO);
+        let two = Exact::const_from_int(2);
+        let three = Exact::const_from_int(3);
 
-    let position = Exact::ONE.saturating_sub(quotient(cube(pole), kept));
-    let pushed = quotient(cube(fast), reach);
-    let moved = two
-        .saturating_add(kept)
-        .saturating_sub(pole.saturating_mul(three))
-        .saturating_sub(position)
-        .saturating_sub(drift.saturating_mul(pushed));
-    let moved = quotient(moved, reach);
-    let weight = <N::Wide as crate::number::Wide>::weight;
-    Some([weight(position)?, weight(moved)?, weight(pushed)?])
+        let position = Exact::ONE.saturating_sub(quotient(cube(pole), kept));
+        let pushed = quotient(cube(fast), reach);
+        let moved = two
+            .saturating_add(kept)
+            .saturating_sub(pole.saturating_mul(three))
+            .saturating_sub(position)
+            .saturating_sub(drift.saturating_mul(pushed));
+        let moved = quotient(moved, reach);
+        let weight = <N::Wide as crate::number::Wide>::weight;
+        Some([weight(position)?, weight(moved)?, weight(pushed)?])
+    }
 }

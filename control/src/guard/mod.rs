@@ -123,6 +123,22 @@ impl<N: Number> Guard<N> {
         state.force = force.within(state.force.modulus());
     }
 
+    /// The force is switched off, and no tick follows. After a tick after which none is commanded only the older one still acts, no longer
+    /// than a change takes, and its reserve pays for that. Of one that was not ended by a tick nobody knows how long it acted; but every
+    /// displacement was paid for, so an account that is empty answers for it.
+    #[cold]
+    pub fn switched_off(&self, state: &mut GuardState<N>) {
+        let account = if state.force == Force::zero() {
+            state.account.minus_fitting(self.reserve(state.older))
+        } else {
+            state.account.min(Energy::zero())
+        };
+        *state = GuardState {
+            account,
+            ..GuardState::default()
+        };
+    }
+
     #[inline(always)]
     fn step(
         &self,

@@ -23,6 +23,39 @@ impl Device {
         }
     }
 
+    #[inline(always)]
+    fn here(&self) -> Here {
+        let measures = self.configs.now().change.is_some();
+        Here {
+            at: Counted {
+                scale: self.configs.now().scale,
+                count: self.record.count,
+            },
+            penetration: self.record.penetration,
+            since_change: measures.then_some(self.record.since_change),
+        }
+    }
+
+    /// The tick in which the outputs are switched off: the guard's books of the way up to here, if the last tick's force `acted` on it,
+    /// or the worst of them.
+    #[cold]
+    pub(super) fn leave(
+        &mut self,
+        acted: bool,
+        last: Position<Fixed32>,
+        read: Option<Position<Fixed32>>,
+        scenery: &mut impl Scenery,
+    ) {
+        if acted {
+            self.since_change(last, read);
+            let here = self.here();
+            // What the law makes of it is forgotten with the next arming.
+            let _ = scenery.tick(&mut self.law, &here);
+            scenery.commanded(&mut self.law, Force::zero());
+        }
+        scenery.switched_off(&mut self.law);
+    }
+
     /// One tick of the law, and what becomes of its force.
     pub(super) fn display(
         &mut self,
@@ -31,15 +64,7 @@ impl Device {
         count: Option<i64>,
         scenery: &mut impl Scenery,
     ) -> (DriveCommand, Limits) {
-        let measures = self.configs.now().change.is_some();
-        let here = Here {
-            at: Counted {
-                scale: self.configs.now().scale,
-                count: self.record.count,
-            },
-            penetration: self.record.penetration,
-            since_change: measures.then_some(self.record.since_change),
-        };
+        let here = self.here();
         let force = scenery.tick(&mut self.law, &here);
         let view = scenery.view(&self.law);
         let fading = self.fade < u32::MAX;

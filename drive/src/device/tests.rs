@@ -54,3 +54,68 @@ fn where_positions_end_a_pushed_shaft_is_a_fault_and_a_free_one_is_none() {
         }
     }
 }
+
+/// What the guard has left after a tick that ends the arming, J 2^-48: (before it, after it, after the next arming).
+fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64, i64) {
+    let mut settings = DeviceSettings::default();
+    settings.encoder.kind = EncoderKind::Incremental;
+    settings.law.guard.change = touchstone_control::ChangeOfForce::Estimated;
+    settings.limits.fade_in_s = Si::ZERO;
+    let mut device = Device::new(&settings, &IHM08M1).unwrap();
+    device.machine = Machine::at(State::Armed);
+    device.law.resume(&device.configs.now().law.clone());
+    let account = |device: &Device| device.law.guard.as_ref().unwrap().account().0.to_bits();
+    let mut input = ControlInput {
+        encoder: EncoderReading::Counter32(0),
+        current: CurrentReport {
+            bus: crate::Volts::lit("24"),
+            temperature: 1_300,
+            ..CurrentReport::default()
+        },
+        command: None,
+        hardware_break: false,
+        gate_driver_error: false,
+        stop_button: false,
+        host_heard: true,
+        timing: TickTiming::default(),
+    };
+    let surface = device.configs.now().scale;
+    let mut counts = 0;
+    while surface.penetration::<Fixed32>(i64::from(counts))
+        < Position::from_si(Si::lit("0.03")).unwrap()
+    {
+        counts += 5;
+        input.encoder = EncoderReading::Counter32(counts);
+        device.tick(&input);
+    }
+    let record = device.record;
+    assert!(
+        record.force > Force::zero(),
+        "{record:?}, {:?}",
+        device.fault()
+    );
+    assert_eq!(device.state(), State::Armed);
+    let before = account(&device);
+    input.encoder = EncoderReading::Counter32(counts - 40);
+    ending(&mut input, &mut device);
+    let output = device.tick(&input);
+    assert_eq!(output.drive, DriveCommand::Off);
+    assert_ne!(device.state(), State::Armed);
+    let after = account(&device);
+    device.machine = Machine::at(State::Ready);
+    input.command = Some(Command::Arm);
+    (input.hardware_break, input.encoder) = (false, EncoderReading::Counter32(counts - 40));
+    device.tick(&input);
+    (before, after, account(&device))
+}
+
+#[test]
+fn what_a_hand_gets_out_while_it_is_disarmed_is_in_the_books() {
+    let (before, after, again) = accounts_around(|input, _| input.command = Some(Command::Disarm));
+    assert!(0 < after && after < before, "{before} {after}");
+    assert!(again >= after && again < before, "{again}");
+    // A fault may have switched off at any time in the tick.
+    let (before, after, again) = accounts_around(|input, _| input.hardware_break = true);
+    assert_eq!(after, 0);
+    assert!(before > 0 && again < before / 10, "{again}");
+}

@@ -21,10 +21,11 @@ fn long(x: Int) -> Int {
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
 }
-/// `a / b`; what it is for the checker is in [`crate::reckoned`].
+/// `a / b`, and 0 where that is no such number; what it is for the checker is in [`crate::reckoned`].
 #[must_use]
 pub fn long_over(a: Int, b: Int) -> Int {
-    if b == 0 { 0 } else { long((a << 56) / b) }
+    let exact = if b == 0 { 0 } else { (a << 56) / b };
+    if long(exact) == exact { exact } else { 0 }
 }
 /// `a / b` of two positive settings; what it is for the checker is in [`crate::reckoned`].
 #[must_use]
@@ -118,8 +119,10 @@ impl Device {
         }
     }
 
-    /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`.
-    fn correction(&self, angle: Int) -> [Int; 3] {
+    /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`, if words hold them; what it is for
+    /// the checker is in [`crate::reckoned`].
+    #[must_use]
+    pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
         let pole = long(LONG_ONE - fast);
         let (reach, drift) = integrals(self.loss, LONG_ONE);
@@ -130,7 +133,8 @@ impl Device {
         let sum = long(2 * LONG_ONE + kept);
         let sum = long(long(sum - long_times(pole, 3 * LONG_ONE)) - position);
         let moved = long(sum - long_times(drift, pushed));
-        [position, long_over(moved, reach), pushed]
+        let moved = long_over(moved, reach);
+        Some([of_motion(position)?, of_motion(moved)?, of_motion(pushed)?])
     }
 }
 
@@ -202,11 +206,10 @@ pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
         delay: ratio(times(set.delay, rate), ONE).min(2 * LONG_ONE),
     };
     let (tick, ahead) = (over_a_tick(&device), ahead(&device));
-    let [position, moved, pushed] = device.correction(angle);
     let made = Estimator {
         tick: tick?,
         ahead: ahead?,
-        correction: [of_motion(position)?, of_motion(moved)?, of_motion(pushed)?],
+        correction: device.correction(angle)?,
         limit: signal_of(limit),
     };
     (signal_fits(limit) && bounded(&made)).then_some(made)

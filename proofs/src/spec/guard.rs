@@ -112,6 +112,19 @@ impl Guard {
         (after, true)
     }
 
+    /// Switched off: what the older force may still cost; or after a force that no tick ended, at most nothing.
+    #[must_use]
+    pub fn switched_off(&self, memory: &Memory) -> Memory {
+        Memory {
+            account: if memory.force == 0 {
+                memory.account - self.reserve(memory.older)
+            } else {
+                memory.account.min(0)
+            },
+            ..Memory::default()
+        }
+    }
+
     /// What is told of the force in the end.
     #[must_use]
     pub fn commanded(memory: &Memory, told: Int) -> Memory {

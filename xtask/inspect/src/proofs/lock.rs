@@ -201,6 +201,11 @@ fn look(tokens: TokenStream, into: &mut Looked) {
             at += 2;
             continue;
         }
+        // A file's own.
+        if word(at) == "#" && word(at + 1) == "!" && is_doc(&word(at + 2)) {
+            at += 3;
+            continue;
+        }
         if writes_a_property(&word(at))
             && word(at + 1) == "!"
             && let Some(TokenTree::Group(group)) = tokens.get(at + 2)
@@ -345,6 +350,7 @@ mod tests {
         for same in [
             LAW.replace("P1: words.", "Other words."),
             LAW.replace("            ", "\n"),
+            format!("\n//! Of a whole file.\n{LAW}"),
         ] {
             assert_eq!(line(&numbers(&same, "fn valid() {}")), line(&before));
         }

@@ -1,0 +1,236 @@
+//! From settings to the coefficients of each law.
+//!
+//! A law by itself is small; one of any kind is not, and every way out of a function carries what it returns.
+
+use crate::choices::{IdealStep, OffsetUpdate, Regulate};
+use crate::filter::VirtualMass;
+use crate::law::{Augmentation, EnhancedSfa, Fba, Sfa, Spring, Tdpa};
+use crate::quotient::over;
+use crate::settings::{Settings, Si};
+use crate::validate::{Field, SettingsError, gain, ratio};
+use crate::velocity::Velocity;
+use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
+
+/// What all laws have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Common<N: Number> {
+    /// `k_de`.
+    desired: Stiffness<N>,
+    limit: Force<N>,
+    energy_cap: Energy<N>,
+}
+
+fn stiffness<N: Number>(field: Field, value: Si) -> Result<Stiffness<N>, SettingsError> {
+    gain::<N>(field, value).map(Stiffness)
+}
+
+impl<N: Number> Common<N> {
+    /// Of settings that are valid.
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self {
+            desired: stiffness(Field::KDesired, settings.k_desired)?,
+            limit: N::signal(settings.force_limit).map(Force).ok_or(
+                SettingsError::OutOfFormat {
+                    field: Field::ForceLimit,
+                    value: settings.force_limit,
+                    format: N::NAME,
+                },
+            )?,
+            energy_cap: energy_cap::<N>(),
+        })
+    }
+
+    /// With damping over a tick.
+    pub const fn spring(&self, damping: Stiffness<N>) -> Spring<N> {
+        Spring {
+            desired: self.desired,
+            damping,
+            limit: self.limit,
+        }
+    }
+
+    /// With virtual damping, and its velocity, if that is no difference of the law's own.
+    pub fn damped(
+        &self,
+        settings: &Settings,
+    ) -> Result<(Spring<N>, Option<Velocity<N>>), SettingsError> {
+        let per_tick = settings.derived().virtual_damping_per_tick;
+        let spring = self.spring(stiffness(Field::VirtualDamping, per_tick)?);
+        let (rate, count) = (settings.rate_hz, settings.position.count);
+        Ok((spring, settings.velocity.velocity(rate, count)?))
+    }
+
+    pub fn tdpa(&self, settings: &Settings) -> Result<Tdpa<N>, SettingsError> {
+        let device_damping = if settings.count_device_damping {
+            let per_tick = settings.derived().device_damping_per_tick;
+            stiffness(Field::DeviceDamping, per_tick)?
+        } else {
+            Stiffness::zero()
+        };
+        Ok(Tdpa {
+            desired: self.desired,
+            observer: settings.observer,
+            device_damping,
+            limit: self.limit,
+            energy_cap: self.energy_cap,
+        })
+    }
+
+    pub fn fba(&self, settings: &Settings) -> Result<Fba<N>, SettingsError> {
+        let per_tick = settings.derived().device_damping_per_tick;
+        let damping = stiffness::<N>(Field::DeviceDamping, per_tick)?;
+        Ok(Fba {
+            desired: self.desired,
+            device_damping: damping,
+            // Of the damping as stored, not as set: the bound must not count on what the observer does not count.
+            bound: Stiffness(N::root_of_four(damping.0)),
+            limit: self.limit,
+            energy_cap: self.energy_cap,
+        })
+    }
+
+    pub fn sfa(&self, settings: &Settings, update: OffsetUpdate) -> Result<Sfa<N>, SettingsError> {
+        let derived = settings.derived();
+        // (2.14a) with k_c below k_v would pull the offset the wrong way: such a device needs no augmentation.
+        let step = over(derived.k_critical, settings.k_soft)
+            .saturating_sub(Si::ONE)
+            .max(Si::ZERO);
+        Ok(Sfa {
+            desired: self.desired,
+            soft: Stiffness(gain::<N>(Field::KSoft, settings.k_soft)?),
+            gain: Ratio(ratio::<N>(Field::DeviceDamping, step)?),
+            compliance: Compliance(ratio::<N>(Field::KSoft, over(Si::ONE, settings.k_soft))?),
+            update,
+            first_contact: settings.first_contact,
+            limit: self.limit,
+        })
+    }
+
+    pub fn enhanced(&self, settings: &Settings) -> Result<EnhancedSfa<N>, SettingsError> {
+        let filter = &settings.filter;
+        let mass = virtual_mass(settings)?;
+        let augmentation = augmentation(settings)?;
+        // (3.5): 1/(1/k_de - 1/k_f) = k_de k_f/(k_f - k_de); validate has seen to k_de < k_f.
+        let target = match settings.regulate {
+            Regulate::MassCompensated => over(
+                settings.k_desired.saturating_mul(filter.stiffness),
+                filter.stiffness.saturating_sub(settings.k_desired),
+            ),
+            Regulate::Mass | Regulate::Hip => settings.k_desired,
+        };
+        let series = filter.stiffness.saturating_add(settings.k_soft);
+        Ok(EnhancedSfa {
+            desired: self.desired,
+            target: stiffness(Field::KDesired, target)?,
+            soft: stiffness(Field::KSoft, settings.k_soft)?,
+            compliance: compliance(settings, Field::KSoft, Si::ONE)?,
+            augmentation,
+            regulate: settings.regulate,
+            update: settings.offset_update,
+            observer: settings.observer,
+            first_contact: settings.first_contact,
+            mass,
+            by_coupling: Divisor::of(mass.stiffness),
+            series: Divisor::of(stiffness(Field::FilterStiffness, series)?),
+            credit: self.credit(settings)?,
+            energy_cap: self.energy_cap,
+            limit: self.limit,
+        })
+    }
+
+    /// What the enhanced law lends.
+    fn credit(&self, settings: &Settings) -> Result<Energy<N>, SettingsError> {
+        // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
+        let lent = match settings.observer {
+            ObserverForm::Exact => settings.energy_credit,
+            ObserverForm::Thesis => Si::ZERO,
+        };
+        // A loan above the cap would break the books of the narrow formats (0.5 of 8 J and the like).
+        N::energy(lent)
+            .map(Energy)
+            .filter(|credit| *credit <= self.energy_cap)
+            .ok_or(SettingsError::OutOfFormat {
+                field: Field::EnergyCredit,
+                value: settings.energy_credit,
+                format: N::NAME,
+            })
+    }
+}
+
+/// A share over `k_v`.
+fn compliance<N: Number>(
+    settings: &Settings,
+    field: Field,
+    share: Si,
+) -> Result<Compliance<N>, SettingsError> {
+    ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
+}
+
+fn augmentation<N: Number>(settings: &Settings) -> Result<Augmentation<N>, SettingsError> {
+    Ok(Augmentation {
+        of_ideal: ideal_step(settings)?,
+        of_force: compliance(settings, Field::LimitOfForce, settings.limit_of_force)?,
+        of_penetration: Ratio(ratio::<N>(
+            Field::LimitOfPenetration,
+            settings.limit_of_penetration,
+        )?),
+    })
+}
+
+fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, SettingsError> {
+    let (filter, derived) = (&settings.filter, settings.derived());
+    let total = derived
+        .mass_per_tick2
+        .saturating_add(filter.stiffness)
+        .saturating_add(derived.filter_damping_per_tick)
+        .saturating_add(derived.ground_damping_per_tick);
+    // Twice the sum must fit, or the sum of products in the drive could saturate; its largest part is what to mend.
+    let (blamed, _) = [
+        (Field::FilterStiffness, filter.stiffness),
+        (Field::FilterDamping, derived.filter_damping_per_tick),
+        (Field::FilterGroundDamping, derived.ground_damping_per_tick),
+    ]
+    .into_iter()
+    .fold(
+        (Field::FilterMass, derived.mass_per_tick2),
+        |largest, part| if part.1 > largest.1 { part } else { largest },
+    );
+    stiffness::<N>(blamed, total.saturating_mul(Si::const_from_int(2)))?;
+    let total = stiffness(blamed, total)?;
+    // In a narrow format a soft coupling can round to nothing, and the mass would have nothing that moves it.
+    let coupling = stiffness(Field::FilterStiffness, filter.stiffness)?;
+    if coupling == Stiffness::zero() {
+        return Err(SettingsError::OutOfFormat {
+            field: Field::FilterStiffness,
+            value: filter.stiffness,
+            format: N::NAME,
+        });
+    }
+    Ok(VirtualMass {
+        inertia: stiffness(Field::FilterMass, derived.mass_per_tick2)?,
+        stiffness: coupling,
+        damping: stiffness(Field::FilterDamping, derived.filter_damping_per_tick)?,
+        total,
+        by_total: Divisor::of(total),
+    })
+}
+
+/// `c/k_v` (3.7) or `c/k_de`.
+fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsError> {
+    let stiffness = match settings.ideal_step {
+        IdealStep::Position => settings.k_soft,
+        // Above k_soft here: below it the law is a plain spring.
+        IdealStep::Force => settings.k_desired,
+    };
+    ratio::<N>(Field::StepOfIdeal, over(settings.step_of_ideal, stiffness)).map(Compliance)
+}
+
+/// Largest energy that a law stores: a quarter of the format, so that adding one tick's work can never saturate.
+fn energy_cap<N: Number>() -> Energy<N> {
+    // 2^62 of 2^63 in the 32-bit format: 16384 J. Formats that cannot say so (16 bits: ±8 J) get a quarter of theirs.
+    [16384, 4, 1]
+        .into_iter()
+        .find_map(|joules| N::energy(Si::const_from_int(joules)).map(Energy))
+        .unwrap_or_default()
+}
