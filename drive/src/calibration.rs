@@ -6,7 +6,8 @@
 //! ```
 //!
 //! 1. Bridge off: the mean of 1,024 readings of each current sensor, which must be near where the schematic says.
-//! 2. A current along a field that stands still is raised slowly; the rotor turns into it, at most half an electrical turn.
+//! 2. A current along a field that stands still is raised slowly; the rotor turns into it, at most half an electrical turn. One that
+//!    stood against the field comes loose late, and swings about it: as long as it does, up to three seconds, the field waits.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
 //!    the rotor follows. The first electrical turn of each way is not looked at: it frees a rotor that happened to stand
 //!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
@@ -14,25 +15,25 @@
 //!    rotor lag; it lags the other way on the way back, so the mean of both ways is right, and being that of a whole turn, so
 //!    is the mean over an eccentric magnet.
 //!
-//! Nothing is learned unless all of it is plausible, and every stage ends after a fixed number of ticks.
+//! Nothing is learned unless all of it is plausible, and every stage ends after a limited number of ticks.
 //!
 //! Where an absolute encoder's alignment is kept, it is checked instead of looked for: `check`.
 
 #[cfg(feature = "large")]
 mod check;
+mod config;
 mod fit;
 
 use crate::Amps;
-use crate::angle::{Angle, ElectricalScale};
+use crate::angle::Angle;
 use crate::current::{CurrentCommand, CurrentMode, CurrentReport};
-use crate::hardware::Hardware;
-use crate::settings::periods_per_tick;
 use crate::transform::Dq;
-use crate::units::{clamp_i32, narrow};
+use crate::units::clamp_i32;
 #[cfg(feature = "large")]
 use check::Check;
+pub use config::CalibrationConfig;
 use fit::Fit;
-use touchstone_protocol::{DeviceSettings, FaultCode};
+use touchstone_protocol::FaultCode;
 
 /// Why a calibration failed: the value of [`FaultCode::CalibrationFailed`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,76 +108,8 @@ const SAMPLES_LOG2: u32 = 3;
 /// Furthest apart that field and rotor may be over all samples, turns/65,536: a quarter turn, where the torque is largest.
 const SPREAD: i32 = 0x4000;
 
-/// Coefficients of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CalibrationConfig {
-    current: Amps,
-    /// Share of the current by which it is raised in a tick, A.
-    current_step: Amps,
-    /// Speed of the field, 2^-32 electrical turns a tick.
-    speed: u32,
-    /// By how much a tick's speed differs from the last one's at the beginning of a way.
-    speed_step: u32,
-    /// 2^-32 electrical turns in a PWM period per those in a tick, with 16 fractional bits.
-    per_period: u32,
-    /// Ticks of settling; also how long offsets may take.
-    settle: u32,
-    /// Electrical turns of a way that are looked at.
-    turns: i64,
-    pole_pairs: u8,
-    counts_per_rev: u32,
-    scale: ElectricalScale,
-    offset_code: u16,
-    offset_tolerance: u16,
-    offset_spread: u16,
-    /// The currents are measured.
-    #[cfg(feature = "voltage")]
-    senses: bool,
-    /// They are not, and the motor that makes a voltage of them was not told.
-    #[cfg(feature = "voltage")]
-    is_untold: bool,
-}
-
-impl CalibrationConfig {
-    /// From validated settings.
-    #[must_use]
-    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
-        let rate = settings.timing.rate_hz.max(1);
-        let pole_pairs = settings.motor.pole_pairs.max(1);
-        let counts_per_rev = settings.encoder.counts_per_rev.max(1);
-        // 2^32 turns · turns/s / rate, from 32 fractional bits.
-        let speed = settings
-            .calibration
-            .electrical_turns_per_s
-            .to_bits()
-            .unsigned_abs()
-            / u64::from(rate);
-        let speed = u32::try_from(speed).unwrap_or(u32::MAX);
-        let current = narrow(settings.calibration.current_a);
-        // Half a second for the current, a quarter for the speed.
-        let (half, quarter) = ((rate / 2).max(1), (rate / 4).max(1));
-        let step = current.to_bits() / i32::try_from(half).unwrap_or(i32::MAX);
-        Self {
-            current,
-            current_step: Amps::from_bits(step.max(1)),
-            speed,
-            speed_step: (speed / quarter).max(1),
-            per_period: (1 << 16) / u32::from(periods_per_tick(settings, hardware)),
-            settle: half,
-            turns: i64::from(pole_pairs) << 32,
-            pole_pairs,
-            counts_per_rev,
-            scale: ElectricalScale::new(pole_pairs, counts_per_rev),
-            offset_code: hardware.offset_code,
-            offset_tolerance: hardware.offset_tolerance,
-            offset_spread: hardware.offset_spread,
-            #[cfg(feature = "voltage")]
-            senses: !hardware.gives_voltage(),
-            #[cfg(feature = "voltage")]
-            is_untold: hardware.gives_voltage() && settings.untold_motor().is_some(),
-        }
-    }
-}
+/// Quarters of a second that a rotor may swing in the field, before it is turned all the same.
+const SWINGS: u8 = 12;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
@@ -201,9 +134,11 @@ pub struct Calibration {
     field: i64,
     /// Its speed, the same a tick.
     speed: u32,
-    /// Counts where the mechanical turn began and ended, forward.
+    /// Counts where the mechanical turn began and ended, forward; before it the ends of where the rotor was in the last quarter of a second.
     began: i64,
     ended: i64,
+    /// Quarters of a second in which it swung.
+    swung: u8,
     /// For a count that rises with the field, and for one that falls.
     along: Fit,
     against: Fit,
@@ -225,6 +160,7 @@ impl Calibration {
             speed: 0,
             began: 0,
             ended: 0,
+            swung: 0,
             along: Fit::EMPTY,
             against: Fit::EMPTY,
             samples: 0,
@@ -249,7 +185,7 @@ impl Calibration {
         let done = match self.stage {
             Stage::Offsets => return self.offsets(tick, report),
             Stage::Raise => self.raise(),
-            Stage::Settle => self.settle(report),
+            Stage::Settle => self.settle(count, report),
             Stage::Forward => self.forward(count),
             Stage::Back => self.back(count),
             #[cfg(feature = "large")]
@@ -346,8 +282,20 @@ impl Calibration {
         None
     }
 
-    fn settle(&mut self, report: &CurrentReport) -> Option<Progress> {
+    fn settle(&mut self, count: i64, report: &CurrentReport) -> Option<Progress> {
+        let half = self.config.settle / 2;
+        if self.ticks <= half {
+            (self.began, self.ended) = (count, count);
+        }
+        (self.began, self.ended) = (self.began.min(count), self.ended.max(count));
         if self.ticks < self.config.settle {
+            return None;
+        }
+        let swings = self.ended.saturating_sub(self.began) > self.config.rest;
+        if swings && self.swung < SWINGS {
+            self.swung = self.swung.saturating_add(1);
+            self.ticks = half;
+            (self.began, self.ended) = (count, count);
             return None;
         }
         // Three quarters are less than any ripple takes away.

@@ -33,7 +33,8 @@ fn plain() -> Controller<N> {
 macro_rules! any_law_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
-            [(touchstone_control::Guarded::tick, crate::controller::kept)]
+            [(touchstone_control::Guarded::tick, crate::controller::kept)
+            (touchstone_control::Guard::switched_off, crate::controller::ended)]
             $($property)*
         }
     };
@@ -53,6 +54,15 @@ pub fn kept<N: touchstone_control::Number>(
     guarded.limited = at_change.is_some();
     guarded.tripped |= wanted == Force::zero();
     -wanted
+}
+
+/// For `Guard::switched_off`: something of its own.
+#[cfg(kani)]
+pub fn ended<N: touchstone_control::Number>(
+    _: &touchstone_control::Guard<N>,
+    state: &mut touchstone_control::GuardState<N>,
+) {
+    core::mem::swap(&mut state.force, &mut state.older);
 }
 
 /// Any spring, any last sample, any guard or none, after any force.

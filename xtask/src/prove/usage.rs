@@ -5,7 +5,7 @@
 //! and the processor time, of those that have ended as well. Both only grow, so that no more than what is added in the last
 //! tenth of a second is missed. Without `/proc` nothing is measured.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,8 +38,16 @@ impl Watch {
             let stop = Arc::clone(&stop);
             move || {
                 let mut seen = Seen::new();
-                while !stop.load(Ordering::Relaxed) {
-                    look(&folder, &mut seen);
+                let mut kernels = HashSet::new();
+                for looks in 0_u64.. {
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    // A number is given again.
+                    if looks % 50 == 0 {
+                        kernels.clear();
+                    }
+                    look(&folder, &mut seen, &mut kernels);
                     std::thread::sleep(Duration::from_millis(100));
                 }
                 seen
@@ -90,8 +98,9 @@ fn process(folder: &Path) -> Option<Process> {
     })
 }
 
-/// One look at all processes: those of a harness, together with all that they started.
-fn look(folder: &str, seen: &mut Seen) {
+/// One look at all processes: those of a harness, together with all that they started. The kernel's own have no memory, and are most of what
+/// there is to read: they are looked at once.
+fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     let mut all = HashMap::new();
     let mut of_harness = Vec::new();
     for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
@@ -99,7 +108,11 @@ fn look(folder: &str, seen: &mut Seen) {
         let Some(id) = name.to_str().and_then(|name| name.parse::<u32>().ok()) else {
             continue;
         };
+        if kernels.contains(&id) {
+            continue;
+        }
         let Some(process) = process(&entry.path()) else {
+            kernels.insert(id);
             continue;
         };
         all.insert(id, process);

@@ -13,7 +13,7 @@ use crate::answer::Answer;
 use find::Wrong;
 
 /// Whose functions.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 12] = [
     "control/src/law",
     "control/src/filter.rs",
     "control/src/observer.rs",
@@ -22,6 +22,7 @@ const SOURCES: [&str; 11] = [
     "control/src/number",
     "control/src/magnitude.rs",
     "control/src/reciprocal.rs",
+    "control/src/coefficients.rs",
     "control/src/controller.rs",
     "control/src/space",
     "protocol/src/machine.rs",

@@ -31,7 +31,7 @@ const SAMPLE: usize = 16;
 /// A program of tests that takes more processor time, in seconds, has no answer.
 const MOST_S: u32 = 60;
 /// Where the tests of a source are likely to be: those are asked first.
-const LIKELY: [(&str, &[&str]); 17] = [
+const LIKELY: [(&str, &[&str]); 18] = [
     ("law/tdpa", &["tdpa"]),
     ("law/fba", &["fba"]),
     ("law/sfa", &["sfa"]),
@@ -47,6 +47,7 @@ const LIKELY: [(&str, &[&str]); 17] = [
     ("space/guard", &["space"]),
     ("space", &["space"]),
     ("controller", &["controller::", "p8_"]),
+    ("coefficients", &["set_laws", "p8_"]),
     ("observer", &["observer", "views", "tdpa"]),
     ("machine", &["device", "machine"]),
 ];

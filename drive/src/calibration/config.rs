@@ -1,0 +1,82 @@
+//! What a calibration is made of, from settings and hardware.
+
+use crate::Amps;
+use crate::angle::ElectricalScale;
+use crate::hardware::Hardware;
+use crate::settings::periods_per_tick;
+use crate::units::narrow;
+use touchstone_protocol::DeviceSettings;
+
+/// Coefficients of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CalibrationConfig {
+    pub(super) current: Amps,
+    /// Share of the current by which it is raised in a tick, A.
+    pub(super) current_step: Amps,
+    /// Speed of the field, 2^-32 electrical turns a tick.
+    pub(super) speed: u32,
+    /// By how much a tick's speed differs from the last one's at the beginning of a way.
+    pub(super) speed_step: u32,
+    /// 2^-32 electrical turns in a PWM period per those in a tick, with 16 fractional bits.
+    pub(super) per_period: u32,
+    /// Ticks of settling; also how long offsets may take.
+    pub(super) settle: u32,
+    /// Counts about which a rotor at rest may move: a 64th of an electrical turn.
+    pub(super) rest: i64,
+    /// Electrical turns of a way that are looked at.
+    pub(super) turns: i64,
+    pub(super) pole_pairs: u8,
+    pub(super) counts_per_rev: u32,
+    pub(super) scale: ElectricalScale,
+    pub(super) offset_code: u16,
+    pub(super) offset_tolerance: u16,
+    pub(super) offset_spread: u16,
+    /// The currents are measured.
+    #[cfg(feature = "voltage")]
+    pub(super) senses: bool,
+    /// They are not, and the motor that makes a voltage of them was not told.
+    #[cfg(feature = "voltage")]
+    pub(super) is_untold: bool,
+}
+
+impl CalibrationConfig {
+    /// From validated settings.
+    #[must_use]
+    pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
+        let rate = settings.timing.rate_hz.max(1);
+        let pole_pairs = settings.motor.pole_pairs.max(1);
+        let counts_per_rev = settings.encoder.counts_per_rev.max(1);
+        // 2^32 turns · turns/s / rate, from 32 fractional bits.
+        let speed = settings
+            .calibration
+            .electrical_turns_per_s
+            .to_bits()
+            .unsigned_abs()
+            / u64::from(rate);
+        let speed = u32::try_from(speed).unwrap_or(u32::MAX);
+        let current = narrow(settings.calibration.current_a);
+        // Half a second for the current, a quarter for the speed.
+        let (half, quarter) = ((rate / 2).max(1), (rate / 4).max(1));
+        let step = current.to_bits() / i32::try_from(half).unwrap_or(i32::MAX);
+        Self {
+            current,
+            current_step: Amps::from_bits(step.max(1)),
+            speed,
+            speed_step: (speed / quarter).max(1),
+            per_period: (1 << 16) / u32::from(periods_per_tick(settings, hardware)),
+            settle: half,
+            rest: (i64::from(counts_per_rev) / (i64::from(pole_pairs) << 6)).max(3),
+            turns: i64::from(pole_pairs) << 32,
+            pole_pairs,
+            counts_per_rev,
+            scale: ElectricalScale::new(pole_pairs, counts_per_rev),
+            offset_code: hardware.offset_code,
+            offset_tolerance: hardware.offset_tolerance,
+            offset_spread: hardware.offset_spread,
+            #[cfg(feature = "voltage")]
+            senses: !hardware.gives_voltage(),
+            #[cfg(feature = "voltage")]
+            is_untold: hardware.gives_voltage() && settings.untold_motor().is_some(),
+        }
+    }
+}
