@@ -6,7 +6,6 @@
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
-//! V = 1, X = 1/2, no loss of a free device      p11_free
 //! tracker = spec, a device that nothing brakes  p11_tracker; its sums are estimator::p3_flow_fits32's of no command
 //! ```
 
@@ -14,9 +13,9 @@ use crate::estimated::motion;
 use crate::estimator::{any_measured, any_motion, holds};
 use crate::spec::Int;
 use crate::spec::velocity as spec;
-use crate::{bounded_property, cover, property, such, weighed, weighed_property};
+use crate::{bounded_property, cover, such, weighed, weighed_property};
 use touchstone_control::Fixed32;
-use touchstone_control::estimator::{Flow, free};
+use touchstone_control::estimator::Flow;
 use touchstone_control::number::Wide64;
 use touchstone_control::velocity::{Smoothed, Tracker};
 
@@ -89,15 +88,5 @@ weighed_property! {
         assert!(after.as_ref().map(motion) == expected);
         cover!(s, expected.is_some_and(|after| after.d < 0 && after.g > 0), "corrected");
         cover!(s, expected.is_none(), "starts anew");
-    }
-}
-property! {
-    /// P11: the device of a Kalman filter is one that nothing brakes: over a tick its speed moves it by 1, a push by 1/2.
-    equation "V = 1, X = 1/2, β V = 0"
-    over "the one device"
-    by minisat fn p11_free(s) {
-        let flow = free::<N>();
-        assert!(flow == Some(Flow { reach: ONE, drift: ONE / 2, loss: 0, commands: [] }));
-        cover!(s, flow.is_some(), "words hold it");
     }
 }
