@@ -113,9 +113,8 @@ impl DeviceInTicks {
     }
 }
 
-/// A tick of a device that nothing brakes or drives; `None` where a weight does not fit its format.
-#[must_use]
-pub fn free<N: Number>() -> Option<Flow<N, 0>> {
+/// A tick of a device that nothing brakes or drives.
+pub(crate) fn free<N: Number>() -> Option<Flow<N, 0>> {
     let nothing = DeviceInTicks {
         loss: Exact::ZERO,
         per_torque: Exact::ZERO,
