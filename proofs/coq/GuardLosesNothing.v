@@ -282,7 +282,7 @@ Proof.
   constructor; cbn [switched_off account force older]; change (Z.abs 0) with 0%Z; try lia.
   - destruct (force m =? 0)%Z; lia.
   - unfold reserve. cbn. lia.
-  - intros. apply largest_force_nonneg; [assumption|]. unfold reserve at 2. cbn. lia.
+  - intros. apply largest_force_nonneg; [assumption|]. change (reserve G 0) with 0%Z. lia.
 Qed.
 
 (** * What an account is worth *)
