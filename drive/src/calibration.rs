@@ -23,6 +23,8 @@
 mod check;
 mod config;
 mod fit;
+#[cfg(test)]
+mod tests;
 
 use crate::Amps;
 use crate::angle::Angle;

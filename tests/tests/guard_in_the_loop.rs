@@ -221,9 +221,10 @@ fn what_the_last_force_of_an_arming_does_is_counted() {
         let (most, _) = switching_off(true, seed);
         let (untold, last) = switching_off(false, seed);
         println!(
-            "{:.3} mJ of {:.3}; untold {:.0} mJ",
+            "{:.3} mJ of {:.3}; untold {:.0} mJ, of {:.0} mJ by last forces without the damping",
             1e3 * most,
             1e3 * capacity_j,
+            1e3 * untold,
             1e3 * last
         );
         assert!(most <= capacity_j + 0.5 * COUNT_RAD);

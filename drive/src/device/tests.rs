@@ -5,24 +5,26 @@ use crate::scenery::WallAlone;
 use crate::timing::TickTiming;
 use touchstone_control::Si;
 
+/// Nothing but an encoder's counter.
+fn quiet(counter: u32) -> ControlInput {
+    ControlInput {
+        encoder: EncoderReading::Counter32(counter),
+        current: CurrentReport::default(),
+        command: None,
+        hardware_break: false,
+        gate_driver_error: false,
+        stop_button: false,
+        host_heard: true,
+        timing: TickTiming::default(),
+    }
+}
+
 #[test]
 fn the_present_position_becomes_zero_while_nothing_may_move() {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
     let mut device = Device::new(&settings, &IHM08M1).unwrap();
-    let count = |device: &mut Device, counter| {
-        let input = ControlInput {
-            encoder: EncoderReading::Counter32(counter),
-            current: CurrentReport::default(),
-            command: None,
-            hardware_break: false,
-            gate_driver_error: false,
-            stop_button: false,
-            host_heard: true,
-            timing: TickTiming::default(),
-        };
-        device.tick(&input).record.count
-    };
+    let count = |device: &mut Device, counter| device.tick(&quiet(counter)).record.count;
     let first = count(&mut device, 1_000);
     assert_eq!(count(&mut device, 1_007), first + 7);
     assert!(device.zero_here());
@@ -65,20 +67,8 @@ fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64
     device.machine = Machine::at(State::Armed);
     device.law.resume(&device.configs.now().law.clone());
     let account = |device: &Device| device.law.guard.as_ref().unwrap().account().0.to_bits();
-    let mut input = ControlInput {
-        encoder: EncoderReading::Counter32(0),
-        current: CurrentReport {
-            bus: crate::Volts::lit("24"),
-            temperature: 1_300,
-            ..CurrentReport::default()
-        },
-        command: None,
-        hardware_break: false,
-        gate_driver_error: false,
-        stop_button: false,
-        host_heard: true,
-        timing: TickTiming::default(),
-    };
+    let mut input = quiet(0);
+    (input.current.bus, input.current.temperature) = (crate::Volts::lit("24"), 1_300);
     let surface = device.configs.now().scale;
     let mut counts = 0;
     while surface.penetration::<Fixed32>(i64::from(counts))
