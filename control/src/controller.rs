@@ -196,8 +196,8 @@ impl<N: Number> Controller<N> {
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {
         self.commanded = force;
-        if let Some(Guarded { guard, state, .. }) = &mut self.guard {
-            guard.commanded(state, force);
+        if let Some(guard) = &mut self.guard {
+            guard.commanded(force);
         }
     }
 
@@ -206,8 +206,8 @@ impl<N: Number> Controller<N> {
     /// [`Guard::switched_off`]: crate::Guard::switched_off
     pub fn switched_off(&mut self) {
         self.commanded = Force::zero();
-        if let Some(Guarded { guard, state, .. }) = &mut self.guard {
-            guard.switched_off(state);
+        if let Some(guard) = &mut self.guard {
+            guard.switched_off();
         }
     }
 

@@ -67,7 +67,7 @@ macro_rules! law_settings {
                     "the largest step of the offset as a share of the penetration, a of (3.11)";
                 // What a coupling k_f stores under the thesis' press of 0.1 N·m, F²/(2 k_f) = 5 mJ, four times over.
                 EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
-                    "the energy that one contact may give beyond what it took (0 is strictly passive)";
+                    "the energy that is lent to a contact, which it may give beyond what it took (0: nothing is lent)";
                 // The thesis knob's torque limit: five times the thesis' typical push.
                 ForceLimit force_limit, force_limit_n_m: number("0.000001", "100") = "0.5", "N·m",
                     "the largest force that is ever commanded";

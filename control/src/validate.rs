@@ -270,7 +270,7 @@ impl fmt::Display for Warning {
             ),
             Self::EnergyCredit { credit } => write!(
                 f,
-                "energy_credit = {credit:.6} J: one contact may give that much more than it took; 0 is strictly passive and shows a resting hand at most about 2 k_f"
+                "energy_credit = {credit:.6} J: one contact may give that much more than it took; 0 lends nothing and shows a resting hand at most about 2 k_f"
             ),
             Self::GuardSoftensAtForceLimit { capacity, needed } => write!(
                 f,

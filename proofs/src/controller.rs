@@ -5,6 +5,7 @@
 //! f = guard(law(e, e - e(n-1)))            p11_controller_tick
 //! told: f(n-1) = told, in the guard too    p11_controller_told
 //! resumed: memory new, B' = min(B, C')     p7_controller_resumes
+//! made: law, a guard where it is on, f = 0 p8_controller_made
 //! ```
 
 use crate::format::Format;
@@ -13,7 +14,13 @@ use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring, SpringState};
-use touchstone_control::{AnyLaw, Controller, Fixed8, Force, Guarded, States, Stiffness};
+use touchstone_control::{
+    AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Settings, Si, States, Stiffness,
+};
+#[cfg(kani)]
+use touchstone_control::{
+    Compliance, Energy, GuardSettings, GuardedDevice, Number, Position, Ratio, SettingsError,
+};
 
 type N = Fixed8;
 
@@ -42,10 +49,10 @@ macro_rules! any_law_property {
 
 /// For `Guarded::tick`: it keeps what it is told, and shows a force that is none of it.
 #[cfg(kani)]
-pub fn kept<N: touchstone_control::Number>(
+pub fn kept<N: Number>(
     guarded: &mut Guarded<N>,
-    e: touchstone_control::Position<N>,
-    at_change: Option<touchstone_control::Position<N>>,
+    e: Position<N>,
+    at_change: Option<Position<N>>,
     wanted: Force<N>,
 ) -> Force<N> {
     guarded.last = Some(e);
@@ -58,10 +65,7 @@ pub fn kept<N: touchstone_control::Number>(
 
 /// For `Guard::switched_off`: something of its own.
 #[cfg(kani)]
-pub fn ended<N: touchstone_control::Number>(
-    _: &touchstone_control::Guard<N>,
-    state: &mut touchstone_control::GuardState<N>,
-) {
+pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState<N>) {
     core::mem::swap(&mut state.force, &mut state.older);
 }
 
@@ -195,8 +199,8 @@ any_law_property! {
     by cadical fn p11_controller_switched_off(s) {
         let mut wall = any_wall(s);
         let mut guard = wall.guard;
-        if let Some(Guarded { guard, state, .. }) = &mut guard {
-            guard.switched_off(state);
+        if let Some(guard) = &mut guard {
+            guard.guard.switched_off(&mut guard.state);
         }
         let before = wall;
         wall.switched_off();
@@ -212,7 +216,7 @@ any_law_property! {
     by cadical fn p7_controller_resumes(s) {
         let before = any_wall(s);
         let mut fresh = plain();
-        fresh.guard = s.bool().then(|| Guarded::new(touchstone_control::Guard::<N>::any(s)));
+        fresh.guard = s.bool().then(|| Guarded::new(Guard::<N>::any(s)));
         let mut wall = before;
         wall.resume(&fresh);
         assert!(wall.law == fresh.law && wall.states == fresh.states);
@@ -227,5 +231,82 @@ any_law_property! {
         }
         cover!(s, before.guard.is_some() && wall.guard.is_some(), "an account is kept");
         cover!(s, before.guard.is_some() && wall.guard.is_none(), "no guard any more");
+    }
+}
+
+/// For `AnyLaw::new`: a spring that is none, with a limit; or none of a soft wall.
+#[cfg(kani)]
+pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsError> {
+    let (count, coarsest) = (settings.k_desired, Si::ZERO);
+    if settings.k_desired < Si::ZERO {
+        return Err(SettingsError::TooCoarse { count, coarsest });
+    }
+    let none = Stiffness::zero();
+    let spring = Spring {
+        desired: none,
+        damping: none,
+        limit: Force::quantum(),
+    };
+    Ok(AnyLaw::Spring(spring, SpringState::default()))
+}
+
+/// For `Guard::new`: one of zeros and what it holds; or none of an account below zero.
+#[cfg(kani)]
+pub fn guard_made<N: Number>(
+    settings: &GuardSettings,
+    device: &GuardedDevice,
+) -> Result<Guard<N>, SettingsError> {
+    let (count, coarsest) = (device.count, settings.capacity);
+    if settings.capacity < Si::ZERO {
+        return Err(SettingsError::TooCoarse { count, coarsest });
+    }
+    let zero = Position::zero();
+    Ok(Guard {
+        capacity: Energy::zero(),
+        refill: Energy::zero(),
+        damping: Stiffness::zero(),
+        furthest: Position::quantum(),
+        count: zero,
+        late: Ratio::zero(),
+        stray: Compliance::zero(),
+        slack: zero,
+        per_reach: Stiffness::zero(),
+        in_flight: zero,
+        overrun: Compliance::zero(),
+    })
+}
+
+crate::replaced_property! {
+    [(touchstone_control::AnyLaw::new, crate::controller::law_made)
+    (touchstone_control::Guard::new, crate::controller::guard_made)]
+    /// P8: a controller is made of the law that its settings become and, where it is on, the guard that they become, and nothing is commanded;
+    /// it is refused where one of these is, and for no other reason.
+    equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
+    over "guard on or off, its account, the desired stiffness; under the checker a law and a guard that are made or not"
+    by cadical fn p8_controller_made(s) {
+        let mut settings = Settings::default();
+        settings.guard.on = s.bool();
+        for value in [&mut settings.guard.capacity, &mut settings.k_desired] {
+            let any = Si::from_bits(s.i64());
+            *value = if s.shortcut() { any.min(*value) } else { any };
+        }
+        let found = Controller::<Fixed32>::new(&settings);
+        let law = AnyLaw::<Fixed32>::new(&settings);
+        let guard = Guard::<Fixed32>::new(&settings.guard, &settings.guarded_device());
+        let guard = settings.guard.on.then_some(guard).transpose();
+        match (found, law, guard) {
+            (Ok(found), Ok(law), Ok(guard)) => {
+                assert!(found.law == law && found.guard == guard.map(Guarded::new));
+                assert!(found.last_commanded() == Force::zero());
+                cover!(s, found.guard.is_some(), "with a guard");
+                cover!(s, found.guard.is_none(), "without one");
+            }
+            (Err(_), law, guard) => {
+                assert!(law.is_err() || guard.is_err());
+                cover!(s, law.is_err(), "no law");
+                cover!(s, guard.is_err(), "no guard");
+            }
+            _ => assert!(false, "made of what is not"),
+        }
     }
 }

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
+//! a tick without brake and drive is 1, 1/2, 0  p11_free
 //! tracker = spec, a device that nothing brakes  p11_tracker; its sums are estimator::p3_flow_fits32's of no command
 //! ```
 
@@ -13,7 +14,7 @@ use crate::estimated::motion;
 use crate::estimator::{any_measured, any_motion, holds};
 use crate::spec::Int;
 use crate::spec::velocity as spec;
-use crate::{bounded_property, cover, such, weighed, weighed_property};
+use crate::{bounded_property, cover, property, such, weighed, weighed_property};
 use touchstone_control::Fixed32;
 use touchstone_control::estimator::Flow;
 use touchstone_control::number::Wide64;
@@ -67,6 +68,17 @@ bounded_property! {
         }
         cover!(s, after.is_none(), "starts anew");
         cover!(s, after.is_some_and(|after| after.moved.0 < -RAD), "fast");
+    }
+}
+property! {
+    /// P11: what a tick is without brake and drive: a displacement per tick moves by itself, an acceleration by its half.
+    equation "V = 1, X = 1/2, β V = 0"
+    over "nothing"
+    by cadical fn p11_free(s) {
+        let free = Flow::<N, 0>::free();
+        let found = free.map(|free| [free.reach, free.drift, free.loss].map(Int::from));
+        assert!(found == Some([ONE.into(), (ONE / 2).into(), 0]));
+        cover!(s, free.is_some(), "made");
     }
 }
 weighed_property! {

@@ -1,8 +1,8 @@
 //! Where the estimator's coefficients end, on either side; what starts it anew; and the velocity filters that are made of the same parts.
 
-use touchstone_control::estimator::{EstimatedMotion, Flow};
+use touchstone_control::estimator::{DeviceInTicks, EstimatedMotion, Flow};
 use touchstone_control::fixed::types::{I8F24, I8F56};
-use touchstone_control::number::{Wide, Wide64};
+use touchstone_control::number::{Exact, Wide, Wide64};
 use touchstone_control::velocity::Velocity;
 use touchstone_control::{
     Estimator, EstimatorSettings, Field, Fixed32, Force, Position, SettingsError, Si, VelocityKind,
@@ -167,6 +167,20 @@ fn an_estimator_s_bandwidth_goes_up_to_both_ends() {
     );
     assert!(accepts(rate, low) && accepts(rate, high));
     assert!(!accepts(rate, low - Si::DELTA) && !accepts(rate, high + Si::DELTA));
+}
+
+#[test]
+fn a_free_tick_is_that_of_a_device_without_brake_and_drive() {
+    let nothing = DeviceInTicks {
+        loss: Exact::ZERO,
+        per_torque: Exact::ZERO,
+        delay: Exact::ZERO,
+    };
+    let (free, made) = (Flow::<N, 0>::free().unwrap(), nothing.tick::<N>().unwrap());
+    assert_eq!(
+        [free.reach, free.drift, free.loss],
+        [made.reach, made.drift, made.loss]
+    );
 }
 
 #[test]

@@ -113,14 +113,18 @@ impl DeviceInTicks {
     }
 }
 
-/// A tick of a device that nothing brakes or drives.
-pub(crate) fn free<N: Number>() -> Option<Flow<N, 0>> {
-    let nothing = DeviceInTicks {
-        loss: Exact::ZERO,
-        per_torque: Exact::ZERO,
-        delay: Exact::ZERO,
-    };
-    nothing.flow(Exact::ONE, |i| i)
+impl<N: Number> Flow<N, 0> {
+    /// A tick of a device that nothing brakes or drives: `V = 1`, `X = 1/2`; `None` where a weight does not fit its format.
+    #[must_use]
+    pub fn free() -> Option<Self> {
+        let weight = <N::Wide as Wide>::weight;
+        Some(Self {
+            reach: weight(Exact::ONE)?,
+            drift: weight(const { Exact::lit("0.5") })?,
+            loss: weight(Exact::ZERO)?,
+            commands: [],
+        })
+    }
 }
 
 /// `1 - exp(-a)`, for `a` up to 4.

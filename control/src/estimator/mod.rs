@@ -28,8 +28,8 @@ mod flow;
 mod settings;
 
 pub use crate::settings::EstimatorSettings;
+pub(crate) use flow::approach;
 pub use flow::{DeviceInTicks, Flow, TAPS, UNDER_WAY};
-pub(crate) use flow::{approach, free};
 pub use settings::ratio_of_bits;
 pub(crate) use settings::{check_bandwidth, per_tick};
 

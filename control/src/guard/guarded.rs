@@ -96,7 +96,7 @@ impl<N: Number> Guarded<N> {
         let force = match guarded {
             Ok(force) if !self.tripped => force,
             _ => {
-                self.guard.commanded(&mut self.state, Force::zero());
+                self.commanded(Force::zero());
                 Force::zero()
             }
         };
@@ -122,6 +122,17 @@ impl<N: Number> Guarded<N> {
     fn mirror(&mut self) {
         let GuardState { force, older, .. } = &mut self.state;
         (*force, *older) = (-*force, -*older);
+    }
+
+    /// The force that was commanded in the end: [`Guard::commanded`].
+    #[inline]
+    pub fn commanded(&mut self, force: Force<N>) {
+        self.guard.commanded(&mut self.state, force);
+    }
+
+    /// The force is switched off, and no tick follows: [`Guard::switched_off`].
+    pub fn switched_off(&mut self) {
+        self.guard.switched_off(&mut self.state);
     }
 
     /// What the hand may still get out.

@@ -1,7 +1,7 @@
 //! What a velocity filter is told, in SI, and the coefficients that it becomes.
 
 use super::{FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope, Smoothed, Tracker, Velocity};
-use crate::estimator::{Weight, approach, per_tick, ratio_of_bits};
+use crate::estimator::{Flow, Weight, approach, per_tick, ratio_of_bits};
 use crate::number::Exact;
 use crate::{
     Field, Number, Position, Ratio, SettingsError, Si, Stiffness, VelocityKind, VelocitySettings,
@@ -78,7 +78,7 @@ fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
         Exact::ZERO
     };
     Some(Velocity::Tracker(Tracker {
-        free: crate::estimator::free()?,
+        free: Flow::free()?,
         correction: [weight::<N>(alpha)?, weight::<N>(beta)?, weight::<N>(gamma)?],
     }))
 }
