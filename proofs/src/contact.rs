@@ -121,7 +121,7 @@ property! {
             side = nearest.normal;
             let told = point.tick(&body, vector(at));
             if bits(nearest.depth) <= 0 {
-                assert!(told == Touch::measured(vector(at), nearest));
+                assert_reached!(told == Touch::measured(vector(at), nearest));
                 entry = None;
                 continue;
             }
@@ -164,12 +164,12 @@ property! {
             side = nearest.normal;
             assume!(s, bits(nearest.depth) > 0, "case: inside; outside is p4_point_closest");
             let Some(last) = was.replace(told.normal) else {
-                assert!(told == Touch::measured(at, nearest));
+                assert_reached!(told == Touch::measured(at, nearest));
                 continue;
             };
             let cosine = N::of_signal(turn.cosine);
             if along(&last, parts(&nearest.normal)) >= cosine {
-                assert!(told == Touch::measured(at, nearest));
+                assert_reached!(told == Touch::measured(at, nearest));
             } else {
                 let turned = along(&last, parts(&told.normal));
                 assert!(turned >= cosine - 6);
@@ -213,7 +213,7 @@ property! {
         let at = [8 * signed(s, 4), 8 * signed(s, 3), 0];
         let pull = law.tick(&mut state, &touch(at, up, 1), force(pressed));
         if pressed <= 0 {
-            assert!(state == FrictionState::default() && force_bits(pull) == [0; 3]);
+            assert_reached!(state == FrictionState::default() && force_bits(pull) == [0; 3]);
             return;
         }
         let reach = |bits: i64| N::of_signal((compliance(bits) * force(pressed)).0);
@@ -229,10 +229,10 @@ property! {
             let lost = (reach(kinetic) - 5).max(0);
             let turned = stretch[0] * z[1] - stretch[1] * z[0];
             assert!(turned.abs() <= 3 * (z[0].abs() + z[1].abs()));
-            assert!(squares(stretch) >= lost * lost);
+            assert_reached!(squares(stretch) >= lost * lost);
         } else {
             assert!(stretch == z);
-            assert!(state.sliding == (slides && long(reach(kinetic) * 3 / 4)));
+            assert_reached!(state.sliding == (slides && long(reach(kinetic) * 3 / 4)));
         }
         let expected = stretch.map(|z| -N::of_signal((stiffness(stiff) * position(z)).towards_zero().0));
         assert!(force_bits(pull) == expected);
@@ -271,7 +271,7 @@ property! {
         let inner: i64 = parts(&normal).iter().zip(before).map(|(n, z)| n * z).sum();
         for i in 0..3 {
             let exact = before[i] * ONE * ONE - inner * parts(&normal)[i];
-            assert!((after[i] * ONE * ONE - exact).abs() <= 3 * ONE * ONE);
+            assert_reached!((after[i] * ONE * ONE - exact).abs() <= 3 * ONE * ONE);
         }
         assert!(normal != up || after == before);
         let hold = state.contact.map(|hold| (place_bits(hold.anchor), hold.normal));

@@ -15,7 +15,8 @@ use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring, SpringState};
 use touchstone_control::{
-    AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Settings, Si, States, Stiffness,
+    AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Settings, Si, States, StatesKind,
+    Stiffness,
 };
 #[cfg(kani)]
 use touchstone_control::{
@@ -104,7 +105,7 @@ where
     assert!(any.tick(sample) == force && any == any_law(law, state));
     assert!(any.view() == law.view(&state));
     any.forget();
-    assert!(any == any_law(law, L::State::default()));
+    assert_reached!(any == any_law(law, L::State::default()));
     force
 }
 
@@ -227,7 +228,7 @@ any_law_property! {
         };
         assert!(wall.guard == guard);
         if let (Some(after), Some(before)) = (&wall.guard, &before.guard) {
-            assert!(after.state.account == before.state.account.min(after.guard.capacity));
+            assert_reached!(after.state.account == before.state.account.min(after.guard.capacity));
         }
         cover!(s, before.guard.is_some() && wall.guard.is_some(), "an account is kept");
         cover!(s, before.guard.is_some() && wall.guard.is_none(), "no guard any more");
@@ -284,7 +285,10 @@ crate::replaced_property! {
     equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
     over "guard on or off, its account, the desired stiffness; under the checker a law and a guard that are made or not"
     by cadical fn p8_controller_made(s) {
-        let mut settings = Settings::default();
+        let mut settings = Settings {
+            states: StatesKind::Measured,
+            ..Settings::default()
+        };
         settings.guard.on = s.bool();
         for value in [&mut settings.guard.capacity, &mut settings.k_desired] {
             let any = Si::from_bits(s.i64());

@@ -121,7 +121,7 @@ property! {
         assert!(outputs == machine.outputs());
         if outputs == Outputs::On {
             assert!(machine.state() == State::Armed || machine.state() == State::Calibrating);
-            assert!(fault.is_none());
+            assert_reached!(fault.is_none());
         }
         cover!(s, outputs == Outputs::On && machine.state() == State::Armed, "armed");
         cover!(s, outputs == Outputs::On && machine.state() == State::Calibrating, "calibrating");
@@ -139,9 +139,9 @@ property! {
         let _ = machine.handle(event);
         if let State::Fault(first) = before {
             assert!(machine.state() == before || (machine.state() == State::Stopped && event == Event::Command(Command::Stop)));
-            assert!(machine.fault() == Some(first) || machine.state() == State::Stopped);
+            assert_reached!(machine.fault() == Some(first) || machine.state() == State::Stopped);
         } else if let Event::Fault(context) = event {
-            assert!(machine.state() == State::Fault(context));
+            assert_reached!(machine.state() == State::Fault(context));
         }
         cover!(s, matches!(before, State::Fault(_)) && machine.state() == State::Stopped, "left");
         cover!(s, before == State::Armed && machine.fault().is_some(), "from armed");
@@ -165,18 +165,18 @@ property! {
         assert!(changed == (after != before));
         if changed {
             match after {
-                State::Armed => assert!(before == State::Ready && event == Event::Command(Command::Arm)),
-                State::Ready => assert!(
+                State::Armed => assert_reached!(before == State::Ready && event == Event::Command(Command::Arm)),
+                State::Ready => assert_reached!(
                     (before == State::Calibrating && event == Event::Calibrated)
                         || (before == State::Armed && event == Event::Command(Command::Disarm))
                 ),
-                State::Calibrating => assert!(
+                State::Calibrating => assert_reached!(
                     (before == State::Boot || before == State::Stopped)
                         && event == Event::Command(Command::Calibrate)
                 ),
                 State::Boot => unreachable!("nothing leads to Boot"),
-                State::Stopped => assert!(event == Event::Command(Command::Stop)),
-                State::Fault(_) => assert!(matches!(event, Event::Fault(_))),
+                State::Stopped => assert_reached!(event == Event::Command(Command::Stop)),
+                State::Fault(_) => assert_reached!(matches!(event, Event::Fault(_))),
             }
         }
     }
@@ -192,7 +192,7 @@ property! {
             let fault = if s.bool() { Some(any_context(s)) } else { None };
             let command = if s.bool() { Some(any_command(s)) } else { None };
             let _ = machine.tick(fault, s.bool(), command);
-            assert!(machine.state() != State::Armed);
+            assert_reached!(machine.state() != State::Armed);
             ticks += 1;
         }
         cover!(s, machine.state() == State::Ready, "on its way");

@@ -25,7 +25,7 @@ property! {
         let bus = any_value(s);
         let duties = timer.duties(vector, bus);
         for duty in duties {
-            assert!(duty >= timer.top - timer.longest && duty <= timer.longest);
+            assert_reached!(duty >= timer.top - timer.longest && duty <= timer.longest);
         }
         assert!(bus > I16F16::ONE || duties == timer.zero());
         cover!(s, duties[0] == timer.longest && duties[1] < duties[0] && bus > 5, "at the limit");
@@ -111,7 +111,7 @@ mod tests {
         for board in [IHM08M1, B_G431B_ESC1, IHM16M1, SIMPLEFOC_MINI] {
             let timer = board.modulator();
             assert!(timer.longest <= timer.top && timer.top - timer.longest <= timer.longest);
-            assert!(timer.longest < timer.top);
+            assert_reached!(timer.longest < timer.top);
         }
     }
 }

@@ -134,9 +134,9 @@ macro_rules! enhanced {
                             let force = tension.rounded_up();
                             assert!(force.lift() >= tension);
                             assert!(stored >= Energy::zero());
-                            assert!(stored == Energy(F::half_energy_up((force * size).0)));
+                            assert_reached!(stored == Energy(F::half_energy_up((force * size).0)));
                         }
-                        None => assert!(tension > Force::<F>(F::HIGHEST).lift()),
+                        None => assert_reached!(tension > Force::<F>(F::HIGHEST).lift()),
                     }
                     cover!(s, mass.stored(stretch).is_none(), "beyond the format");
                     cover!(s, mass.stored(stretch).is_some_and(|e| e > Energy::zero()), "stored");
@@ -253,7 +253,7 @@ macro_rules! enhanced {
                     assert!(state.last == e);
                     if state.contact == Contact::Free {
                         assert!(force == Force::zero());
-                        assert!(state == EnhancedState { last: e, ..EnhancedState::default() });
+                        assert_reached!(state == EnhancedState { last: e, ..EnhancedState::default() });
                     }
                     // In first contact the surface is the undeformed wall's.
                     assert!(before.contact == Contact::Augmenting || e > Position::zero() || state.contact == Contact::Free);

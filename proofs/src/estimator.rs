@@ -158,7 +158,7 @@ property! {
         let commands = any_commands(s, law.limit);
         for (position, moved) in [law.tick.apply(&motion, &commands), law.ahead.apply(&motion, &commands)] {
             assert!(position.0.unsigned_abs() < 160 * RAD.unsigned_abs());
-            assert!(moved.0.unsigned_abs() < 21 * RAD.unsigned_abs());
+            assert_reached!(moved.0.unsigned_abs() < 21 * RAD.unsigned_abs());
         }
         cover!(s, motion.position.0 > 127 * RAD, "at the end of the range");
         cover!(s, motion.moved.0 < -3 * RAD && motion.pushed.0 < -3 * RAD, "fast and pushed");
@@ -181,7 +181,7 @@ bounded_property! {
             let surprise = N::widen(measured.0).minus_fitting(expected);
             let rest = N::widen(measured.0).minus_fitting(after.position);
             // A part is cut downwards: by one of its steps at most.
-            assert!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
+            assert_reached!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
         }
         cover!(s, after.is_some_and(|after| after.position != expected), "corrected");
         cover!(s, after.is_none(), "starts anew");

@@ -156,7 +156,7 @@ macro_rules! fba {
                     assume!(s, e <= Position::zero(), "case; inside is p4_tick_keeps_invariant");
                     cover!(s, state.inside && e == Position::zero(), "from inside");
                     assert!(law.tick(&mut state, sample) == Force::zero());
-                    assert!(state == FbaState::default());
+                    assert_reached!(state == FbaState::default());
                 }
             }
         }

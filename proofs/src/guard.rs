@@ -262,11 +262,8 @@ macro_rules! guard {
                     );
                     let (moved, wanted) = (N::any_position(s), N::any_force(s));
                     let force = law.tick(&mut state, moved, wanted).unwrap_or(Force::zero());
-                    if wanted >= Force::zero() {
-                        assert!(force >= Force::zero() && force <= wanted);
-                    } else {
-                        assert!(force <= Force::zero() && force >= wanted);
-                    }
+                    let (least, most) = (wanted.min(Force::zero()), wanted.max(Force::zero()));
+                    assert!(force >= least && force <= most);
                     cover!(s, force != Force::zero() && force != wanted, "cut");
                     cover!(s, force < Force::zero() && force == wanted, "pulls, untouched");
                 }

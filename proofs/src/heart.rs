@@ -159,9 +159,9 @@ macro_rules! heart {
                     let next = root_digit(so_far, radicand, candidate);
                     let square = $wide::from(candidate) * $wide::from(candidate);
                     if square <= radicand {
-                        assert!(next.root == candidate && next.square == square);
+                        assert_reached!(next.root == candidate && next.square == square);
                     } else {
-                        assert!(next == so_far);
+                        assert_reached!(next == so_far);
                     }
                     cover!(s, square > 0 && square == radicand, "perfect square");
                     cover!(s, square > radicand, "refused");
@@ -277,7 +277,7 @@ pub mod reciprocal {
             for inverse in [1_u64 << 63, 1 << 62 | 1 << 33] {
                 let by = Reciprocal32 { divisor: 1 << 31, scale: 1, inverse };
                 let product = (u128::from(dividend) + 1) * u128::from(inverse);
-                assert!(u128::from(by.quotient(dividend)) == product >> 95);
+                assert_reached!(u128::from(by.quotient(dividend)) == product >> 95);
             }
             cover!(s, dividend >> 33 > 0, "a quotient");
         }

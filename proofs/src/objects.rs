@@ -144,7 +144,7 @@ property! {
             gap = gap.min(half[i] - x[i].abs());
         }
         if let Some(away) = Direction::of(vector(beyond)) {
-            assert!(is_root(-bits(seen.depth), squares(beyond)) && seen.normal == away);
+            assert_reached!(is_root(-bits(seen.depth), squares(beyond)) && seen.normal == away);
         } else {
             assert!(bits(seen.depth) == gap);
             let faces = (0..3).filter(|i| half[*i] - x[*i].abs() == gap);
@@ -152,10 +152,10 @@ property! {
                 let middle = x[i] == 0 && parts(&side)[i] < 0;
                 Direction::along(i, x[i] < 0 || middle)
             });
-            assert!(normals.any(|normal| seen.normal == normal));
+            assert_reached!(normals.any(|normal| seen.normal == normal));
         }
         for i in 0..3 {
-            assert!(both(i).iter().all(|way| ways(&body).contains(way)));
+            assert_reached!(both(i).iter().all(|way| ways(&body).contains(way)));
         }
         assert!(ways(&body).len() == 6 && !Surface::<N>::is_round(&body));
         cover!(s, x == [0; 3], "the middle");
@@ -242,11 +242,11 @@ property! {
             way[axis] = (along.signum() * -cap) as f64;
             let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
             let normal = parts(&seen.normal).map(|x| x as f64 / ONE as f64 * size);
-            assert!(way.iter().zip(normal).all(|(way, normal)| (way - normal).abs() <= RIM));
+            assert_reached!(way.iter().zip(normal).all(|(way, normal)| (way - normal).abs() <= RIM));
         } else {
             assert!(depth == wall.min(cap));
             let end = Direction::along(axis, along < 0);
-            assert!(seen.normal == if wall < cap { around } else { end });
+            assert_reached!(seen.normal == if wall < cap { around } else { end });
         }
         assert!(ways(&body) == both(axis) && !Surface::<N>::is_round(&body));
         cover!(s, wall < 0 && cap < 0, "off the rim");
@@ -312,9 +312,9 @@ property! {
             let below = came < 0 || came == 0 && x[axis] < 0;
             let height = if below { -x[axis] } else { x[axis] };
             assert!(seen.normal == Direction::along(axis, below));
-            assert!(bits(seen.depth) == bits(plate.body.half.0[axis]) - height);
+            assert_reached!(bits(seen.depth) == bits(plate.body.half.0[axis]) - height);
         } else {
-            assert!(seen == plate.body.nearest(vector(at), &side));
+            assert_reached!(seen == plate.body.nearest(vector(at), &side));
         }
         assert!(ways(&plate) == both(axis));
         cover!(s, is_over(&plate, x) && came > 0 && x[axis] < 0, "pressed through");
@@ -337,7 +337,7 @@ property! {
         // Of an axis that is a quantum shorter than 1, rounded down.
         let cosine = (parts(&u)[axis] * parts(&side)[axis]).div_euclid(ONE);
         if !is_over(&plate, x) || cosine <= 0 {
-            assert!(way.is_none());
+            assert_reached!(way.is_none());
             return;
         }
         let depth = bits(seen.depth);

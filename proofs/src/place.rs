@@ -73,7 +73,7 @@ placed_property! {
             while i < 3 {
                 let sample = laws[i].tick(&mut states[i], Position::zero() - at[i]);
                 assert!(ahead.at.0[i] == Position::zero() - sample.e);
-                assert!(ahead.moved.0[i] == Position::zero() - sample.moved);
+                assert_reached!(ahead.moved.0[i] == Position::zero() - sample.moved);
                 laws[i].commanded(&mut states[i], force[i]);
                 i += 1;
             }

@@ -95,7 +95,7 @@ property! {
         let real = || planes.iter().filter(|plane| parts(&plane.normal) != [0; 3]);
         let depths = || real().map(|plane| (bits(plane.height) - along(&plane.normal, at), plane.normal));
         let Some(least) = depths().map(|(depth, _)| depth).min() else {
-            assert!(seen == Nearest { normal: side, depth: position(-1) } && ways(&body).is_empty());
+            assert_reached!(seen == Nearest { normal: side, depth: position(-1) } && ways(&body).is_empty());
             return;
         };
         let mut nearest = depths().filter(|(depth, _)| *depth == least).map(|(_, normal)| normal);
@@ -170,13 +170,13 @@ property! {
         let depth = bits(seen.depth);
         assert!(ways(&edge) == [one, other] && !Surface::<N>::is_round(&edge));
         let normal = if a <= 0 && b <= 0 {
-            assert!(depth == -a.max(b));
+            assert_reached!(depth == -a.max(b));
             if b > a { other } else { one }
         } else if a > 0 && b - times(cosine, a) <= 0 {
-            assert!(depth == -a);
+            assert_reached!(depth == -a);
             one
         } else if b > 0 && a - times(cosine, b) <= 0 {
-            assert!(depth == -b);
+            assert_reached!(depth == -b);
             other
         } else {
             assume!(s, sine2 > ONE * ONE / 4, "Edge::new: flatter edges are less exact, as it says");
@@ -192,7 +192,7 @@ property! {
             cover!(s, far > 2 * EDGE, "the edge itself");
             return;
         };
-        assert!(seen.normal == normal);
+        assert_reached!(seen.normal == normal);
     }
 }
 property! {

@@ -152,7 +152,7 @@ lawful_property! {
         let expected = if accepted { told(&settings).tdpa() } else { None };
         let as_one = match &found {
             Some(AnyLaw::Tdpa(law, _)) => {
-                assert!(energy(law.energy_cap) == of_law::ENERGY_CAP);
+                assert_reached!(energy(law.energy_cap) == of_law::ENERGY_CAP);
                 Some(specified::at32::tdpa(law))
             }
             _ => None,
@@ -245,7 +245,7 @@ lawful_property! {
             Some(AnyLaw::Enhanced(law, _)) => {
                 assert!(energy(law.energy_cap) == of_law::ENERGY_CAP);
                 assert!(law.by_coupling.0 == N::divisor(law.mass.stiffness.0));
-                assert!(law.mass.by_total.0 == N::divisor(law.mass.total.0));
+                assert_reached!(law.mass.by_total.0 == N::divisor(law.mass.total.0));
                 Some(specified::at32::enhanced(law, law.series.0.divisor.into()))
             }
             _ => None,

@@ -20,18 +20,18 @@ property! {
         let bits = s.i64();
         let si = Si::from_bits(bits);
         if let Some(gain) = Fixed32::gain(si) {
-            assert!(bits >= 0 && i64::from(gain.to_bits()) == bits >> 20);
+            assert_reached!(bits >= 0 && i64::from(gain.to_bits()) == bits >> 20);
         } else {
-            assert!(bits < 0 || bits >> 20 > i64::from(i32::MAX));
+            assert_reached!(bits < 0 || bits >> 20 > i64::from(i32::MAX));
         }
         if let Some(ratio) = Fixed32::ratio(si) {
-            assert!(bits >= 0 && i64::from(ratio.to_bits()) == bits >> 8);
+            assert_reached!(bits >= 0 && i64::from(ratio.to_bits()) == bits >> 8);
         }
         if let Some(signal) = Fixed32::signal(si) {
-            assert!(u64::from(signal.to_bits().unsigned_abs()) == bits.unsigned_abs() >> 8);
+            assert_reached!(u64::from(signal.to_bits().unsigned_abs()) == bits.unsigned_abs() >> 8);
         }
         if let Some(energy) = Fixed32::energy(si) {
-            assert!(energy.to_bits().unsigned_abs() == bits.unsigned_abs() << 16);
+            assert_reached!(energy.to_bits().unsigned_abs() == bits.unsigned_abs() << 16);
         }
         cover!(s, bits < 0 && Fixed32::signal(si).is_some(), "negative signal");
         cover!(s, bits > 0 && Fixed32::gain(si).is_none(), "too stiff");
@@ -182,7 +182,7 @@ mod tests {
             let settings = settings(s);
             let built = Controller::<Fixed32>::new(&settings);
             if let Ok(controller) = &built {
-                assert!(settings.validate().is_ok());
+                assert_reached!(settings.validate().is_ok());
                 assert!(
                     satisfies_assumptions(controller),
                     "{settings:?}\n{controller:?}"
@@ -279,7 +279,7 @@ mod tests {
         };
         assert!(with(1, "100").validate().is_ok() && with(100_000, "0.000001").validate().is_ok());
         assert!(with(0, "1").validate().is_err() && with(100_001, "1").validate().is_err());
-        assert!(
+        assert_reached!(
             with(1_000, "100.000001").validate().is_err() && with(1_000, "0").validate().is_err()
         );
     }

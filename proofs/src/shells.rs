@@ -110,12 +110,12 @@ property! {
             let mut law = spring(stiff);
             let size = law.tick(Sample { e: position(e), moved: Position::zero() });
             let size = N::of_signal(size.0);
-            assert!(force_bits(told)[i] == if part < 0 { -size } else { size });
+            assert_reached!(force_bits(told)[i] == if part < 0 { -size } else { size });
         }
         // A coordinate of 0 is on the positive side, whatever the law of its axis wants there.
         let pushing = PerAxis::new([Pushes; 3], leaving).tick(&touched);
         for (i, part) in parts(&normal).into_iter().enumerate() {
-            assert!(force_bits(pushing)[i] == if part < 0 { -1 } else { 1 });
+            assert_reached!(force_bits(pushing)[i] == if part < 0 { -1 } else { 1 });
         }
         cover!(s, force_bits(told).iter().all(|f| *f < 0), "against all axes");
     }
@@ -153,7 +153,7 @@ property! {
             let size = N::of_signal(size.0);
             // A component of 0 keeps the side that it had.
             let negative = if after == 0 { before < 0 } else { after < 0 };
-            assert!(force_bits(told)[i] == if negative { -size } else { size });
+            assert_reached!(force_bits(told)[i] == if negative { -size } else { size });
         }
         cover!(s, straight && depth != was && depth > 0, "straight in");
         cover!(s, turned && depth > 0 && inwards != 0, "turned");
@@ -186,7 +186,7 @@ property! {
             let way = less(at, last.unwrap_or(at));
             last = Some(at);
             if depth <= 0 {
-                assert!(told == Vector::default() && energy(shell.energy()) == 0);
+                assert_reached!(told == Vector::default() && energy(shell.energy()) == 0);
                 (sum, pull) = (0, [0; 3]);
                 continue;
             }
@@ -251,7 +251,7 @@ property! {
                 if let Some((guard, state)) = &mut guard {
                     guard.commanded(state, Vector::default());
                 }
-                assert!(wall.guard == guard);
+                assert_reached!(wall.guard == guard);
             }
             cover!(s, told.is_err(), "overspeed");
             cover!(s, told.is_ok_and(|told| squares(force_bits(told)) > 0 && told != pull), "guarded");

@@ -115,7 +115,7 @@ macro_rules! space {
                     let v = positions::<N, S>(s);
                     let bits = position_bits(v);
                     let Some(u) = Direction::of(v) else {
-                        assert!(bits == [0; 3]);
+                        assert_reached!(bits == [0; 3]);
                         return;
                     };
                     assert!(bits != [0; 3]);
@@ -153,7 +153,7 @@ macro_rules! space {
                         let bits = force_bits(v);
                         assert!(squares::<N>(bits) > most * most);
                         for (a, b) in after.into_iter().zip(bits) {
-                            assert!(a.abs() <= b.abs() && (a == 0 || (a < 0) == (b < 0)));
+                            assert_reached!(a.abs() <= b.abs() && (a == 0 || (a < 0) == (b < 0)));
                         }
                     }
                     cover!(s, !stays && after[0] != 0, "shortened");
@@ -277,7 +277,7 @@ macro_rules! space {
                     assert!(force_bits(first) == [0; 3]);
                     let _ = law.tick(&mut state, &touch, pressed);
                     if pressed <= Force::zero() {
-                        assert!(state == FrictionState::default());
+                        assert_reached!(state == FrictionState::default());
                         return;
                     }
                     let reach = |compliance: Compliance<N>| N::exact(N::of_signal((compliance * pressed).0));

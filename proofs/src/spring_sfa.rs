@@ -34,7 +34,7 @@ macro_rules! spring_sfa {
                     assert!(law.holds(&state));
                     assert!(force >= Force::zero() && force <= law.limit);
                     if e <= Position::zero() {
-                        assert!(force == Force::zero() && state == SpringState::default());
+                        assert_reached!(force == Force::zero() && state == SpringState::default());
                     }
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
                     cover!(s, e > Position::zero() && force == Force::zero(), "the damper takes it all");
@@ -102,7 +102,7 @@ macro_rules! spring_sfa {
                     assert!(state.last == e && state.before_last == before.last);
                     if force == Force::zero() && law.limit > Force::zero() {
                         let cleared = SfaState { last: e, before_last: before.last, ..SfaState::default() };
-                        assert!(state == cleared);
+                        assert_reached!(state == cleared);
                     }
                     // In first contact the surface is the undeformed wall's.
                     let first = before.contact != Contact::Augmenting && state.contact != Contact::Augmenting;

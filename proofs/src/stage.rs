@@ -137,11 +137,8 @@ pub mod w8 {
             assert!(after.tripped || !before.tripped);
             assert!(force == after.state.force);
             assert!(!after.tripped || force == Force::zero());
-            if wanted >= Force::zero() {
-                assert!(force >= Force::zero() && force <= wanted);
-            } else {
-                assert!(force <= Force::zero() && force >= wanted);
-            }
+            let (least, most) = (wanted.min(Force::zero()), wanted.max(Force::zero()));
+            assert!(force >= least && force <= most);
             assert!(after.limited == (force != wanted) && after.last == Some(e));
             cover!(s, before.tripped && wanted != Force::zero(), "stays off");
             cover!(s, after.tripped && !before.tripped, "trips");
@@ -166,7 +163,7 @@ pub mod w8 {
             let moved = before.last.map_or(Position::zero(), |last| e - last).modulus();
             if acts && moved <= before.guard.furthest {
                 let last = before.last.map(|last| N::of_signal(last.0));
-                assert!(measured == x && last.is_some_and(|last| last.abs() < N::of_signal(N::HIGHEST)));
+                assert_reached!(measured == x && last.is_some_and(|last| last.abs() < N::of_signal(N::HIGHEST)));
             }
             cover!(s, acts && measured != x, "overspeed into the end");
             cover!(s, after.tripped && !before.tripped && after.state.older != Force::zero(), "the last force is on its way");
@@ -232,10 +229,10 @@ pub mod w32 {
             match before.guard.tick_with_change(&mut state, moved, before_change, wanted) {
                 Ok(_) if ends => {
                     let none = GuardState { force: Force::zero(), ..state };
-                    assert!(after.tripped && force == Force::zero() && after.state == none);
+                    assert_reached!(after.tripped && force == Force::zero() && after.state == none);
                 }
-                Ok(alone) => assert!(!after.tripped && alone == force && state == after.state),
-                Err(_) => assert!(after.tripped && state.account == after.state.account),
+                Ok(alone) => assert_reached!(!after.tripped && alone == force && state == after.state),
+                Err(_) => assert_reached!(after.tripped && state.account == after.state.account),
             }
             assert!(after.guard == before.guard && after.last == Some(e));
             cover!(s, before.last.is_none() && force != Force::zero(), "the first sample");

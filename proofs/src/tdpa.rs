@@ -132,14 +132,14 @@ macro_rules! tdpa {
                     let force = law.exact_force(energy, wanted, moved);
                     let repeat = energy + wanted * moved;
                     if moved == Position::zero() || repeat >= Energy::zero() {
-                        assert!(force == wanted);
+                        assert_reached!(force == wanted);
                     } else {
                         let enough = energy.per_displacement(moved);
                         assert!(enough >= Force::zero() && (force == enough || force == -enough));
                         // A surplus is spent outward; a deficit is worked off against the motion.
                         let absorbs = (force.0 > 0) == (moved.0 > 0);
                         assert!(enough == Force::zero() || absorbs == (energy < Energy::zero()));
-                        assert!(energy < Energy::zero() || moved < Position::zero());
+                        assert_reached!(energy < Energy::zero() || moved < Position::zero());
                     }
                     cover!(s, force < Force::zero(), "pulls");
                     cover!(s, energy < Energy::zero() && force > wanted, "pushes harder");
@@ -159,7 +159,7 @@ macro_rules! tdpa {
                     assume!(s, e <= Position::zero(), "case; inside is p4_tick_keeps_invariant");
                     cover!(s, state.inside && state.energy < Energy::zero() && e == Position::zero(), "with a deficit");
                     assert!(law.tick(&mut state, sample) == Force::zero());
-                    assert!(state == TdpaState::default());
+                    assert_reached!(state == TdpaState::default());
                 }
             }
         }

@@ -101,7 +101,7 @@ fn is_as_said<N: Format + Spatial>(
         let size = wide(N::of_signal(before.size.0)).max(older);
         let over = (wide(N::of_signal_ratio(law.overrun.0)) * size) >> N::SIGNAL_BITS;
         let way = (over + 1).min(wide(N::of_signal(N::HIGHEST)));
-        assert!(answer == Err(Overspeed) && cleared(energy(before.account) - size * way));
+        assert_reached!(answer == Err(Overspeed) && cleared(energy(before.account) - size * way));
         return;
     }
     let Ok(force) = answer else {
@@ -111,7 +111,7 @@ fn is_as_said<N: Format + Spatial>(
     if before.account < Energy::zero() {
         // With a deficit no force is shown.
         assert!(force_bits(force) == [0; 3]);
-        assert!(cleared(
+        assert_reached!(cleared(
             (energy(before.account) + refilled).min(energy(law.capacity))
         ));
         return;
@@ -136,10 +136,10 @@ fn is_as_said<N: Format + Spatial>(
     assert!(long <= limit || sum_of_squares(shown) >= (limit - 6).max(0).pow(2));
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let turned = wide(shown[i]) * wide(wanted[j]) - wide(shown[j]) * wide(wanted[i]);
-        assert!(turned.abs() <= 3 * wide(wanted[i].abs() + wanted[j].abs()));
+        assert_reached!(turned.abs() <= 3 * wide(wanted[i].abs() + wanted[j].abs()));
     }
     assert!(after.against == -force && after.older == before.against);
-    assert!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
+    assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
 /// As shipped, on samples.
@@ -353,6 +353,6 @@ pub mod w8 {
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {
-        assert!(guard().of_length.valid());
+        assert_reached!(guard().of_length.valid());
     }
 }

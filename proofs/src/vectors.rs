@@ -45,7 +45,7 @@ property! {
             assert!(of(v + w) == shown(of(v) + of(w)));
             assert!(of(v - w) == shown(of(v) - of(w)));
             assert!(of(-v) == shown(-of(v)));
-            assert!(of(v.map(|x| x + x)) == shown(2 * of(v)));
+            assert_reached!(of(v.map(|x| x + x)) == shown(2 * of(v)));
         }
         cover!(s, v + w == v - w && v != w, "nothing is added");
     }
@@ -62,7 +62,7 @@ property! {
             // Any of them: one comparison is quicker than three.
             let axis = usize::from(s.u8() % 3);
             let part = N::of_signal(u.0[axis]) * N::of_signal(length.0);
-            assert!(N::of_signal(way.0[axis].0) == part / 128);
+            assert_reached!(N::of_signal(way.0[axis].0) == part / 128);
         }
         cover!(s, N::of_signal(way.0[0].0) < 0, "back");
     }
@@ -79,7 +79,7 @@ property! {
             // Any of them: one comparison is quicker than three.
             let axis = usize::from(s.u8() % 3);
             let part = N::of_signal(u.0[axis]) * N::of_signal(force.0);
-            assert!(N::of_signal(pull.0[axis].0) == part / 128);
+            assert_reached!(N::of_signal(pull.0[axis].0) == part / 128);
         }
         cover!(s, N::of_signal(pull.0[2].0) < 0, "down");
     }
@@ -96,7 +96,7 @@ property! {
         for of in 0..3 {
             assert!(N::of_signal(other.0[of]) == -N::of_signal(u.0[of]));
             let part = N::of_signal(along.0[of]);
-            assert!((part != 0) == (of == axis) && (part < 0) == (of == axis && against));
+            assert_reached!((part != 0) == (of == axis) && (part < 0) == (of == axis && against));
         }
         assert!(Direction::<N>::default() == Direction::along(2, false));
         cover!(s, against && axis == 1, "against y");
@@ -169,7 +169,7 @@ property! {
         for (axis, u) in [a, b, c].into_iter().enumerate() {
             // In quanta and their 128 times 128th parts.
             let exact = was[axis] * 128 * 128 - inner * u;
-            assert!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
+            assert_reached!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
         }
         cover!(s, across != was && across != [0; 3], "a part is across");
     }
@@ -185,7 +185,7 @@ property! {
         let after = v.within(Position(<N as Number>::Signal::from_bits(limit as i8)));
         let square = |v: Vector<Position<N>>| v.0.iter().map(|x| N::of_signal(x.0).pow(2)).sum::<i64>();
         if square(v) <= limit * limit {
-            assert!(after == v);
+            assert_reached!(after == v);
             return;
         }
         let least = (limit - 6).max(0);

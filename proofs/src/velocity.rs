@@ -64,7 +64,7 @@ bounded_property! {
         if let Some(after) = &after {
             assert!(holds(after));
             assert!(after.position.0 == i64::from(measured.0.to_bits()) << 30 && after.pushed == before.pushed);
-            assert!(after.moved.0.unsigned_abs() <= 4 * RAD.unsigned_abs());
+            assert_reached!(after.moved.0.unsigned_abs() <= 4 * RAD.unsigned_abs());
         }
         cover!(s, after.is_none(), "starts anew");
         cover!(s, after.is_some_and(|after| after.moved.0 < -RAD), "fast");

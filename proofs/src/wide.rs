@@ -23,10 +23,10 @@ property! {
         let (of_a, of_b) = (i128::from(a.0), i128::from(b.0));
         let fits = |x: i128| i64::try_from(x).is_ok();
         if fits(of_a + of_b) {
-            assert!(i128::from(a.plus_fitting(b).0) == of_a + of_b);
+            assert_reached!(i128::from(a.plus_fitting(b).0) == of_a + of_b);
         }
         if fits(of_a - of_b) {
-            assert!(i128::from(a.minus_fitting(b).0) == of_a - of_b);
+            assert_reached!(i128::from(a.minus_fitting(b).0) == of_a - of_b);
         }
         cover!(s, fits(of_a + of_b) && a.0 < 0 && b.0 < 0, "both negative");
     }
@@ -46,10 +46,10 @@ property! {
             (whole - rest) / (1 << down)
         };
         if whole.abs() < 8 << 54 {
-            assert!(i128::from(state.part()) == digits(26));
+            assert_reached!(i128::from(state.part()) == digits(26));
         }
         if whole.abs() < 128 << 54 {
-            assert!(i128::from(state.torque_part()) == digits(30));
+            assert_reached!(i128::from(state.torque_part()) == digits(30));
         }
         cover!(s, whole < 0 && whole > -(1 << 26), "less than a step below zero");
         cover!(s, whole > 7 << 54 && whole < 8 << 54, "at the end of a part");

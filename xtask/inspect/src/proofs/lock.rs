@@ -8,10 +8,12 @@ use std::path::Path;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
+use super::shown::unshown;
+
 pub const LOCK: &str = "proofs/harnesses.lock";
 const SOURCES: &str = "proofs/src";
 const SPECIFICATION: &str = "proofs/src/spec";
-/// The crate itself: its `assert!` is that of every file.
+/// The crate itself: its `assert_reached!` is that of every file.
 const CRATE: &str = "lib";
 
 /// Whether a macro is one of those that a property is written in: `property!`, `divided_property!`. By a path, `$crate::`, one is handed on.
@@ -45,6 +47,13 @@ impl Statements {
                     let text = std::fs::read_to_string(&path).map_err(said)?;
                     files.insert(format!("{prefix}{}", name(&path)), text);
                 }
+            }
+        }
+        for (file, text) in &files {
+            if let Some(line) = unshown(text)?.first() {
+                return Err(format!(
+                    "{SOURCES}/{file}.rs:{line}: no cover comes after this assertion in its block, so nothing shows that it is reached: `assert_reached!`"
+                ));
             }
         }
         Self::of(&files)

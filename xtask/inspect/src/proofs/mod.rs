@@ -9,6 +9,7 @@ mod memo;
 mod properties;
 mod reach;
 mod report;
+mod shown;
 mod table;
 mod usage;
 

@@ -4,8 +4,8 @@
 //! assertion could not be reached. So its own verdict is only one of the conditions here.
 //!
 //! The checker's own question whether an assertion can be reached is switched off: it asks it of every one in the code too, which takes
-//! a quarter of the time. Each of a property is a cover as well (`assert!` in `proofs/src/lib.rs`), and one without its cover does not
-//! count.
+//! a quarter of the time. Each of a property has a cover after it in its block, which is reached by way of it ([`super::shown`] reads that in
+//! the sources), or is a cover as well (`assert_reached!` in `proofs/src/lib.rs`); one with neither does not count.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use super::usage::Usage;
 
-/// The cover that stands before each assertion of a property.
+/// The cover that stands before an assertion of a property after which no other comes.
 const REACHED: &str = "assertion reached";
 
 /// How the checker's run of one harness ended.
@@ -178,7 +178,19 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
         return Answer::Empty("no cover".into());
     }
     // Several in one macro may have one place; then it has as many covers.
+    let line = |check: &Value| {
+        let line = &check["location"]["line"];
+        line.as_u64()
+            .or(line.as_str().and_then(|it| it.parse().ok()))
+    };
     for check in checks.iter().filter(|check| own_assertion(check)) {
+        let after =
+            |other: &Value| other["function"] == check["function"] && line(other) >= line(check);
+        let own = |other: &&Value| is_reached(other) && line(other) == line(check);
+        let shows = |other: &&Value| is_cover(other) && !own(other) && after(other);
+        if checks.iter().any(|other| shows(&other)) {
+            continue;
+        }
         let here = |other: &&Value| {
             other["location"] == check["location"] && other["function"] == check["function"]
         };

@@ -54,6 +54,26 @@ fn a_success_that_says_nothing_is_none() {
     assert_eq!(empty("w8::no_assertion"), "no assertion");
 }
 
+/// The report with only some of its checks.
+fn recorded_but(dropped: impl Fn(&serde_json::Value) -> bool) -> BTreeMap<String, Verdict> {
+    let mut all: serde_json::Value =
+        serde_json::from_str(include_str!("fixtures/every-end.json")).expect("JSON");
+    let results = all["verification_results"]["results"].as_array_mut();
+    for result in results.expect("results") {
+        let checks = result["checks"].as_array_mut().expect("checks");
+        checks.retain(|check| !dropped(check));
+    }
+    report::read(&all.to_string()).expect("a report")
+}
+
+#[test]
+fn a_cover_after_it_shows_an_assertion_and_one_before_it_does_not() {
+    let found = recorded_but(|check| check["description"] == "assertion reached");
+    assert_eq!(found["w8::proved"].answer, Answer::Proved);
+    let not_asked = |name: &str| matches!(&found[name].answer, Answer::Empty(why) if why.starts_with("not asked"));
+    assert!(not_asked("w8::assertion_unreachable") && not_asked("w8::assertion_not_asked"));
+}
+
 #[test]
 fn a_failed_assertion_is_a_refutation_and_nothing_else_is() {
     assert!(matches!(answer("w8::refuted"), Answer::Refuted(what) if what.contains("x / 2 < x")));
