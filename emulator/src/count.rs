@@ -74,7 +74,7 @@ const CASES: &[Case] = &[
         ramp_s: 0.2,
     },
     Case {
-        name: "press, strictly passive",
+        name: "press, nothing lent",
         settings: |settings| settings.law.energy_credit_j = Si::lit("0"),
         hand: MEDIUM,
         torque_n_m: 0.1,

@@ -12,7 +12,7 @@ use crate::format::Format;
 use crate::source::{Source, one_with};
 use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
-use crate::{assume, cover, property, such};
+use crate::{assume, cover, property, replaced_property, such};
 use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring, SpringState};
 use touchstone_control::{
     AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Settings, Si, States, StatesKind,
@@ -277,7 +277,7 @@ pub fn guard_made<N: Number>(
     })
 }
 
-crate::replaced_property! {
+replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
     (touchstone_control::Guard::new, crate::controller::guard_made)]
     /// P8: a controller is made of the law that its settings become and, where it is on, the guard that they become, and nothing is commanded;
