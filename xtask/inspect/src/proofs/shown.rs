@@ -2,6 +2,7 @@
 //! of it. An assertion without one is one itself: `assert_reached!` (`proofs/src/lib.rs`). Each cover costs a trace of all that happened.
 
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+use quote::ToTokens;
 use syn::{Block, Expr, Macro, Stmt};
 
 const ASSERTION: &str = "assert";
@@ -103,22 +104,16 @@ fn stated(statement: &Stmt) -> Option<&Macro> {
     }
 }
 
-/// Whether there is a cover in a statement, however deep. What an item declares is not done where it stands.
+/// Whether there is a cover in a statement, however deep. What an item declares is not done where it stands, and what has an attribute may
+/// not be there.
 fn covers(statement: &Stmt) -> bool {
-    if let Some(found) = stated(statement)
-        && found
-            .path
-            .segments
-            .last()
-            .is_some_and(|it| COVERS.iter().any(|name| it.ident == name))
-    {
-        return true;
+    if matches!(statement, Stmt::Item(_)) {
+        return false;
     }
-    let tokens = match statement {
-        Stmt::Item(_) => return false,
-        other => quote(other),
-    };
-    within(&tokens)
+    let tokens = statement.to_token_stream();
+    let attribute =
+        |tree: TokenTree| matches!(tree, TokenTree::Punct(mark) if mark.as_char() == '#');
+    !tokens.clone().into_iter().next().is_some_and(attribute) && within(&tokens)
 }
 
 fn within(tokens: &TokenStream) -> bool {
@@ -129,11 +124,6 @@ fn within(tokens: &TokenStream) -> bool {
             .any(|name| invoked(&all, place, name).is_some())
             || matches!(&all[place], TokenTree::Group(group) if within(&group.stream()))
     })
-}
-
-fn quote(statement: &Stmt) -> TokenStream {
-    use quote::ToTokens;
-    statement.to_token_stream()
 }
 
 #[cfg(test)]
@@ -173,6 +163,8 @@ mod tests {
             lines("assert!(a);\nfn later() { cover!(s, b, \"b\"); }"),
             [2]
         );
+        let by_samples = "assert!(a);\n#[cfg(not(kani))]\ncover!(s, b, \"b\");";
+        assert_eq!(lines(by_samples), [2]);
         assert_eq!(
             lines("let a = c && { assert!(a); true };\ncover!(s, b, \"b\");"),
             [2]
