@@ -235,7 +235,7 @@ any_law_property! {
     }
 }
 
-/// For `AnyLaw::new`: a spring that is none, with a limit; or none of a soft wall.
+/// For `AnyLaw::new`: a spring that is none, with the limit that it was told; or none of a stiffness below zero.
 #[cfg(kani)]
 pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsError> {
     let (count, coarsest) = (settings.k_desired, Si::ZERO);
@@ -246,12 +246,12 @@ pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsErr
     let spring = Spring {
         desired: none,
         damping: none,
-        limit: Force::quantum(),
+        limit: Force(N::saturating_signal(settings.force_limit)),
     };
     Ok(AnyLaw::Spring(spring, SpringState::default()))
 }
 
-/// For `Guard::new`: one of zeros and what it holds; or none of an account below zero.
+/// For `Guard::new`: one of what it was told and a full account; or none of an account below zero.
 #[cfg(kani)]
 pub fn guard_made<N: Number>(
     settings: &GuardSettings,
@@ -261,18 +261,18 @@ pub fn guard_made<N: Number>(
     if settings.capacity < Si::ZERO {
         return Err(SettingsError::TooCoarse { count, coarsest });
     }
-    let zero = Position::zero();
+    let told = |value| Position(N::saturating_signal(value));
     Ok(Guard {
-        capacity: Energy::zero(),
+        capacity: Force::quantum() * Position::quantum(),
         refill: Energy::zero(),
         damping: Stiffness::zero(),
-        furthest: Position::quantum(),
-        count: zero,
+        furthest: told(device.force_limit),
+        count: told(device.count),
         late: Ratio::zero(),
         stray: Compliance::zero(),
-        slack: zero,
+        slack: told(settings.capacity),
         per_reach: Stiffness::zero(),
-        in_flight: zero,
+        in_flight: Position::zero(),
         overrun: Compliance::zero(),
     })
 }
@@ -280,37 +280,33 @@ pub fn guard_made<N: Number>(
 replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
     (touchstone_control::Guard::new, crate::controller::guard_made)]
-    /// P8: a controller is made of the law that its settings become and, where it is on, the guard that they become, and nothing is commanded;
-    /// it is refused where one of these is, and for no other reason.
+    /// P8: with states as measured, a controller is made of the law that its settings become and, where it is on, the guard that they become, and
+    /// nothing is commanded; it is refused where one of these is, and for no other reason.
     equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
-    over "guard on or off, its account, the desired stiffness; under the checker a law and a guard that are made or not"
+    over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law and a guard that are what they were told, or none"
     by cadical fn p8_controller_made(s) {
         let mut settings = Settings {
             states: StatesKind::Measured,
             ..Settings::default()
         };
         settings.guard.on = s.bool();
-        for value in [&mut settings.guard.capacity, &mut settings.k_desired] {
+        let told = [&mut settings.guard.capacity, &mut settings.k_desired, &mut settings.force_limit, &mut settings.position.count];
+        for value in told {
             let any = Si::from_bits(s.i64());
-            *value = if s.shortcut() { any.min(*value) } else { any };
+            *value = if s.shortcut() { Si::from_bits(value.to_bits() - (any.to_bits() & 7)) } else { any };
         }
         let found = Controller::<Fixed32>::new(&settings);
         let law = AnyLaw::<Fixed32>::new(&settings);
         let guard = Guard::<Fixed32>::new(&settings.guard, &settings.guarded_device());
         let guard = settings.guard.on.then_some(guard).transpose();
-        match (found, law, guard) {
-            (Ok(found), Ok(law), Ok(guard)) => {
-                assert!(found.law == law && found.guard == guard.map(Guarded::new));
-                assert!(found.last_commanded() == Force::zero());
-                cover!(s, found.guard.is_some(), "with a guard");
-                cover!(s, found.guard.is_none(), "without one");
-            }
-            (Err(_), law, guard) => {
-                assert!(law.is_err() || guard.is_err());
-                cover!(s, law.is_err(), "no law");
-                cover!(s, guard.is_err(), "no guard");
-            }
-            _ => assert!(false, "made of what is not"),
+        assert!(found.is_err() == (law.is_err() || guard.is_err()));
+        cover!(s, law.is_err(), "no law");
+        cover!(s, guard.is_err(), "no guard");
+        if let (Ok(found), Ok(law), Ok(guard)) = (found, law, guard) {
+            assert!(found.law == law && found.guard == guard.map(Guarded::new));
+            assert!(found.states == States::default() && found.last_commanded() == Force::zero());
+            cover!(s, found.guard.is_some(), "with a guard");
+            cover!(s, found.guard.is_none(), "without one");
         }
     }
 }

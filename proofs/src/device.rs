@@ -159,10 +159,10 @@ property! {
         let mut machine = Machine::at(before);
         let changed = machine.handle(event);
         let after = machine.state();
+        assert!(changed == (after != before));
         // No short circuits: the compiler would split the check in two, one of them unreachable.
         cover!(s, changed & (after == State::Armed), "armed");
         cover!(s, changed & (after == State::Calibrating) & (before == State::Stopped), "again");
-        assert!(changed == (after != before));
         if changed {
             match after {
                 State::Armed => assert_reached!(before == State::Ready && event == Event::Command(Command::Arm)),

@@ -151,7 +151,7 @@ macro_rules! space {
                     // Of one that stays, there is no more to say.
                     if !stays {
                         let bits = force_bits(v);
-                        assert!(squares::<N>(bits) > most * most);
+                        assert_reached!(squares::<N>(bits) > most * most);
                         for (a, b) in after.into_iter().zip(bits) {
                             assert_reached!(a.abs() <= b.abs() && (a == 0 || (a < 0) == (b < 0)));
                         }

@@ -71,7 +71,7 @@ bounded_property! {
     }
 }
 property! {
-    /// P11: what a tick is without brake and drive: a displacement per tick moves by itself, an acceleration by its half.
+    /// P11: the tick without brake and drive that trackers take: a displacement per tick moves by itself, an acceleration by its half.
     equation "V = 1, X = 1/2, β V = 0"
     over "nothing"
     by cadical fn p11_free(s) {

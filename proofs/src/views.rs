@@ -77,7 +77,7 @@ property! {
     by cadical fn p1_observer_exact(s) {
         let mut at = N::any_position(s);
         let mut observer = ExactObserver::new(at);
-        assert!(observer.energy == Energy::zero());
+        assert_reached!(observer.energy == Energy::zero());
         let (mut energy, mut acted) = (0, 0);
         for _ in 0..2 {
             let (x, force) = (N::any_position(s), N::any_force(s));
@@ -97,7 +97,7 @@ property! {
     by kissat fn p1_observer_thesis(s) {
         let mut at = N::any_position(s);
         let mut observer = ThesisObserver::new(at);
-        assert!(observer.energy == Energy::zero());
+        assert_reached!(observer.energy == Energy::zero());
         let mut energy = 0;
         for _ in 0..2 {
             let (x, force) = (N::any_position(s), N::any_force(s));

@@ -43,6 +43,12 @@ impl Statements {
             let said = |why: std::io::Error| format!("{folder}: {why}");
             for entry in std::fs::read_dir(folder).map_err(said)? {
                 let path = entry.map_err(said)?.path();
+                if path.is_dir() && path != Path::new(SPECIFICATION) {
+                    return Err(format!(
+                        "{}: a folder that the gate does not read",
+                        path.display()
+                    ));
+                }
                 if path.extension().is_some_and(|end| end == "rs") {
                     let text = std::fs::read_to_string(&path).map_err(said)?;
                     files.insert(format!("{prefix}{}", name(&path)), text);
@@ -52,7 +58,7 @@ impl Statements {
         for (file, text) in &files {
             if let Some(line) = unshown(text)?.first() {
                 return Err(format!(
-                    "{SOURCES}/{file}.rs:{line}: no cover comes after this assertion in its block, so nothing shows that it is reached: `assert_reached!`"
+                    "{SOURCES}/{file}.rs:{line}: no `cover!` is a statement after this assertion in its block, so nothing shows that it is reached: `assert_reached!`"
                 ));
             }
         }

@@ -1,15 +1,24 @@
-//! Which assertions of the properties a cover shows to be reached: one that comes after it in the same block, and so is reached only by way
-//! of it. An assertion without one is one itself: `assert_reached!` (`proofs/src/lib.rs`). Each cover costs a trace of all that happened.
+//! Which assertions of the properties a cover shows to be reached: one that comes after it as a statement of the same block, and so is reached
+//! only by way of it. An assertion without one is one itself: `assert_reached!` (`proofs/src/lib.rs`). Each cover costs a trace of all that happened.
 
-use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
-use quote::ToTokens;
-use syn::{Block, Expr, Macro, Stmt};
+use proc_macro2::{Delimiter, Group, LineColumn, TokenStream, TokenTree};
+use syn::parse::Parser;
+use syn::punctuated::Punctuated;
+use syn::{Block, Expr, ExprLit, Lit, Stmt, StmtMacro, Token};
 
-const ASSERTION: &str = "assert";
+/// What the checker reports as an assertion of the property, with how many arguments before any words.
+const ASSERTIONS: [(&str, usize); 6] = [
+    ("assert", 1),
+    ("assert_eq", 2),
+    ("assert_ne", 2),
+    ("debug_assert", 1),
+    ("debug_assert_eq", 2),
+    ("debug_assert_ne", 2),
+];
 /// What is to be reached by itself.
 const COVERS: [&str; 2] = ["cover", "assert_reached"];
 
-/// The lines of a source in which an `assert!` of a condition alone stands that no cover shows.
+/// The lines of a source in which an assertion without words stands that no cover shows.
 pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     let tokens: TokenStream = text.parse().map_err(|why| format!("{why}"))?;
     let mut lines = Vec::new();
@@ -18,49 +27,70 @@ pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
 }
 
 /// Of the assertions among these tokens themselves those that are not `shown`, and of each group in them.
-fn look(tokens: &TokenStream, shown: &[usize], lines: &mut Vec<usize>) {
+fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
     let all: Vec<TokenTree> = tokens.clone().into_iter().collect();
     for (place, tree) in all.iter().enumerate() {
-        if let Some(name) = invoked(&all, place, ASSERTION) {
-            let line = name.span().start().line;
-            if !shown.contains(&line) && !has_words(&all[place + 2]) && !is_of_core(&all, place) {
-                lines.push(line);
+        if is_asserted(&all, place) {
+            let at = tree.span().start();
+            if !shown.contains(&at) {
+                lines.push(at.line);
             }
         }
-        if let TokenTree::Group(group) = tree {
+        if let TokenTree::Group(group) = tree
+            && !is_out_of_it(&all, place)
+        {
             look(&group.stream(), &of_block(group), lines);
         }
     }
 }
 
-/// A macro's name where it is called.
-fn invoked<'t>(all: &'t [TokenTree], place: usize, name: &str) -> Option<&'t TokenTree> {
-    let is = matches!(&all[place], TokenTree::Ident(ident) if ident == name);
-    let called =
-        matches!(all.get(place + 1), Some(TokenTree::Punct(mark)) if mark.as_char() == '!');
-    let with = matches!(all.get(place + 2), Some(TokenTree::Group(_)));
-    (is && called && with).then(|| &all[place])
-}
-
-/// `core::assert!`, of which the macros are made.
-fn is_of_core(all: &[TokenTree], place: usize) -> bool {
-    place > 0 && matches!(&all[place - 1], TokenTree::Punct(mark) if mark.as_char() == ':')
-}
-
-/// Whether an assertion has words of its own: what stands in the place of the code has, and not every harness asks it.
-fn has_words(arguments: &TokenTree) -> bool {
-    let TokenTree::Group(group) = arguments else {
+/// Whether an assertion without words of its own is made here. What has words stands in the place of the code, and not every harness asks it.
+fn is_asserted(all: &[TokenTree], place: usize) -> bool {
+    let [
+        TokenTree::Ident(name),
+        TokenTree::Punct(mark),
+        TokenTree::Group(arguments),
+    ] = &all[place..(place + 3).min(all.len())]
+    else {
         return false;
     };
-    let all: Vec<TokenTree> = group.stream().into_iter().collect();
-    let comma = |tree: &TokenTree| matches!(tree, TokenTree::Punct(mark) if mark.as_char() == ',');
-    all.iter()
-        .position(comma)
-        .is_some_and(|at| at + 1 < all.len())
+    let known = ASSERTIONS.iter().find(|(known, _)| name == known);
+    known.is_some_and(|(_, before)| {
+        mark.as_char() == '!' && !has_words(&arguments.stream(), *before)
+    })
 }
 
-/// The lines of those assertions of a block after which there is a cover in it.
-fn of_block(group: &Group) -> Vec<usize> {
+/// A string after so many arguments.
+fn has_words(arguments: &TokenStream, before: usize) -> bool {
+    let parser = Punctuated::<Expr, Token![,]>::parse_terminated;
+    let Ok(all) = parser.parse2(plain(arguments.clone())) else {
+        return false;
+    };
+    let words = |it: &Expr| {
+        matches!(
+            it,
+            Expr::Lit(ExprLit {
+                lit: Lit::Str(_),
+                ..
+            })
+        )
+    };
+    all.iter().nth(before).is_some_and(words)
+}
+
+/// The body of `macro_rules! assert_reached`, which has the cover in it, and what only a test without the checker has.
+fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
+    let before = |back: usize| {
+        let tree = place.checked_sub(back).map(|at| &all[at]);
+        tree.map(ToString::to_string).unwrap_or_default()
+    };
+    let reached = before(1) == "assert_reached" && before(2) == "!" && before(3) == "macro_rules";
+    let tests = before(2) == "mod" && before(3).contains("cfg") && before(3).contains("test");
+    reached || tests
+}
+
+/// Where those assertions of a block are after which there is a cover in it.
+fn of_block(group: &Group) -> Vec<LineColumn> {
     if group.delimiter() != Delimiter::Brace {
         return Vec::new();
     }
@@ -68,15 +98,24 @@ fn of_block(group: &Group) -> Vec<usize> {
     let Ok(block) = syn::parse2::<Block>(braced.into()) else {
         return Vec::new();
     };
+    let is = |statement: &StmtMacro, names: &[&str]| {
+        let last = statement.mac.path.segments.last();
+        // What has an attribute may not be there.
+        statement.attrs.is_empty()
+            && last.is_some_and(|it| names.iter().any(|name| it.ident == name))
+    };
+    let assertions = ASSERTIONS.map(|(name, _)| name);
     let mut shown = Vec::new();
-    for (place, statement) in block.stmts.iter().enumerate() {
-        let later = &block.stmts[place + 1..];
-        if let Some(found) = stated(statement)
-            && found.path.is_ident(ASSERTION)
-            && later.iter().any(covers)
-        {
-            let name = found.path.segments[0].ident.span();
-            shown.push(name.start().line);
+    let mut covered = false;
+    for statement in block.stmts.iter().rev() {
+        let Stmt::Macro(statement) = statement else {
+            continue;
+        };
+        if is(statement, &COVERS) {
+            covered = true;
+        } else if covered && is(statement, &assertions) {
+            let last = statement.mac.path.segments.last();
+            shown.extend(last.map(|it| it.ident.span().start()));
         }
     }
     shown
@@ -96,36 +135,6 @@ fn plain(tokens: TokenStream) -> TokenStream {
     kept.collect()
 }
 
-fn stated(statement: &Stmt) -> Option<&Macro> {
-    match statement {
-        Stmt::Macro(found) => Some(&found.mac),
-        Stmt::Expr(Expr::Macro(found), _) => Some(&found.mac),
-        _ => None,
-    }
-}
-
-/// Whether there is a cover in a statement, however deep. What an item declares is not done where it stands, and what has an attribute may
-/// not be there.
-fn covers(statement: &Stmt) -> bool {
-    if matches!(statement, Stmt::Item(_)) {
-        return false;
-    }
-    let tokens = statement.to_token_stream();
-    let attribute =
-        |tree: TokenTree| matches!(tree, TokenTree::Punct(mark) if mark.as_char() == '#');
-    !tokens.clone().into_iter().next().is_some_and(attribute) && within(&tokens)
-}
-
-fn within(tokens: &TokenStream) -> bool {
-    let all: Vec<TokenTree> = tokens.clone().into_iter().collect();
-    (0..all.len()).any(|place| {
-        COVERS
-            .iter()
-            .any(|name| invoked(&all, place, name).is_some())
-            || matches!(&all[place], TokenTree::Group(group) if within(&group.stream()))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,7 +148,6 @@ mod tests {
     #[test]
     fn a_cover_after_it_in_its_block_shows_an_assertion() {
         assert!(lines("assert!(a);\ncover!(s, b, \"b\");").is_empty());
-        assert!(lines("assert!(a);\nif b {\ncover!(s, b, \"b\");\n}").is_empty());
         assert!(lines("if a {\nassert!(b);\ncover!(s, true, \"a\");\n}").is_empty());
         assert!(
             lines("for a in $all {\nassert!($b);\n$crate::cover!(s, $b, \"b\");\n}").is_empty()
@@ -172,10 +180,42 @@ mod tests {
     }
 
     #[test]
+    fn a_cover_that_may_not_be_made_does_not() {
+        for maybe in [
+            "if b {\ncover!(s, b, \"b\");\n}",
+            "let later = || { cover!(s, b, \"b\"); };",
+            "if b { #[cfg(not(kani))] cover!(s, b, \"b\"); }",
+            "$(cover!(s, b, \"b\");)?",
+        ] {
+            assert_eq!(lines(&format!("assert!(a);\n{maybe}")), [2], "{maybe}");
+        }
+    }
+
+    #[test]
+    fn another_assertion_is_one_too() {
+        for other in [
+            "assert_eq!(a, b)",
+            "debug_assert!(a)",
+            "core::assert!(a)",
+            "assert!(of::<A, B>(c))",
+        ] {
+            let hidden = format!("if a {{\n{other};\n}}\ncover!(s, b, \"b\");");
+            assert_eq!(lines(&hidden), [3], "{other}");
+            assert!(lines(&format!("{other};\ncover!(s, b, \"b\");")).is_empty());
+        }
+        assert_eq!(
+            lines("assert!(a); if b { assert!(c); } cover!(s, b, \"b\");"),
+            [2]
+        );
+    }
+
+    #[test]
     fn one_with_words_or_with_its_own_cover_is_not_asked() {
         assert!(lines("assert!(a, \"words\");").is_empty());
         assert!(lines("assert!(a);\nassert_reached!(b);").is_empty());
-        assert!(lines("core::assert!(a);").is_empty());
+        assert!(lines("assert_eq!(a, b, \"words {}\", c);").is_empty());
+        let made = "macro_rules! assert_reached { ($a:expr) => {{ kani::cover!(true, \"\"); assert!($a) }}; }";
+        assert!(lines(made).is_empty());
         assert_eq!(lines("assert!(a,);"), [2]);
     }
 }
