@@ -479,5 +479,4 @@ mod swept;
 #[cfg(test)]
 mod tests;
 
-#[cfg(feature = "wire")]
-pub(crate) use display::torque_of;
+pub use display::torque_of;

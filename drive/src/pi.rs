@@ -74,6 +74,18 @@ pub struct Pi {
 }
 
 impl Pi {
+    /// With what is remembered, V.
+    #[must_use]
+    pub const fn of(integral: Volts) -> Self {
+        Self { integral }
+    }
+
+    /// What is remembered, V.
+    #[must_use]
+    pub const fn integral(&self) -> Volts {
+        self.integral
+    }
+
     /// One period: the error of the current to a voltage within `-limit..=limit`, and whether the limit acted.
     #[inline]
     pub fn tick(&mut self, gains: &PiGains, error: Amps, limit: Volts) -> (Volts, bool) {

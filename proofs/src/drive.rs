@@ -1,13 +1,20 @@
-//! The drive's arithmetic next to the power stage: compare values, angles, the mailbox of commands.
+//! The drive's arithmetic from a force to the power stage: the torque that fades in, its current, the current's voltage, compare values,
+//! angles, the mailbox of commands.
 
 use crate::source::Source;
 use crate::{assume, cover, property};
+use fixed::types::I8F24;
 use fixed::types::I16F16;
+use touchstone_control::Force;
 use touchstone_drive::Angle;
 use touchstone_drive::angle::ElectricalScale;
+use touchstone_drive::command::{Drive as _, DriveCommand, Rotor, ThreePhase};
 use touchstone_drive::current::{CurrentCommand, CurrentMode};
+use touchstone_drive::device::torque_of;
 use touchstone_drive::modulation::Modulator;
+use touchstone_drive::pi::{Pi, PiGains};
 use touchstone_drive::transform::{AlphaBeta, Dq};
+use touchstone_protocol::{DeviceSettings, Limit};
 
 fn any_value<S: Source>(s: &mut S) -> I16F16 {
     I16F16::from_bits(s.i32())
@@ -30,6 +37,65 @@ property! {
         assert!(bus > I16F16::ONE || duties == timer.zero());
         cover!(s, duties[0] == timer.longest && duties[1] < duties[0] && bus > 5, "at the limit");
         cover!(s, bus < 0, "no bus");
+    }
+}
+property! {
+    /// P4: a torque is the force's negative; while it fades in it is a share of that, never more, and nothing at the beginning.
+    equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
+    over "force, share or none"
+    by kissat fn p4_fade_in32(s) {
+        let (force, share) = (s.i32(), s.bool().then_some(s.u32()));
+        let torque = i64::from(torque_of(Force(I8F24::from_bits(force)), share).0.to_bits());
+        let (force, highest) = (i64::from(force), i64::from(i32::MAX));
+        let share = share.map_or(1 << 31, |share| i64::from(share >> 1));
+        assert!(torque == (-(force * share).div_euclid(1 << 31)).min(highest));
+        assert!(torque.abs() <= force.abs() && (torque == 0 || (torque > 0) == (force < 0)));
+        assert!(share > 0 || torque == 0);
+        cover!(s, torque < 0 && torque > -force, "fades in");
+        cover!(s, torque == highest, "the lowest force");
+    }
+}
+property! {
+    /// P4: whatever torque is asked for, the current of the kit's motor is along `q` alone and within what the temperature leaves of its limit;
+    /// the torque that is left of it is not larger, and the same where nothing was cut.
+    equation "|i_q| <= i_max min(θ, 1), i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
+    over "torque, share of the current that the temperature leaves, direction of the encoder; the motor that ships as default"
+    by kissat fn p4_current32(s) {
+        let motor = DeviceSettings::default().motor;
+        let limit = i64::from(I16F16::from_num(motor.current_limit_a).to_bits());
+        let Ok(drive) = ThreePhase::new(&motor) else {
+            unreachable!("the default's torque constant has an inverse");
+        };
+        let torque = Force(I8F24::from_bits(s.i32()));
+        let rotor = Rotor { derating: s.u32(), against: s.bool(), ..Rotor::default() };
+        let driven = drive.command(torque, &rotor);
+        let DriveCommand::Current(command) = driven.command else {
+            unreachable!("a motor on this board's bridge has a current");
+        };
+        let left = (limit * i64::from(rotor.derating.min(1 << 16))) >> 16;
+        assert!(command.current.d == 0 && i64::from(command.current.q.to_bits()).abs() <= left);
+        let (asked, shown) = (i64::from(torque.0.to_bits()), i64::from(driven.torque.0.to_bits()));
+        assert!(shown.abs() <= asked.abs() && (shown == 0 || (shown > 0) == (asked > 0)));
+        assert!(driven.limits.has(Limit::Current) || shown == asked);
+        assert!(driven.limits.has(Limit::Temperature) == (rotor.derating < 1 << 16));
+        cover!(s, shown != asked && shown > 0, "cut");
+        cover!(s, shown == asked && shown < 0 && rotor.against, "not cut");
+    }
+}
+property! {
+    /// P4: a current controller's voltage is within the limit whatever the error, and so is what it remembers, if it was.
+    equation "|s| <= v_max  =>  |v| <= v_max, |s'| <= v_max"
+    over "gains, error, limit from 0 on, memory in the invariant"
+    by kissat fn p4_current_loop32(s) {
+        let gains = PiGains { proportional: any_value(s), share: s.u16() };
+        let (error, limit, before) = (any_value(s), any_value(s), any_value(s));
+        let bound = |v: I16F16| i64::from(v.to_bits()).abs() <= i64::from(limit.to_bits());
+        assume!(s, bound(before), "invariant, kept by this; a memory of 0 and the limit of a bus");
+        let mut pi = Pi::of(before);
+        let (given, limited) = pi.tick(&gains, error, limit);
+        assert!(bound(given) && bound(pi.integral()));
+        cover!(s, limited && pi.integral() != before, "at the limit");
+        cover!(s, !limited && given < 0, "within it");
     }
 }
 property! {
@@ -111,7 +177,7 @@ mod tests {
         for board in [IHM08M1, B_G431B_ESC1, IHM16M1, SIMPLEFOC_MINI] {
             let timer = board.modulator();
             assert!(timer.longest <= timer.top && timer.top - timer.longest <= timer.longest);
-            assert_reached!(timer.longest < timer.top);
+            assert!(timer.longest < timer.top);
         }
     }
 }

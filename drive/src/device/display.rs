@@ -128,7 +128,8 @@ fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
 /// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
 /// 1 - 2^-32, and all of it when the fading is over.
 #[inline(always)]
-pub(crate) fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
+#[must_use]
+pub fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     let wide = i64::from(force.0.to_bits());
     let faded = match share {
         Some(share) => (wide * i64::from(share >> 1)) >> 31,
