@@ -43,7 +43,7 @@ property! {
     /// P4: a torque is the force's negative; while it fades in it is a share of that, never more, and nothing at the beginning.
     equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
     over "force, share or none"
-    by kissat fn p4_fade_in32(s) {
+    by sampled fn p4_fade_in32(s) {
         let (force, share) = (s.i32(), s.bool().then_some(s.u32()));
         let torque = i64::from(torque_of(Force(I8F24::from_bits(force)), share).0.to_bits());
         let (force, highest) = (i64::from(force), i64::from(i32::MAX));
@@ -86,7 +86,7 @@ property! {
     /// P4: a current controller's voltage is within the limit whatever the error, and so is what it remembers, if it was.
     equation "|s| <= v_max  =>  |v| <= v_max, |s'| <= v_max"
     over "gains, error, limit from 0 on, memory in the invariant"
-    by kissat fn p4_current_loop32(s) {
+    by sampled fn p4_current_loop32(s) {
         let gains = PiGains { proportional: any_value(s), share: s.u16() };
         let (error, limit, before) = (any_value(s), any_value(s), any_value(s));
         let bound = |v: I16F16| i64::from(v.to_bits()).abs() <= i64::from(limit.to_bits());
