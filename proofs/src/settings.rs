@@ -182,7 +182,7 @@ mod tests {
             let settings = settings(s);
             let built = Controller::<Fixed32>::new(&settings);
             if let Ok(controller) = &built {
-                assert_reached!(settings.validate().is_ok());
+                assert!(settings.validate().is_ok());
                 assert!(
                     satisfies_assumptions(controller),
                     "{settings:?}\n{controller:?}"
@@ -279,7 +279,7 @@ mod tests {
         };
         assert!(with(1, "100").validate().is_ok() && with(100_000, "0.000001").validate().is_ok());
         assert!(with(0, "1").validate().is_err() && with(100_001, "1").validate().is_err());
-        assert_reached!(
+        assert!(
             with(1_000, "100.000001").validate().is_err() && with(1_000, "0").validate().is_err()
         );
     }
