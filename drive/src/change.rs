@@ -147,10 +147,10 @@ fn times(a: i64, b: i64) -> i64 {
 pub struct ChangeConfig {
     /// PWM periods from the reading of a control tick to the one more.
     pub read_at: u16,
-    /// Share of the way before it that was under the new force, beside what the guard itself takes for that.
-    before: i32,
+    /// Share of the way before it that was under the new force, beside what the guard itself takes for that, 2^-28.
+    pub before: i32,
     /// Of the way after it.
-    after: i32,
+    pub after: i32,
     /// From the reading of a tick to the change of force, in the mean, without the lag below, s.
     pub delay_s: Si,
     /// What one more reading leaves open, as a lag, s.

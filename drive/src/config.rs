@@ -22,23 +22,33 @@ use touchstone_protocol::settings::{SettingsError, refused};
 /// What settings are computed into.
 #[derive(Debug, Clone, Copy)]
 pub struct Config {
-    pub(crate) current: CurrentConfig,
-    pub(crate) supervisor: SupervisorConfig,
-    pub(crate) calibration: CalibrationConfig,
-    pub(crate) measurement: MeasurementConfig,
+    /// The current loop's.
+    pub current: CurrentConfig,
+    /// Limits that are faults.
+    pub supervisor: SupervisorConfig,
+    /// The calibration's.
+    pub calibration: CalibrationConfig,
+    /// Of a measurement that follows the calibration.
+    pub measurement: MeasurementConfig,
+    /// Of a sweep that follows it.
     #[cfg(feature = "large")]
-    pub(crate) sweep: crate::sweep::SweepConfig,
-    pub(crate) drive: AnyDrive,
+    pub sweep: crate::sweep::SweepConfig,
+    /// What makes a current or a voltage of a torque.
+    pub drive: AnyDrive,
     /// The law at its beginning.
-    pub(crate) law: Controller<Fixed32>,
-    pub(crate) force_limit: I8F24,
-    pub(crate) scale: CountScale,
-    pub(crate) electrical: ElectricalScale,
-    pub(crate) thermistor: Thermistor,
+    pub law: Controller<Fixed32>,
+    /// Force from which on a tick is told to be at the limit, N·m.
+    pub force_limit: I8F24,
+    /// From counts to penetration.
+    pub scale: CountScale,
+    /// From counts to the electrical angle.
+    pub electrical: ElectricalScale,
+    /// From the converter's code to the temperature.
+    pub thermistor: Thermistor,
     /// The position when the force changes, where it is measured.
-    pub(crate) change: Option<ChangeConfig>,
+    pub change: Option<ChangeConfig>,
     /// By how much the torque's share grows in a tick while it fades in, 2^-32.
-    pub(crate) fade_step: u32,
+    pub fade_step: u32,
 }
 
 impl Config {

@@ -24,7 +24,7 @@ use crate::record::Record;
 use crate::reset::ResetReason;
 use crate::scenery::{Scenery, WallAlone};
 use crate::supervisor::power::Power;
-use crate::supervisor::{Found, Supervisor, Watch};
+use crate::supervisor::{Supervisor, Watch};
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, Force, Position};
 #[cfg(feature = "large")]
@@ -39,29 +39,15 @@ use touchstone_protocol::{
 #[derive(Debug, Clone)]
 pub struct Device {
     configs: Configs,
-    machine: Machine,
+    memory: Memory,
     supervisor: Supervisor,
     calibration: Option<Calibration>,
     measurement: Option<Measurement>,
-    alignment: Alignment,
     #[cfg(feature = "large")]
     kept: kept::Kept,
     #[cfg(feature = "large")]
     swept: swept::Swept,
     law: Controller<Fixed32>,
-    /// Count of the unwrapped encoder that is the device's zero.
-    zero: i64,
-    /// Share of the torque while it fades in, 2^-32.
-    fade: u32,
-    /// A fault that another part saw, for the next tick.
-    reported: Option<Found>,
-    settings_refused: bool,
-    saturated: u16,
-    /// The law showed a force in its last tick.
-    pushes: bool,
-    /// What the encoder said when the force changed since the last tick.
-    read: Option<Position<Fixed32>>,
-    record: Record,
 }
 
 impl Device {
@@ -70,28 +56,36 @@ impl Device {
     /// # Errors
     /// As [`Config::new`].
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
-        let config = Config::new(settings, hardware)?;
-        Ok(Self {
+        Ok(Self::of(Config::new(settings, hardware)?, Memory::new()))
+    }
+
+    /// At a memory; for whoever restores or examines one. Supervisor and law have seen nothing yet, and no calibration runs.
+    #[must_use]
+    pub fn of(config: Config, memory: Memory) -> Self {
+        Self {
             configs: Configs::new(config),
-            machine: Machine::new(),
+            memory,
             supervisor: Supervisor::new(),
             calibration: None,
             measurement: None,
-            alignment: Alignment::default(),
             #[cfg(feature = "large")]
             kept: kept::Kept::default(),
             #[cfg(feature = "large")]
             swept: swept::Swept::default(),
             law: config.law,
-            zero: 0,
-            fade: 0,
-            reported: None,
-            settings_refused: false,
-            saturated: 0,
-            pushes: false,
-            read: None,
-            record: Record::empty(),
-        })
+        }
+    }
+
+    /// What the next tick finds.
+    #[must_use]
+    pub const fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// The law of the settings' wall, with all that it remembers.
+    #[must_use]
+    pub const fn law(&self) -> &Controller<Fixed32> {
+        &self.law
     }
 
     /// Takes the reason of the start: some are faults, latched with the next tick.
@@ -109,14 +103,14 @@ impl Device {
     ///
     /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends with it.
     pub fn report_fault(&mut self, code: FaultCode, value: i32) {
-        self.reported.get_or_insert((code, value));
-        self.settings_refused |= code == FaultCode::SettingsInvalid;
+        self.memory.reported.get_or_insert((code, value));
+        self.memory.settings_refused |= code == FaultCode::SettingsInvalid;
     }
 
     /// Whether settings are taken now: not while anything may move.
     #[must_use]
     pub const fn may_configure(&self) -> bool {
-        matches!(self.machine.outputs(), Outputs::Off)
+        matches!(self.memory.machine.outputs(), Outputs::Off)
     }
 
     /// Other settings; they count from the next calibration on. Whoever calls it asks [`Device::may_configure`] first; at any other
@@ -136,7 +130,7 @@ impl Device {
     /// As [`Device::configure`], with coefficients that were computed before: takes no time, needs no stack.
     pub fn prepare(&mut self, config: Config) {
         self.configs.prepare(config);
-        self.settings_refused = false;
+        self.memory.settings_refused = false;
     }
 
     /// The position of the last tick is zero from now on, until the next calibration. `false`, and nothing changes, while the
@@ -145,8 +139,8 @@ impl Device {
         if !self.may_configure() {
             return false;
         }
-        self.zero = self.zero.saturating_add(self.record.count);
-        self.record.count = 0;
+        self.memory.zero = self.memory.zero.saturating_add(self.memory.record.count);
+        self.memory.record.count = 0;
         true
     }
 
@@ -159,19 +153,19 @@ impl Device {
     /// Where the device stands.
     #[must_use]
     pub const fn state(&self) -> State {
-        self.machine.state()
+        self.memory.machine.state()
     }
 
     /// The latched fault.
     #[must_use]
     pub const fn fault(&self) -> Option<Context> {
-        self.machine.fault()
+        self.memory.machine.fault()
     }
 
     /// The last tick's record.
     #[must_use]
     pub const fn record(&self) -> Record {
-        self.record
+        self.memory.record
     }
 
     /// What a measurement of the motor is about.
@@ -187,7 +181,7 @@ impl Device {
     /// What the last calibration found: electrical angle at the encoder's zero, and direction.
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
-        self.alignment
+        self.memory.alignment
     }
 
     /// What the encoder says at the time that [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) names, for the next tick.
@@ -201,7 +195,11 @@ impl Device {
             .supervisor
             .shaft()
             .at(config.supervisor.shaft(), reading);
-        self.read = count.map(|count| config.scale.penetration(count.saturating_sub(self.zero)));
+        self.memory.read = count.map(|count| {
+            config
+                .scale
+                .penetration(count.saturating_sub(self.memory.zero))
+        });
     }
 
     /// One control tick, with the wall of the settings alone.
@@ -218,30 +216,31 @@ impl Device {
     /// Takes what there is to touch, and from when on it counts. Computed before, with the settings that [`Device::prepare`] got last.
     #[cfg(feature = "large")]
     pub fn surround(&mut self, around: &mut Around, surrounding: &Surrounding) -> CountsFrom {
-        let is_armed = self.machine.state() == State::Armed;
+        let is_armed = self.memory.machine.state() == State::Armed;
         let settings_wait = self.configs.has_next();
         around.prepare(surrounding, &mut self.law, is_armed, settings_wait)
     }
 
     #[inline(always)]
     fn tick_with(&mut self, input: &ControlInput, scenery: &mut impl Scenery) -> ControlOutput {
-        let tick = self.record.tick.wrapping_add(1);
-        let before = self.machine.state();
+        let tick = self.memory.record.tick.wrapping_add(1);
+        let before = self.memory.machine.state();
         let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
             || input.command == Some(Command::Calibrate);
-        let read = self.read.take();
+        let read = self.memory.read.take();
         let watch = Watch {
             watched,
-            may_be_on: self.machine.outputs() == Outputs::On,
-            driven: before == State::Armed && self.record.law_ran,
+            may_be_on: self.memory.machine.outputs() == Outputs::On,
+            driven: before == State::Armed && self.memory.record.law_ran,
             untold: read.is_none() && self.configs.now().change.is_some(),
         };
         let verdict = self
             .supervisor
             .inspect(&self.configs.now().supervisor, input, watch);
 
-        let refused = (self.settings_refused && watched).then_some((FaultCode::SettingsInvalid, 0));
-        let found = self.reported.take().or(verdict.fault).or(refused);
+        let refused =
+            (self.memory.settings_refused && watched).then_some((FaultCode::SettingsInvalid, 0));
+        let found = self.memory.reported.take().or(verdict.fault).or(refused);
         let progress = match (found, before, verdict.count) {
             (None, State::Calibrating, Some(count)) => {
                 Some(self.calibrate(tick, count, &input.current, scenery))
@@ -257,11 +256,11 @@ impl Device {
             .map(|command| found.is_none() && Machine::at(before).handle(Event::Command(command)));
         let calibrated = matches!(progress, Some(Progress::Done(_)));
         let fault = found.map(|(code, value)| Context { code, tick, value });
-        let outputs = self.machine.tick(fault, calibrated, input.command);
-        let after = self.machine.state();
+        let outputs = self.memory.machine.tick(fault, calibrated, input.command);
+        let after = self.memory.machine.state();
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
-        let last = self.record.penetration;
+        let last = self.memory.record.penetration;
         // A fault may have switched off before this tick.
         let acted = watch.driven && found.is_none() && verdict.count.is_some();
         self.observe(tick, input, verdict.count);
@@ -288,7 +287,7 @@ impl Device {
             clear_latches: matches!(before, State::Fault(_)) && after == State::Stopped,
             reconfigure,
             accepted,
-            record: self.record,
+            record: self.memory.record,
         }
     }
 
@@ -322,13 +321,13 @@ impl Device {
             .tick(tick, count, report);
         match progress {
             Progress::Done(alignment) if config.measurement.wanted => {
-                self.alignment = alignment;
+                self.memory.alignment = alignment;
                 self.measurement = Some(Measurement::new(config.measurement, count));
                 self.measure(tick, count)
             }
             #[cfg(feature = "large")]
             Progress::Done(alignment) if self.begins_sweep() => {
-                self.alignment = alignment;
+                self.memory.alignment = alignment;
                 self.swept(tick, count, self.map_here(scenery))
             }
             progress => progress,
@@ -343,11 +342,11 @@ impl Device {
         let shaft = self.supervisor.shaft();
         let speed = shaft.speed(self.configs.now().supervisor.shaft());
         let Some(measurement) = &mut self.measurement else {
-            return Progress::Done(self.alignment);
+            return Progress::Done(self.memory.alignment);
         };
         match measurement.tick(count, speed, &rotor) {
             Measuring::Running(command) => Progress::Running(command),
-            Measuring::Done => Progress::Done(self.alignment),
+            Measuring::Done => Progress::Done(self.memory.alignment),
             Measuring::Failed(reason) => failed(reason),
         }
     }
@@ -358,10 +357,10 @@ impl Device {
         let config = self.configs.now();
         let advance = self.supervisor.shaft().advance(config.supervisor.shaft());
         let turned = config.electrical.angle(count);
-        let against = self.alignment.against;
+        let against = self.memory.alignment.against;
         Rotor {
             tick,
-            angle: self.alignment.offset.plus(if against {
+            angle: self.memory.alignment.offset.plus(if against {
                 Angle(turned.0.wrapping_neg())
             } else {
                 turned
@@ -393,13 +392,13 @@ impl Device {
         if let (State::Ready, Some(Progress::Done(alignment)), Some(count)) =
             (after, progress, count)
         {
-            self.alignment = alignment;
-            self.zero = count;
+            self.memory.alignment = alignment;
+            self.memory.zero = count;
         }
         if after == State::Armed {
             scenery.armed(&mut self.law, &self.configs.now().law);
-            self.fade = 0;
-            self.pushes = false;
+            self.memory.fade = 0;
+            self.memory.pushes = false;
         }
         self.calibration = None;
         self.measurement = None;
@@ -421,9 +420,9 @@ impl Device {
     #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
-        let record = &mut self.record;
+        let record = &mut self.memory.record;
         if let Some(count) = count {
-            record.count = count.saturating_sub(self.zero);
+            record.count = count.saturating_sub(self.memory.zero);
             record.penetration = self.configs.now().scale.penetration(record.count);
         }
         record.tick = tick;
@@ -450,13 +449,13 @@ impl Device {
         limits: Limits,
         bad_reading: bool,
     ) {
-        let saturated = input.current.saturated != self.saturated;
-        self.saturated = input.current.saturated;
-        self.record.state = self.machine.state();
-        self.record.limits = limits
+        let saturated = input.current.saturated != self.memory.saturated;
+        self.memory.saturated = input.current.saturated;
+        self.memory.record.state = self.memory.machine.state();
+        self.memory.record.limits = limits
             .with(Limit::Voltage, saturated)
             .with(Limit::Encoder, bad_reading);
-        self.record.current_command = match drive {
+        self.memory.record.current_command = match drive {
             DriveCommand::Current(command) => command.current.q,
             DriveCommand::Off | DriveCommand::Analogue(_) => crate::Amps::ZERO,
         };
@@ -474,9 +473,11 @@ const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
 mod display;
 #[cfg(feature = "large")]
 mod kept;
+mod memory;
 #[cfg(feature = "large")]
 mod swept;
 #[cfg(test)]
 mod tests;
 
 pub use display::torque_of;
+pub use memory::Memory;

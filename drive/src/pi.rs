@@ -13,7 +13,7 @@
 //! tail (Hanus' conditioned controller). It never leaves the limits of `v`, being a mean of values within them.
 
 use crate::settings::out_of_format;
-use crate::units::{clamp_i32, narrow, product, quotient};
+use crate::units::{clamp_i32, narrow, product, quotient, share_of};
 use crate::{Amps, Volts};
 use fixed::types::I16F16;
 use touchstone_control::Si;
@@ -94,7 +94,7 @@ impl Pi {
         let given = wanted.min(limit).max(limit.saturating_neg());
         let way = i64::from(given.to_bits()) - i64::from(self.integral.to_bits());
         // To the nearest step, so that a small error is not lost on one side only.
-        let step = (way * i64::from(gains.share) + (1 << 15)) >> 16;
+        let step = share_of(way, gains.share);
         self.integral = Volts::from_bits(clamp_i32(i64::from(self.integral.to_bits()) + step));
         (given, given != wanted)
     }

@@ -30,6 +30,12 @@ pub(crate) const fn product(a: i32, b: i32, shift: u32) -> i32 {
     clamp_i32((a as i64 * b as i64) >> shift)
 }
 
+/// So much of a way, a share in 1/65,536, to the nearest. Of a way between two words.
+#[inline(always)]
+pub(crate) const fn share_of(way: i64, share: u16) -> i64 {
+    (way * share as i64 + (1 << 15)) >> 16
+}
+
 /// Thousandths of a value with 16 fractional bits, saturating: mA of A, mV of V.
 pub(crate) const fn milli(value: I16F16) -> i32 {
     clamp_i32((value.to_bits() as i64 * 1000) >> 16)

@@ -75,14 +75,14 @@ property! {
 fn any_code<S: Source>(s: &mut S) -> FaultCode {
     FaultCode::ALL[usize::from(s.u8()) % FaultCode::ALL.len()]
 }
-fn any_context<S: Source>(s: &mut S) -> Context {
+pub(crate) fn any_context<S: Source>(s: &mut S) -> Context {
     Context {
         code: any_code(s),
         tick: s.u32(),
         value: s.i32(),
     }
 }
-fn any_state<S: Source>(s: &mut S) -> State {
+pub(crate) fn any_state<S: Source>(s: &mut S) -> State {
     match s.u8() % 6 {
         0 => State::Boot,
         1 => State::Calibrating,
@@ -92,7 +92,7 @@ fn any_state<S: Source>(s: &mut S) -> State {
         _ => State::Stopped,
     }
 }
-fn any_command<S: Source>(s: &mut S) -> Command {
+pub(crate) fn any_command<S: Source>(s: &mut S) -> Command {
     match s.u8() % 4 {
         0 => Command::Calibrate,
         1 => Command::Arm,

@@ -28,8 +28,11 @@ pub mod accepted;
 #[cfg(kani)]
 pub mod answers;
 pub mod contact;
+pub mod control_tick;
 pub mod controller;
 pub mod device;
+#[cfg(kani)]
+pub mod device_parts;
 pub mod divided;
 pub mod drive;
 pub mod edges;

@@ -3,7 +3,7 @@
 use super::Device;
 use crate::command::{Drive, DriveCommand, Driven};
 use crate::scenery::{Here, Scenery};
-use crate::units::clamp_i32;
+use crate::units::product;
 use fixed::types::I8F24;
 use touchstone_control::environment::Counted;
 use touchstone_control::law::Contact;
@@ -18,8 +18,8 @@ impl Device {
         read: Option<Position<Fixed32>>,
     ) {
         if let (Some(change), Some(at)) = (&self.configs.now().change, read) {
-            let now = self.record.penetration;
-            self.record.since_change = change.since_change(at - last, now - at);
+            let now = self.memory.record.penetration;
+            self.memory.record.since_change = change.since_change(at - last, now - at);
         }
     }
 
@@ -29,10 +29,10 @@ impl Device {
         Here {
             at: Counted {
                 scale: self.configs.now().scale,
-                count: self.record.count,
+                count: self.memory.record.count,
             },
-            penetration: self.record.penetration,
-            since_change: measures.then_some(self.record.since_change),
+            penetration: self.memory.record.penetration,
+            since_change: measures.then_some(self.memory.record.since_change),
         }
     }
 
@@ -67,25 +67,28 @@ impl Device {
         let here = self.here();
         let force = scenery.tick(&mut self.law, &here);
         let view = scenery.view(&self.law);
-        let fading = self.fade < u32::MAX;
-        self.fade = self.fade.saturating_add(self.configs.now().fade_step);
-        let torque = torque_of(force, fading.then_some(self.fade));
+        let fading = self.memory.fade < u32::MAX;
+        self.memory.fade = self
+            .memory
+            .fade
+            .saturating_add(self.configs.now().fade_step);
+        let torque = torque_of(force, fading.then_some(self.memory.fade));
 
         #[cfg_attr(not(feature = "large"), allow(unused_mut))]
         let mut rotor = self.rotor(tick, count.unwrap_or_default(), derating);
         #[cfg(feature = "large")]
         {
-            rotor.map = shared(self.map_here(scenery), fading.then_some(self.fade));
+            rotor.map = shared(self.map_here(scenery), fading.then_some(self.memory.fade));
         }
         let driven = self.configs.now().drive.command(torque, &rotor);
         if fading || driven.torque != torque {
             let torque = driven.torque.0.to_bits().saturating_neg();
             scenery.commanded(&mut self.law, Force(I8F24::from_bits(torque)));
         }
-        let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
+        let pushed = core::mem::replace(&mut self.memory.pushes, force != Force::zero());
         if scenery.is_tripped(&self.law) {
             if pushed || view.contact != Contact::Free {
-                let speed = self.record.speed_rad_per_s;
+                let speed = self.memory.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
                 // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
@@ -97,7 +100,7 @@ impl Device {
             limits,
             ..
         } = driven;
-        let record = &mut self.record;
+        let record = &mut self.memory.record;
         record.law_ran = true;
         record.force = force;
         record.torque = driven.torque;
@@ -120,20 +123,16 @@ impl Device {
 #[inline(always)]
 fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
     share.map_or(map, |share| {
-        let wide = i64::from(map.to_bits()) * i64::from(share >> 1);
-        crate::Amps::from_bits(clamp_i32(wide >> 31))
+        crate::Amps::from_bits(product(map.to_bits(), (share >> 1).cast_signed(), 31))
     })
 }
 
 /// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
-/// 1 - 2^-32, and all of it when the fading is over.
+/// 1 - 2^-31, and all of it when the fading is over.
 #[inline(always)]
 #[must_use]
 pub fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
-    let wide = i64::from(force.0.to_bits());
-    let faded = match share {
-        Some(share) => (wide * i64::from(share >> 1)) >> 31,
-        None => wide,
-    };
-    Force(I8F24::from_bits(clamp_i32(faded.wrapping_neg())))
+    let bits = force.0.to_bits();
+    let faded = share.map_or(bits, |share| product(bits, (share >> 1).cast_signed(), 31));
+    Force(I8F24::from_bits(faded.saturating_neg()))
 }

@@ -25,11 +25,13 @@ impl Device {
     #[must_use]
     pub fn found(&self) -> Option<Alignment> {
         let config = self.configs.now();
-        let is_found =
-            self.machine.state() == State::Ready && config.aligns() && !self.configs.has_next();
+        let is_found = self.memory.machine.state() == State::Ready
+            && config.aligns()
+            && !self.configs.has_next();
         let zero = self.supervisor.shaft().own_zero(config.supervisor.shaft());
         is_found.then_some(zero?).map(|zero| {
-            self.alignment
+            self.memory
+                .alignment
                 .from(zero.saturating_neg(), &config.electrical)
         })
     }
@@ -44,7 +46,7 @@ impl Device {
     #[must_use]
     pub fn is_supplied(&self) -> bool {
         let supervisor = &self.configs.now().supervisor;
-        supervisor.takes_supply(self.record.bus)
+        supervisor.takes_supply(self.memory.record.bus)
     }
 
     /// A calibration that begins now is a check, where an alignment is kept. One that measures begins at the beginning.

@@ -61,7 +61,7 @@ impl Device {
         let rotor = self.rotor(tick, count, 1 << 16);
         // Once: the encoder's own reading begins anew with each turn.
         if let (None, Some(own_zero)) = (&self.swept.running, own_zero) {
-            self.zero = own_zero.saturating_neg();
+            self.memory.zero = own_zero.saturating_neg();
         }
         let map = match self.swept.wanted {
             Sweep::Compensated => map,
@@ -73,7 +73,7 @@ impl Device {
             .get_or_insert_with(|| Running::new(sweep, count));
         match running.tick(count, speed, &rotor, map) {
             Measuring::Running(command) => Progress::Running(command),
-            Measuring::Done => Progress::Done(self.alignment),
+            Measuring::Done => Progress::Done(self.memory.alignment),
             Measuring::Failed(reason) => failed(reason),
         }
     }

@@ -30,7 +30,7 @@ fn the_present_position_becomes_zero_while_nothing_may_move() {
     assert!(device.zero_here());
     assert_eq!(count(&mut device, 1_007), 0);
     assert_eq!(count(&mut device, 1_004), -3);
-    device.machine = Machine::at(State::Armed);
+    device.memory.machine = Machine::at(State::Armed);
     assert!(!device.zero_here());
 }
 
@@ -42,16 +42,16 @@ fn where_positions_end_a_pushed_shaft_is_a_fault_and_a_free_one_is_none() {
         let mut at = Si::lit("127");
         while at < Si::lit("127.95") {
             let place = Position::from_si(at).unwrap();
-            device.record.penetration = if inside { place } else { -place };
+            device.memory.record.penetration = if inside { place } else { -place };
             device.display(0, 1 << 16, Some(0), &mut WallAlone);
             // Two displacements of the guard's 60 rad/s before the format's end.
             let is_there = at > Si::lit("127.88");
             assert_eq!(
-                device.record.force > Force::zero(),
+                device.memory.record.force > Force::zero(),
                 inside && !is_there,
                 "{at}"
             );
-            assert_eq!(device.reported, fault.filter(|_| is_there), "{at}");
+            assert_eq!(device.memory.reported, fault.filter(|_| is_there), "{at}");
             at += step;
         }
     }
@@ -64,7 +64,7 @@ fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64
     settings.law.guard.change = touchstone_control::ChangeOfForce::Estimated;
     settings.limits.fade_in_s = Si::ZERO;
     let mut device = Device::new(&settings, &IHM08M1).unwrap();
-    device.machine = Machine::at(State::Armed);
+    device.memory.machine = Machine::at(State::Armed);
     device.law.resume(&device.configs.now().law.clone());
     let account = |device: &Device| device.law.guard.as_ref().unwrap().account().0.to_bits();
     let mut input = quiet(0);
@@ -78,7 +78,7 @@ fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64
         input.encoder = EncoderReading::Counter32(counts);
         device.tick(&input);
     }
-    let record = device.record;
+    let record = device.memory.record;
     assert!(
         record.force > Force::zero(),
         "{record:?}, {:?}",
@@ -92,7 +92,7 @@ fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64
     assert_eq!(output.drive, DriveCommand::Off);
     assert_ne!(device.state(), State::Armed);
     let after = account(&device);
-    device.machine = Machine::at(State::Ready);
+    device.memory.machine = Machine::at(State::Ready);
     input.command = Some(Command::Arm);
     (input.hardware_break, input.encoder) = (false, EncoderReading::Counter32(counts - 40));
     device.tick(&input);

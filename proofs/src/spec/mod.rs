@@ -8,6 +8,7 @@
 
 #[allow(clippy::duplicate_mod, reason = "the same text at another width")]
 pub mod at8;
+pub mod control_tick;
 #[cfg(not(kani))]
 pub mod covers;
 pub mod enhanced;

@@ -1,0 +1,50 @@
+//! What a control tick remembers beside its parts: supervisor, calibration and law remember for themselves.
+
+use crate::calibration::Alignment;
+use crate::record::Record;
+use crate::supervisor::Found;
+use touchstone_control::{Fixed32, Position};
+use touchstone_protocol::Machine;
+
+/// What the next tick finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Memory {
+    /// Where the device stands.
+    pub machine: Machine,
+    /// What the last calibration found.
+    pub alignment: Alignment,
+    /// Count of the unwrapped encoder that is the device's zero.
+    pub zero: i64,
+    /// Share of the torque while it fades in, 2^-32.
+    pub fade: u32,
+    /// A fault that another part saw, for the next tick.
+    pub reported: Option<Found>,
+    /// The settings that came last were refused.
+    pub settings_refused: bool,
+    /// What the current loop counted of periods at its voltage's limit.
+    pub saturated: u16,
+    /// The law showed a force in its last tick.
+    pub pushes: bool,
+    /// What the encoder said when the force changed since the last tick.
+    pub read: Option<Position<Fixed32>>,
+    /// The last tick's record.
+    pub record: Record,
+}
+
+impl Memory {
+    /// Just switched on.
+    pub(super) fn new() -> Self {
+        Self {
+            machine: Machine::new(),
+            alignment: Alignment::default(),
+            zero: 0,
+            fade: 0,
+            reported: None,
+            settings_refused: false,
+            saturated: 0,
+            pushes: false,
+            read: None,
+            record: Record::empty(),
+        }
+    }
+}

@@ -1,0 +1,336 @@
+//! A device's control tick, from what was read to what the drive is told: whatever its parts answer, it asks them what its specification
+//! asks, in the same order, and makes the same of their answers.
+//!
+//! ```text
+//! output, memory = spec(memory, input, answers)     p11_control_tick
+//! ```
+//!
+//! The parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration
+//! (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
+
+use crate::cover;
+use crate::device::{any_command, any_context, any_state};
+use crate::source::Source;
+use crate::spec::control_tick::{self, Parts};
+use fixed::types::{I8F24, I16F16};
+use touchstone_control::law::{Contact, View};
+use touchstone_control::{Controller, Energy, Fixed32, Force, Position};
+use touchstone_drive::calibration::{Alignment, Calibration, Progress};
+use touchstone_drive::change::ChangeConfig;
+use touchstone_drive::command::{AnyDrive, Drive as _, Driven, Rotor};
+use touchstone_drive::device::{Memory, torque_of};
+use touchstone_drive::hardware::IHM08M1;
+use touchstone_drive::supervisor::power::Power;
+use touchstone_drive::supervisor::{Supervisor, Verdict, Watch};
+use touchstone_drive::transform::Dq;
+use touchstone_drive::{
+    Amps, Angle, Celsius, Config, ControlInput, CurrentReport, Device, DriveCommand, EncoderKind,
+    EncoderReading, Record, Si, TickTiming,
+};
+use touchstone_protocol::settings::DriveKind;
+use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State};
+
+#[cfg(kani)]
+use crate::device_parts::{end, of_specification};
+/// What the checker's answers are told of: who asks.
+#[cfg(not(kani))]
+fn of_specification() {}
+#[cfg(not(kani))]
+fn end() {}
+
+/// The parts as they are; under the checker what it puts in their place.
+struct Own<'a> {
+    config: Config,
+    supervisor: Supervisor,
+    law: Controller<Fixed32>,
+    input: &'a ControlInput,
+    waits: bool,
+}
+
+impl Parts for Own<'_> {
+    fn inspect(&mut self, watch: Watch) -> Verdict {
+        self.supervisor
+            .inspect(&self.config.supervisor, self.input, watch)
+    }
+    fn aligns(&self) -> bool {
+        matches!(self.config.drive, AnyDrive::ThreePhase(_))
+    }
+    fn calibrate(&mut self, tick: u32, count: i64) -> Progress {
+        Calibration::new(self.config.calibration).tick(tick, count, &self.input.current)
+    }
+    fn changes_over(&mut self) -> bool {
+        if self.waits {
+            self.supervisor.restart();
+        }
+        self.waits
+    }
+    fn speed(&mut self) -> i32 {
+        self.supervisor
+            .shaft()
+            .speed(self.config.supervisor.shaft())
+            .to_bits()
+    }
+    fn advance(&mut self) -> i32 {
+        self.supervisor
+            .shaft()
+            .advance(self.config.supervisor.shaft())
+    }
+    fn angle(&mut self, count: i64) -> u16 {
+        self.config.electrical.angle(count).0
+    }
+    fn temperature(&mut self) -> Option<Celsius> {
+        Power::temperature(&self.config.thermistor, &self.input.current)
+    }
+    fn penetration(&mut self, count: i64) -> i32 {
+        self.config.scale.penetration::<Fixed32>(count).0.to_bits()
+    }
+    fn measures_change(&self) -> bool {
+        self.config.change.is_some()
+    }
+    fn since_change(&mut self, until: i32, from: i32) -> i32 {
+        let change = self.config.change.expect("asked where it is measured");
+        change
+            .since_change(position(until), position(from))
+            .0
+            .to_bits()
+    }
+    fn resume(&mut self) {
+        self.law.resume(&self.config.law);
+    }
+    fn law(&mut self, e: i32, at_change: Option<i32>) -> i32 {
+        self.law
+            .tick_with_change(position(e), at_change.map(position))
+            .0
+            .to_bits()
+    }
+    fn view(&mut self) -> View<Fixed32> {
+        self.law.view()
+    }
+    fn commanded(&mut self, force: i32) {
+        self.law.commanded(Force(I8F24::from_bits(force)));
+    }
+    fn switched_off(&mut self) {
+        self.law.switched_off();
+    }
+    fn is_tripped(&mut self) -> bool {
+        self.law.tripped()
+    }
+    fn force_limit(&self) -> i32 {
+        self.config.force_limit.to_bits()
+    }
+    fn fade_step(&self) -> u32 {
+        self.config.fade_step
+    }
+    fn torque(&mut self, force: i32, share: Option<u32>) -> i32 {
+        torque_of(Force(I8F24::from_bits(force)), share).0.to_bits()
+    }
+    fn drive(&mut self, torque: i32, rotor: &Rotor) -> Driven {
+        self.config
+            .drive
+            .command(Force(I8F24::from_bits(torque)), rotor)
+    }
+}
+
+fn position(bits: i32) -> Position<Fixed32> {
+    Position(I8F24::from_bits(bits))
+}
+fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
+    position(s.i32())
+}
+fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
+    s.bool().then(|| any(s))
+}
+
+/// Any settings that tell one tick from another, and what they become.
+fn any_config<S: Source>(s: &mut S) -> Option<Config> {
+    let mut settings = DeviceSettings::default();
+    settings.encoder.kind = EncoderKind::Incremental;
+    if s.bool() {
+        settings.drive.kind = DriveKind::Analogue;
+    }
+    let mut config = Config::new(&settings, &IHM08M1).ok()?;
+    config.fade_step = s.u32();
+    config.force_limit = I8F24::from_bits(s.i32());
+    let (before, after) = (s.i32() >> 3, s.i32() >> 3);
+    config.change = some(s, |_| ChangeConfig {
+        read_at: 0,
+        before,
+        after,
+        delay_s: Si::ZERO,
+        lag_s: Si::ZERO,
+    });
+    Some(config)
+}
+fn any_memory<S: Source>(s: &mut S) -> Memory {
+    // Of a position near the last one a law has more to say.
+    let last = any_position(s);
+    let near = |s: &mut S| {
+        if s.shortcut() {
+            position(last.0.to_bits().wrapping_add(s.i16().into()))
+        } else {
+            any_position(s)
+        }
+    };
+    Memory {
+        machine: Machine::at(any_state(s)),
+        alignment: any_alignment(s),
+        zero: s.i64(),
+        fade: if s.bool() { u32::MAX } else { s.u32() },
+        reported: some(s, |s| (any_context(s).code, s.i32())),
+        settings_refused: s.bool(),
+        saturated: s.u16(),
+        pushes: s.bool(),
+        read: some(s, near),
+        record: Record {
+            tick: s.u32(),
+            state: State::Boot,
+            limits: Limits::from_wire(s.u8()),
+            count: s.i64(),
+            law_ran: s.bool(),
+            penetration: last,
+            since_change: any_position(s),
+            force: Force(I8F24::from_bits(s.i32())),
+            offset: any_position(s),
+            energy: some(s, |s| Energy(fixed::FixedI64::from_bits(s.i64()))),
+            contact: any_contact(s),
+            torque: Force(I8F24::from_bits(s.i32())),
+            current_command: Amps::from_bits(s.i32()),
+            current: any_current(s),
+            bus: I16F16::from_bits(s.i32()),
+            temperature: some(s, |s| I16F16::from_bits(s.i32())),
+            speed_rad_per_s: I16F16::from_bits(s.i32()),
+            timing: any_timing(s),
+        },
+    }
+}
+pub(crate) fn any_alignment<S: Source>(s: &mut S) -> Alignment {
+    Alignment {
+        offset: Angle(s.u16()),
+        against: s.bool(),
+    }
+}
+pub(crate) fn any_contact<S: Source>(s: &mut S) -> Contact {
+    match s.u8() % 3 {
+        0 => Contact::Free,
+        1 => Contact::First,
+        _ => Contact::Augmenting,
+    }
+}
+/// With a supply and a temperature of which nothing is to be said, or any.
+fn any_input<S: Source>(s: &mut S) -> ControlInput {
+    let is_quiet = s.shortcut();
+    let (bus, temperature) = (s.i32(), s.u16());
+    ControlInput {
+        encoder: if s.bool() {
+            EncoderReading::Counter32(s.u32())
+        } else {
+            EncoderReading::Silent
+        },
+        current: CurrentReport {
+            current: any_current(s),
+            bus: if is_quiet {
+                I16F16::lit("24")
+            } else {
+                I16F16::from_bits(bus)
+            },
+            temperature: if is_quiet { 0x800 } else { temperature },
+            saturated: s.u16(),
+            ..CurrentReport::default()
+        },
+        command: some(s, any_command),
+        hardware_break: !is_quiet,
+        gate_driver_error: false,
+        stop_button: false,
+        host_heard: true,
+        timing: if is_quiet {
+            TickTiming::default()
+        } else {
+            any_timing(s)
+        },
+    }
+}
+fn any_current<S: Source>(s: &mut S) -> Dq {
+    Dq {
+        d: Amps::from_bits(s.i32()),
+        q: Amps::from_bits(s.i32()),
+    }
+}
+fn any_timing<S: Source>(s: &mut S) -> TickTiming {
+    TickTiming {
+        lateness: s.u32(),
+        duration: s.u32(),
+    }
+}
+
+/// What the checker puts in the place of the parts.
+#[macro_export]
+macro_rules! composed_tick_property {
+    ($($property:tt)*) => {
+        $crate::replaced_property! {
+            [(touchstone_drive::settings::validate, crate::device_parts::accepted)
+            (touchstone_control::quotient::quotient, crate::device_parts::any_quotient)
+            (touchstone_drive::change::law_settings, crate::device_parts::law_settings)
+            (touchstone_control::Controller::new, crate::device_parts::law_made)
+            (touchstone_drive::supervisor::Supervisor::inspect, crate::device_parts::inspect)
+            (touchstone_drive::supervisor::Supervisor::restart, crate::device_parts::restart)
+            (touchstone_drive::supervisor::shaft::Shaft::speed, crate::device_parts::speed)
+            (touchstone_drive::supervisor::shaft::Shaft::advance, crate::device_parts::advance)
+            (touchstone_drive::supervisor::power::Power::temperature, crate::device_parts::temperature)
+            (touchstone_drive::calibration::Calibration::tick, crate::device_parts::calibrate)
+            (touchstone_drive::angle::ElectricalScale::angle, crate::device_parts::angle)
+            (touchstone_control::CountScale::penetration, crate::device_parts::penetration)
+            (touchstone_drive::change::ChangeConfig::since_change, crate::device_parts::since_change)
+            (touchstone_control::Controller::resume, crate::device_parts::resume)
+            (touchstone_control::Controller::tick_with_change, crate::device_parts::law)
+            (touchstone_control::Controller::view, crate::device_parts::view)
+            (touchstone_control::Controller::commanded, crate::device_parts::commanded)
+            (touchstone_control::Controller::switched_off, crate::device_parts::switched_off)
+            (touchstone_control::Controller::tripped, crate::device_parts::is_tripped)
+            (touchstone_drive::device::torque_of, crate::device_parts::torque)
+            (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
+            $($property)*
+        }
+    };
+}
+
+composed_tick_property! {
+    /// P11: a control tick is its specification, from the reading to the drive's command and in all that it remembers: its parts are asked the
+    /// same, in the same order, and told the same, whatever they answer.
+    equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
+    over "memory, reading and command; three phases or analogue, steps of fading in, force limits; under the checker whatever the parts answer"
+    by cadical fn p11_control_tick(s) {
+        let Some(config) = any_config(s) else {
+            return;
+        };
+        let memory = any_memory(s);
+        let input = any_input(s);
+        let mut device = Device::of(config, memory);
+        let waits = s.bool();
+        if waits {
+            device.prepare(config);
+        }
+        let memory = *device.memory();
+        let before = memory.machine.state();
+        let found = device.tick(&input);
+        of_specification();
+        let mut own = Own { config, supervisor: Supervisor::new(), law: config.law, input: &input, waits };
+        let (remembered, specified) = control_tick::tick(&memory, &input, &mut own);
+        end();
+        assert!(found == specified);
+        assert!(*device.memory() == remembered);
+        assert!(*device.law() == own.law);
+        let after = device.state();
+        if found.outputs == Outputs::On {
+            assert_reached!(after == State::Armed || after == State::Calibrating && before == State::Calibrating);
+        }
+        let limits = found.record.limits;
+        cover!(s, before == State::Armed && after == State::Armed && found.outputs == Outputs::On, "goes on");
+        cover!(s, before == State::Ready && after == State::Armed && limits.has(Limit::FadeIn), "begins to fade in");
+        cover!(s, before == State::Armed && after == State::Ready, "left by command");
+        cover!(s, before == State::Armed && device.fault().is_some(), "left by a fault");
+        cover!(s, found.outputs == Outputs::On && !limits.has(Limit::FadeIn) && found.record.torque != Force::zero(), "all of it");
+        cover!(s, found.outputs == Outputs::Off && after == State::Armed, "no reading");
+        cover!(s, found.reconfigure, "other settings");
+        cover!(s, matches!(found.drive, DriveCommand::Analogue(_)), "an amplifier");
+    }
+}

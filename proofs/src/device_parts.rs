@@ -1,0 +1,344 @@
+//! What stands in the place of a device's parts: any answer, and the same again to the specification, which has to ask the same.
+//!
+//! A part is asked once in a tick at most. What changes one, or reads what may have changed, is told apart by what came before it, too.
+
+use crate::control_tick::{any_alignment, any_contact};
+use crate::device::any_context;
+use crate::format::Format;
+use crate::source::{Source, Symbolic};
+use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
+use fixed::types::I8F24;
+use touchstone_control::law::{Spring, SpringState, View};
+use touchstone_control::{
+    AnyLaw, Controller, CountScale, Fixed32, Force, Number, Position, Settings, Si, States,
+    Stiffness,
+};
+use touchstone_drive::angle::ElectricalScale;
+use touchstone_drive::calibration::{Calibration, Progress};
+use touchstone_drive::change::ChangeConfig;
+use touchstone_drive::command::{AnyDrive, Driven, Rotor};
+use touchstone_drive::supervisor::power::Power;
+use touchstone_drive::supervisor::shaft::{Shaft, ShaftConfig};
+use touchstone_drive::supervisor::{Supervisor, SupervisorConfig, Verdict, Watch};
+use touchstone_drive::thermistor::Thermistor;
+use touchstone_drive::transform::Dq;
+use touchstone_drive::{
+    Amps, Angle, Celsius, ControlInput, CurrentCommand, CurrentMode, CurrentReport, DacCode,
+    DeviceSettings, DriveCommand, Hardware, SettingsError,
+};
+use touchstone_protocol::Limits;
+
+static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
+/// What was done to parts so far: a digit each.
+static HISTORY: AtomicUsize = AtomicUsize::new(1);
+static OF_CODE: AtomicUsize = AtomicUsize::new(0);
+
+/// The code has asked all that it asks.
+pub fn of_specification() {
+    OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
+    SPECIFIES.store(1, Relaxed);
+}
+/// The specification has, too.
+pub fn end() {
+    assert!(
+        HISTORY.load(Relaxed) == OF_CODE.load(Relaxed),
+        "the same was done to the parts"
+    );
+    let open = [
+        found::is_open(),
+        calibrated::is_open(),
+        sped::is_open(),
+        advanced::is_open(),
+        turned::is_open(),
+        warm::is_open(),
+        behind::is_open(),
+        since::is_open(),
+        pushed::is_open(),
+        viewed::is_open(),
+        told::is_open(),
+        tripped::is_open(),
+        faded::is_open(),
+        driven::is_open(),
+    ];
+    assert!(
+        open == [false; 14],
+        "the specification has asked what the code has"
+    );
+}
+fn done(what: usize) -> i64 {
+    let history = (HISTORY.load(Relaxed) << 3) | what;
+    HISTORY.store(history, Relaxed);
+    history as i64
+}
+fn so_far() -> i64 {
+    HISTORY.load(Relaxed) as i64
+}
+
+/// A part: words of its question, words of its answer.
+macro_rules! part {
+    ($module:ident, $words:literal, $answers:literal) => {
+        mod $module {
+            use super::{AtomicI64, AtomicUsize, Relaxed, SPECIFIES};
+
+            static ASKED: AtomicUsize = AtomicUsize::new(0);
+            static QUESTION: [AtomicI64; $words] = [const { AtomicI64::new(0) }; $words];
+            static ANSWER: [AtomicI64; $answers] = [const { AtomicI64::new(0) }; $answers];
+
+            /// Any answer to the code, and the same to the specification.
+            pub fn ask(question: [i64; $words]) -> [i64; $answers] {
+                let mut answer = [0; $answers];
+                if SPECIFIES.load(Relaxed) == 1 {
+                    assert!(ASKED.swap(2, Relaxed) == 1, "the code has asked it");
+                    for at in 0..$words {
+                        assert!(
+                            QUESTION[at].load(Relaxed) == question[at],
+                            "the same question"
+                        );
+                    }
+                    for at in 0..$answers {
+                        answer[at] = ANSWER[at].load(Relaxed);
+                    }
+                } else {
+                    assert!(ASKED.swap(1, Relaxed) == 0, "asked once");
+                    for at in 0..$words {
+                        QUESTION[at].store(question[at], Relaxed);
+                    }
+                    for at in 0..$answers {
+                        answer[at] = kani::any();
+                        ANSWER[at].store(answer[at], Relaxed);
+                    }
+                }
+                answer
+            }
+            pub fn is_open() -> bool {
+                ASKED.load(Relaxed) == 1
+            }
+        }
+    };
+}
+part!(found, 4, 6);
+part!(calibrated, 2, 9);
+part!(sped, 1, 1);
+part!(advanced, 1, 1);
+part!(turned, 1, 1);
+part!(warm, 1, 2);
+part!(behind, 1, 1);
+part!(since, 2, 1);
+part!(pushed, 4, 1);
+part!(viewed, 1, 4);
+part!(told, 2, 1);
+part!(tripped, 1, 1);
+part!(faded, 3, 1);
+part!(driven, 6, 10);
+
+/// An answer's words, for what takes any value from a source.
+struct Words<'a>(core::slice::Iter<'a, i64>);
+
+impl Source for Words<'_> {
+    fn bits(&mut self, bits: u32) -> u64 {
+        let word = self.0.next().map_or(0, |word| word.cast_unsigned());
+        if bits < 64 {
+            word & ((1 << bits) - 1)
+        } else {
+            word
+        }
+    }
+    fn assume(&mut self, holds: bool) -> bool {
+        kani::assume(holds);
+        true
+    }
+    fn shortcut(&mut self) -> bool {
+        false
+    }
+    fn cover(&mut self, _: bool, _: &'static str) {}
+}
+
+/// For `settings::validate`.
+pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
+    Ok(())
+}
+/// For `quotient`: any.
+pub fn any_quotient(_: Si, _: Si) -> Si {
+    Si::from_bits(kani::any())
+}
+/// For `law_settings`: none that anything comes of.
+pub fn law_settings(
+    _: &DeviceSettings,
+    _: &Hardware,
+) -> Result<(Settings, Option<ChangeConfig>), SettingsError> {
+    Ok((Settings::default(), None))
+}
+/// For `Controller::new`: a law that is not asked.
+pub fn law_made<N: Number>(
+    _: &Settings,
+) -> Result<Controller<N>, touchstone_control::SettingsError> {
+    let none = Stiffness::zero();
+    let spring = Spring {
+        desired: none,
+        damping: none,
+        limit: Force::zero(),
+    };
+    let law = AnyLaw::Spring(spring, SpringState::default());
+    Ok(Controller::of_parts(law, States::default(), None))
+}
+
+/// For `Supervisor::inspect`.
+pub fn inspect(
+    _: &mut Supervisor,
+    _: &SupervisorConfig,
+    _: &ControlInput,
+    watch: Watch,
+) -> Verdict {
+    let Watch {
+        watched,
+        may_be_on,
+        driven,
+        untold,
+    } = watch;
+    let words = found::ask([watched, may_be_on, driven, untold].map(i64::from));
+    let [code, value, count, derating, ..] = words;
+    let context = any_context(&mut Words([code, 0, value].iter()));
+    Verdict {
+        fault: (words[4] & 1 == 1).then_some((context.code, context.value)),
+        count: (words[5] & 1 == 1).then_some(count),
+        derating: derating as u32,
+    }
+}
+/// For `Supervisor::restart`.
+pub fn restart(_: &mut Supervisor) {
+    done(1);
+}
+/// For `Shaft::speed`.
+pub fn speed(_: &Shaft, _: &ShaftConfig) -> Amps {
+    Amps::from_bits(sped::ask([so_far()])[0] as i32)
+}
+/// For `Shaft::advance`.
+pub fn advance(_: &Shaft, _: &ShaftConfig) -> i32 {
+    advanced::ask([0])[0] as i32
+}
+/// For `Power::temperature`.
+pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
+    let [is_some, bits] = warm::ask([report.temperature.into()]);
+    (is_some & 1 == 1).then(|| Celsius::from_bits(bits as i32))
+}
+/// For `Calibration::tick`.
+pub fn calibrate(_: &mut Calibration, tick: u32, count: i64, _: &CurrentReport) -> Progress {
+    let answer = calibrated::ask([tick.into(), count]);
+    let words = core::array::from_fn(|at| answer[at + 1]);
+    match answer[0] & 3 {
+        0 => Progress::Running(command_of(&words)),
+        1 => Progress::Done(any_alignment(&mut Words(words.iter()))),
+        _ => {
+            let context = any_context(&mut Words(words.iter()));
+            Progress::Failed(context.code, context.value)
+        }
+    }
+}
+fn command_of(words: &[i64; 8]) -> CurrentCommand {
+    let [tick, mode, angle, advance, d, q, ..] = *words;
+    CurrentCommand {
+        tick: tick as u32,
+        mode: match mode & 3 {
+            0 => CurrentMode::Off,
+            1 => CurrentMode::Offsets,
+            _ => CurrentMode::Drive,
+        },
+        angle: Angle(angle as u16),
+        advance: advance as i32,
+        current: Dq {
+            d: Amps::from_bits(d as i32),
+            q: Amps::from_bits(q as i32),
+        },
+    }
+}
+/// For `ElectricalScale::angle`.
+pub fn angle(_: &ElectricalScale, count: i64) -> Angle {
+    Angle(turned::ask([count])[0] as u16)
+}
+/// For `CountScale::penetration`.
+pub fn penetration<N: Format>(_: &CountScale, count: i64) -> Position<N> {
+    position(behind::ask([count])[0])
+}
+fn position<N: Format>(bits: i64) -> Position<N> {
+    let found = N::any_position(&mut Symbolic);
+    kani::assume(N::of_signal(found.0) == i64::from(bits as i32));
+    found
+}
+/// For `ChangeConfig::since_change`.
+pub fn since_change(
+    _: &ChangeConfig,
+    until: Position<Fixed32>,
+    from: Position<Fixed32>,
+) -> Position<Fixed32> {
+    let question = [until, from].map(|way| i64::from(way.0.to_bits()));
+    Position(I8F24::from_bits(since::ask(question)[0] as i32))
+}
+/// For `Controller::resume`.
+pub fn resume<N: Number>(_: &mut Controller<N>, _: &Controller<N>) {
+    done(2);
+}
+/// For `Controller::tick_with_change`.
+pub fn law<N: Format>(
+    _: &mut Controller<N>,
+    e: Position<N>,
+    at_change: Option<Position<N>>,
+) -> Force<N> {
+    let at = at_change.map_or(0, |at| N::of_signal(at.0));
+    let answer = pushed::ask([done(3), N::of_signal(e.0), at_change.is_some().into(), at]);
+    Force(position::<N>(answer[0]).0)
+}
+/// For `Controller::view`.
+pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
+    let [contact, has_energy, energy, offset] = viewed::ask([so_far()]);
+    let found = N::any_energy(&mut Symbolic);
+    kani::assume(N::of_energy(found.0) == energy);
+    View {
+        contact: any_contact(&mut Words([contact].iter())),
+        energy: (has_energy & 1 == 1).then_some(found),
+        offset: position(offset),
+        mass: None,
+    }
+}
+/// For `Controller::commanded`.
+pub fn commanded<N: Format>(_: &mut Controller<N>, force: Force<N>) {
+    told::ask([done(4), N::of_signal(force.0)]);
+}
+/// For `Controller::switched_off`.
+pub fn switched_off<N: Number>(_: &mut Controller<N>) {
+    done(5);
+}
+/// For `Controller::tripped`.
+pub fn is_tripped<N: Number>(_: &Controller<N>) -> bool {
+    tripped::ask([so_far()])[0] & 1 == 1
+}
+/// For `torque_of`.
+pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
+    let question = [
+        i64::from(force.0.to_bits()),
+        share.is_some().into(),
+        share.unwrap_or(0).into(),
+    ];
+    Force(I8F24::from_bits(faded::ask(question)[0] as i32))
+}
+/// For `AnyDrive::command`.
+pub fn command(_: &AnyDrive, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
+    let question = [
+        torque.0.to_bits().into(),
+        rotor.tick.into(),
+        rotor.angle.0.into(),
+        rotor.advance.into(),
+        rotor.against.into(),
+        rotor.derating.into(),
+    ];
+    let answer = driven::ask(question);
+    let words: [i64; 8] = core::array::from_fn(|at| answer[at + 2]);
+    Driven {
+        command: match answer[0] & 3 {
+            0 => DriveCommand::Off,
+            1 => DriveCommand::Analogue(DacCode(words[0] as u16)),
+            _ => DriveCommand::Current(command_of(&words)),
+        },
+        limits: Limits::from_wire(answer[1] as u8),
+        torque: Force(I8F24::from_bits(words[7] as i32)),
+    }
+}
