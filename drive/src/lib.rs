@@ -58,7 +58,7 @@ pub mod timing;
 pub mod transform;
 #[cfg(feature = "wire")]
 pub mod twin;
-mod units;
+pub mod units;
 #[cfg(feature = "wire")]
 pub mod wire;
 

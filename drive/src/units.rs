@@ -26,13 +26,15 @@ pub(crate) const fn clamp_i32(value: i64) -> i32 {
 
 /// `a · b` with `shift` fractional bits taken off, towards minus infinity, saturating. For `shift` below 64.
 #[inline(always)]
-pub(crate) const fn product(a: i32, b: i32, shift: u32) -> i32 {
+#[must_use]
+pub const fn product(a: i32, b: i32, shift: u32) -> i32 {
     clamp_i32((a as i64 * b as i64) >> shift)
 }
 
 /// So much of a way, a share in 1/65,536, to the nearest. Of a way between two words.
 #[inline(always)]
-pub(crate) const fn share_of(way: i64, share: u16) -> i64 {
+#[must_use]
+pub const fn share_of(way: i64, share: u16) -> i64 {
     (way * share as i64 + (1 << 15)) >> 16
 }
 

@@ -2,11 +2,14 @@
 //! angles, the mailbox of commands.
 
 use crate::source::Source;
-use crate::{assume, cover, property};
+use crate::{assume, cover, property, replaced_property};
+#[cfg(kani)]
+use core::sync::atomic::Ordering::Relaxed;
 use fixed::types::I8F24;
 use fixed::types::I16F16;
 use touchstone_control::Force;
 use touchstone_drive::Angle;
+use touchstone_drive::Si;
 use touchstone_drive::angle::ElectricalScale;
 use touchstone_drive::command::{Drive as _, DriveCommand, Rotor, ThreePhase};
 use touchstone_drive::current::{CurrentCommand, CurrentMode};
@@ -14,6 +17,7 @@ use touchstone_drive::device::torque_of;
 use touchstone_drive::modulation::Modulator;
 use touchstone_drive::pi::{Pi, PiGains};
 use touchstone_drive::transform::{AlphaBeta, Dq};
+use touchstone_drive::units::{product, share_of};
 use touchstone_protocol::{DeviceSettings, Limit};
 
 fn any_value<S: Source>(s: &mut S) -> I16F16 {
@@ -39,32 +43,121 @@ property! {
         cover!(s, bus < 0, "no bus");
     }
 }
+/// `f s 2^-31`, rounded down.
+fn part_of(force: i32, share: u32) -> i64 {
+    (i64::from(force) * i64::from(share)).div_euclid(1 << 31)
+}
+/// Whether a part is between nothing and the whole.
+fn is_part(part: i64, whole: i64) -> bool {
+    part >= whole.min(0) && part <= whole.max(0)
+}
+
 property! {
-    /// P4: a torque is the force's negative; while it fades in it is a share of that, never more, and nothing at the beginning.
-    equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
-    over "force, share or none"
-    by sampled fn p4_fade_in32(s) {
-        let (force, share) = (s.i32(), s.bool().then_some(s.u32()));
-        let torque = i64::from(torque_of(Force(I8F24::from_bits(force)), share).0.to_bits());
-        let (force, highest) = (i64::from(force), i64::from(i32::MAX));
-        let share = share.map_or(1 << 31, |share| i64::from(share >> 1));
-        assert!(torque == (-(force * share).div_euclid(1 << 31)).min(highest));
-        assert!(torque.abs() <= force.abs() && (torque == 0 || (torque > 0) == (force < 0)));
-        assert!(share > 0 || torque == 0);
-        cover!(s, torque < 0 && torque > -force, "fades in");
-        cover!(s, torque == highest, "the lowest force");
+    /// P3: the drive's product is that, rounded down and within a word, and of what is not negative not negative.
+    equation "p = floor(x y 2^-k), not beyond the format, k = 16, 24, 31"
+    over "two words"
+    by kissat fn p3_product32(s) {
+        let (x, y) = (s.i32(), s.i32());
+        let exact = i64::from(x) * i64::from(y);
+        for digits in [16, 24, 31] {
+            let found = product(x, y, digits);
+            assert_reached!(i64::from(found) == exact.div_euclid(1 << digits).clamp(i32::MIN.into(), i32::MAX.into()));
+            assert_reached!(x < 0 || y < 0 || found >= 0);
+        }
+        cover!(s, x < 0 && exact > i64::from(i32::MAX) << 24, "the end");
     }
 }
 property! {
-    /// P4: whatever torque is asked for, the current of the kit's motor is along `q` alone and within what the temperature leaves of its limit;
+    /// P3: a share of a word, as the torque's that fades in, is its product, rounded down, and between nothing and the word.
+    equation "p = floor(x s 2^-31), 0 <= s < 2^31  =>  p between 0 and x"
+    over "word, share"
+    by kissat fn p3_part_of_word32(s) {
+        let (word, share) = (s.i32(), s.u32() >> 1);
+        let part = i64::from(product(word, share.cast_signed(), 31));
+        assert!(is_part(part, word.into()));
+        cover!(s, part < 0 && part > i64::from(word), "of a negative one");
+    }
+}
+property! {
+    /// P3: a share of the way from one word to another, as the integrator's, to the nearest, is between nothing and the way.
+    equation "p = floor(x s 2^-16 + 1/2), s < 2^16  =>  p between 0 and x"
+    over "two words, share"
+    by kissat fn p3_part_of_way32(s) {
+        let (way, share) = (i64::from(s.i32()) - i64::from(s.i32()), s.u16());
+        assert!(is_part(share_of(way, share), way));
+        cover!(s, share_of(way, share) < 0, "back");
+        cover!(s, way > i64::from(u32::MAX) - 2 && share_of(way, share) < way, "furthest");
+    }
+}
+
+/// For [`product`]: any that [`p3_product32`] allows, of a share what [`p3_part_of_word32`] says.
+#[cfg(kani)]
+pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
+    let found = kani::any();
+    kani::assume(a < 0 || b < 0 || found >= 0);
+    if shift == 31 {
+        kani::assume(b < 0 || is_part(i64::from(found), a.into()));
+        for (place, word) in ASKED.iter().zip([a, b, found]) {
+            place.store(word, Relaxed);
+        }
+    }
+    found
+}
+/// For [`part_of`]: the code's, where it has asked for the same part.
+#[cfg(kani)]
+pub fn same_part(force: i32, share: u32) -> i64 {
+    let any: i32 = kani::any();
+    let is_same = ASKED[0].load(Relaxed) == force && ASKED[1].load(Relaxed) == share.cast_signed();
+    i64::from(if is_same { ASKED[2].load(Relaxed) } else { any })
+}
+/// For [`share_of`]: any that [`p3_part_of_way32`] allows.
+#[cfg(kani)]
+pub fn any_share(way: i64, _: u16) -> i64 {
+    let found = kani::any();
+    kani::assume(is_part(found, way));
+    found
+}
+#[cfg(kani)]
+static ASKED: [core::sync::atomic::AtomicI32; 3] =
+    [const { core::sync::atomic::AtomicI32::new(0) }; 3];
+
+replaced_property! {
+    [(touchstone_drive::units::product, crate::drive::any_product)
+    (crate::drive::part_of, crate::drive::same_part)]
+    /// P4: a torque is the force's negative; while it fades in it is a share of that, never more, and of the other sign.
+    equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
+    over "force, share or none; under the checker a part of which p3_part_of_word32 holds"
+    by cadical fn p4_fade_in32(s) {
+        let (force, share) = (s.i32(), s.bool().then_some(s.u32()));
+        let torque = i64::from(torque_of(Force(I8F24::from_bits(force)), share).0.to_bits());
+        let (whole, highest) = (i64::from(force), i64::from(i32::MAX));
+        let part = share.map_or(whole, |share| part_of(force, share >> 1));
+        assert!(torque == (-part).min(highest));
+        assert!(torque.abs() <= whole.abs() && (torque == 0 || (torque > 0) == (force < 0)));
+        cover!(s, torque < 0 && torque > -whole, "fades in");
+        cover!(s, torque == highest, "the lowest force");
+    }
+}
+/// For the quotient that a motor's coefficient is: any.
+#[cfg(kani)]
+pub fn any_quotient(_: Si, _: Si) -> Si {
+    Si::from_bits(kani::any())
+}
+replaced_property! {
+    [(touchstone_drive::units::product, crate::drive::any_product)
+    (touchstone_control::quotient::quotient, crate::drive::any_quotient)]
+    /// P4: whatever torque is asked for, a motor's current is along `q` alone and within what the temperature leaves of its limit;
     /// the torque that is left of it is not larger, and the same where nothing was cut.
     equation "|i_q| <= i_max min(θ, 1), i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
-    over "torque, share of the current that the temperature leaves, direction of the encoder; the motor that ships as default"
+    over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
-        let motor = DeviceSettings::default().motor;
-        let limit = i64::from(I16F16::from_num(motor.current_limit_a).to_bits());
+        let mut motor = DeviceSettings::default().motor;
+        // Neither is negative: the settings' ranges.
+        let (limit, constant) = (s.u32() >> 1, s.u32() >> 1);
+        motor.current_limit_a = Si::from_bits(i64::from(limit) << 16);
+        motor.torque_constant_n_m_per_a = Si::from_bits(constant.into());
         let Ok(drive) = ThreePhase::new(&motor) else {
-            unreachable!("the default's torque constant has an inverse");
+            return;
         };
         let torque = Force(I8F24::from_bits(s.i32()));
         let rotor = Rotor { derating: s.u32(), against: s.bool(), ..Rotor::default() };
@@ -72,7 +165,7 @@ property! {
         let DriveCommand::Current(command) = driven.command else {
             unreachable!("a motor on this board's bridge has a current");
         };
-        let left = (limit * i64::from(rotor.derating.min(1 << 16))) >> 16;
+        let left = (i64::from(limit) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         assert!(command.current.d == 0 && i64::from(command.current.q.to_bits()).abs() <= left);
         let (asked, shown) = (i64::from(torque.0.to_bits()), i64::from(driven.torque.0.to_bits()));
         assert!(shown.abs() <= asked.abs() && (shown == 0 || (shown > 0) == (asked > 0)));
@@ -82,11 +175,13 @@ property! {
         cover!(s, shown == asked && shown < 0 && rotor.against, "not cut");
     }
 }
-property! {
+replaced_property! {
+    [(touchstone_drive::units::product, crate::drive::any_product)
+    (touchstone_drive::units::share_of, crate::drive::any_share)]
     /// P4: a current controller's voltage is within the limit whatever the error, and so is what it remembers, if it was.
     equation "|s| <= v_max  =>  |v| <= v_max, |s'| <= v_max"
-    over "gains, error, limit from 0 on, memory in the invariant"
-    by sampled fn p4_current_loop32(s) {
+    over "gains, error, limit from 0 on, memory in the invariant; under the checker any product, and a share of which p3_part_of_way32 holds"
+    by cadical fn p4_current_loop32(s) {
         let gains = PiGains { proportional: any_value(s), share: s.u16() };
         let (error, limit, before) = (any_value(s), any_value(s), any_value(s));
         let bound = |v: I16F16| i64::from(v.to_bits()).abs() <= i64::from(limit.to_bits());
@@ -94,8 +189,9 @@ property! {
         let mut pi = Pi::of(before);
         let (given, limited) = pi.tick(&gains, error, limit);
         assert!(bound(given) && bound(pi.integral()));
-        cover!(s, limited && pi.integral() != before, "at the limit");
-        cover!(s, !limited && given < 0, "within it");
+        let moved = pi.integral() != before;
+        cover!(s, limited & moved, "at the limit");
+        cover!(s, !limited & (given < 0), "within it");
     }
 }
 property! {

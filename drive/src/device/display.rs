@@ -68,17 +68,16 @@ impl Device {
         let force = scenery.tick(&mut self.law, &here);
         let view = scenery.view(&self.law);
         let fading = self.memory.fade < u32::MAX;
-        self.memory.fade = self
-            .memory
-            .fade
-            .saturating_add(self.configs.now().fade_step);
-        let torque = torque_of(force, fading.then_some(self.memory.fade));
+        let step = self.configs.now().fade_step;
+        let share = self.memory.fade.saturating_add(step);
+        self.memory.fade = share;
+        let torque = torque_of(force, fading.then_some(share));
 
         #[cfg_attr(not(feature = "large"), allow(unused_mut))]
         let mut rotor = self.rotor(tick, count.unwrap_or_default(), derating);
         #[cfg(feature = "large")]
         {
-            rotor.map = shared(self.map_here(scenery), fading.then_some(self.memory.fade));
+            rotor.map = shared(self.map_here(scenery), fading.then_some(share));
         }
         let driven = self.configs.now().drive.command(torque, &rotor);
         if fading || driven.torque != torque {
