@@ -321,13 +321,11 @@ replaced_property! {
             assert_reached!(after == State::Armed || after == State::Calibrating && before == State::Calibrating);
         }
         let limits = found.record.limits;
-        cover!(s, before == State::Armed && after == State::Armed && found.outputs == Outputs::On, "goes on");
-        cover!(s, before == State::Ready && after == State::Armed && limits.has(Limit::FadeIn), "begins to fade in");
-        cover!(s, before == State::Armed && after == State::Ready, "left by command");
-        cover!(s, before == State::Armed && device.fault().is_some(), "left by a fault");
-        cover!(s, found.outputs == Outputs::On && !limits.has(Limit::FadeIn) && found.record.torque != Force::zero(), "all of it");
-        cover!(s, found.outputs == Outputs::Off && after == State::Armed, "no reading");
+        let all = !limits.has(Limit::FadeIn) && found.record.torque != Force::zero();
         cover!(s, found.reconfigure, "other settings");
-        cover!(s, matches!(found.drive, DriveCommand::Analogue(_)), "an amplifier");
+        cover!(s, before == State::Ready && limits.has(Limit::FadeIn), "begins to fade in");
+        cover!(s, all && matches!(found.drive, DriveCommand::Analogue(_)), "all of it, by an amplifier");
+        cover!(s, found.outputs == Outputs::Off && after == State::Armed, "no reading");
+        cover!(s, before == State::Armed && device.fault().is_some(), "left by a fault");
     }
 }

@@ -2,7 +2,7 @@
 //! angles, the mailbox of commands.
 
 use crate::source::Source;
-use crate::{assume, cover, property, replaced_property};
+use crate::{assume, cover, property, replaced_property, such};
 #[cfg(kani)]
 use core::sync::atomic::Ordering::Relaxed;
 use fixed::types::I8F24;
@@ -58,13 +58,16 @@ property! {
     over "two words"
     by kissat fn p3_product32(s) {
         let (x, y) = (s.i32(), s.i32());
+        let digits = match s.u8() % 3 {
+            0 => 16,
+            1 => 24,
+            _ => 31,
+        };
         let exact = i64::from(x) * i64::from(y);
-        for digits in [16, 24, 31] {
-            let found = product(x, y, digits);
-            assert_reached!(i64::from(found) == exact.div_euclid(1 << digits).clamp(i32::MIN.into(), i32::MAX.into()));
-            assert_reached!(x < 0 || y < 0 || found >= 0);
-        }
-        cover!(s, x < 0 && exact > i64::from(i32::MAX) << 24, "the end");
+        let found = i64::from(product(x, y, digits));
+        assert!(found == exact.div_euclid(1 << digits).clamp(i32::MIN.into(), i32::MAX.into()));
+        assert!(x < 0 || y < 0 || found >= 0);
+        cover!(s, x < 0 && found == i64::from(i32::MAX), "the end");
     }
 }
 property! {
@@ -83,10 +86,11 @@ property! {
     equation "p = floor(x s 2^-16 + 1/2), s < 2^16  =>  p between 0 and x"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
-        let (way, share) = (i64::from(s.i32()) - i64::from(s.i32()), s.u16());
-        assert!(is_part(share_of(way, share), way));
-        cover!(s, share_of(way, share) < 0, "back");
-        cover!(s, way > i64::from(u32::MAX) - 2 && share_of(way, share) < way, "furthest");
+        let (way, share) = (such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words"), s.u16());
+        let part = share_of(way, share);
+        assert!(is_part(part, way));
+        cover!(s, part < 0, "back");
+        cover!(s, way > i64::from(u32::MAX) - 2 && part < way, "furthest");
     }
 }
 
