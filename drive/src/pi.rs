@@ -10,7 +10,8 @@
 //!
 //! Without the limit that is the usual sum, `s' = s + k_i T (i* - i)`. At the limit `s` follows the voltage that is really there
 //! with the winding's own time constant, so that it is what the resistance takes when the limit is left: no wind-up, no
-//! tail (Hanus' conditioned controller). It never leaves the limits of `v`, being a mean of values within them.
+//! tail (Hanus' conditioned controller). Being a mean of itself and `v`, it is
+//! never more than the limit or what it was; where the bus falls it follows.
 
 use crate::settings::out_of_format;
 use crate::units::{clamp_i32, narrow, product, quotient, share_of};

@@ -1,11 +1,11 @@
 //! A device's control tick, from what was read to what the drive is told: whatever its parts answer, it asks them what its specification
-//! asks, in the same order, and makes the same of their answers.
+//! asks and makes the same of their answers. Samples run six ticks in a row with the parts themselves.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
 //! ```
 //!
-//! The parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration
+//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration
 //! (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
 use crate::device::{any_command, any_context, any_state};
@@ -25,14 +25,18 @@ use touchstone_drive::supervisor::{Supervisor, Verdict, Watch};
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{
     Amps, Angle, Celsius, Config, ControlInput, CurrentReport, Device, DriveCommand, EncoderKind,
-    EncoderReading, Record, Si, TickTiming,
+    EncoderReading, Record, Si, TickTiming, Trip,
 };
 use touchstone_protocol::settings::DriveKind;
 use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State};
 
 #[cfg(kani)]
-use crate::device_parts::{end, of_specification};
+use crate::device_parts::{end, of_code, of_specification};
+/// Ticks in a row.
+const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
 /// Who asks is nothing to parts that are not the checker's.
+#[cfg(not(kani))]
+fn of_code() {}
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]
@@ -46,30 +50,52 @@ fn same_law(device: &Device, own: &Own) {
 fn same_law(_: &Device, _: &Own) {}
 
 /// The parts as they are; under the checker what it puts in their place.
-struct Own<'a> {
+struct Own {
     config: Config,
     supervisor: Supervisor,
     law: Controller<Fixed32>,
-    input: &'a ControlInput,
+    calibration: Option<Calibration>,
+    input: ControlInput,
+    /// Settings wait, these.
     waits: bool,
+    next: Config,
+    found: Option<Verdict>,
 }
 
-impl Parts for Own<'_> {
+impl Parts for Own {
     fn inspect(&mut self, watch: Watch) -> Verdict {
-        self.supervisor
-            .inspect(&self.config.supervisor, self.input, watch)
+        let found = self
+            .supervisor
+            .inspect(&self.config.supervisor, &self.input, watch);
+        self.found = Some(found);
+        found
     }
     fn aligns(&self) -> bool {
         matches!(self.config.drive, AnyDrive::ThreePhase(_))
     }
     fn calibrate(&mut self, tick: u32, count: i64) -> Progress {
-        Calibration::new(self.config.calibration).tick(tick, count, &self.input.current)
+        let fresh = Calibration::new(self.config.calibration);
+        let mut running = self.calibration.unwrap_or(fresh);
+        let progress = running.tick(tick, count, &self.input.current);
+        // The checker has answers in its place, which remembers nothing.
+        if cfg!(not(kani)) {
+            self.calibration = Some(running);
+        }
+        progress
+    }
+    fn calibration_over(&mut self) {
+        self.calibration = None;
     }
     fn changes_over(&mut self) -> bool {
-        if self.waits {
+        let waited = core::mem::take(&mut self.waits);
+        if waited {
+            // The checker has the same ones.
+            if cfg!(not(kani)) {
+                self.config = self.next;
+            }
             self.supervisor.restart();
         }
-        self.waits
+        waited
     }
     fn speed(&mut self) -> i32 {
         self.supervisor
@@ -144,6 +170,10 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
+/// The same of samples; of the checker's nothing, where one more choice is one too many.
+fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
+    if cfg!(kani) { None } else { some(s, any) }
+}
 fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     s.bool().then(|| any(s))
 }
@@ -152,6 +182,7 @@ fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
 fn any_config<S: Source>(s: &mut S) -> Option<Config> {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
+    settings.encoder.counts_per_rev = if s.bool() { 4_096 } else { 16_384 };
     if s.bool() {
         settings.drive.kind = DriveKind::Analogue;
     }
@@ -226,29 +257,42 @@ pub(crate) fn any_contact<S: Source>(s: &mut S) -> Contact {
 /// With a supply and a temperature of which nothing is to be said, or any.
 fn any_input<S: Source>(s: &mut S) -> ControlInput {
     let is_quiet = s.shortcut();
-    let (bus, temperature) = (s.i32(), s.u16());
     ControlInput {
         encoder: if s.bool() {
             EncoderReading::Counter32(s.u32())
         } else {
             EncoderReading::Silent
         },
-        current: CurrentReport {
-            current: any_current(s),
-            bus: if is_quiet {
-                I16F16::from_bits(24 << 16)
-            } else {
-                I16F16::from_bits(bus)
-            },
-            temperature: if is_quiet { 0x800 } else { temperature },
-            saturated: s.u16(),
-            ..CurrentReport::default()
+        current: if is_quiet {
+            CurrentReport {
+                current: any_current(s),
+                bus: I16F16::from_bits(24 << 16),
+                temperature: 0x800,
+                saturated: s.u16(),
+                ..CurrentReport::default()
+            }
+        } else {
+            CurrentReport {
+                periods: s.u32(),
+                current: any_current(s),
+                voltage: any_current(s),
+                bus: I16F16::from_bits(s.i32()),
+                temperature: s.u16(),
+                missed: s.u16(),
+                saturated: s.u16(),
+                trips: s.u8(),
+                trip: some_sampled(s, |s| Trip {
+                    code: any_context(s).code,
+                    value: s.i32(),
+                }),
+                offsets: None,
+            }
         },
         command: some(s, any_command),
-        hardware_break: !is_quiet,
-        gate_driver_error: false,
-        stop_button: false,
-        host_heard: true,
+        hardware_break: !is_quiet && s.bool(),
+        gate_driver_error: !is_quiet && s.bool(),
+        stop_button: !is_quiet && s.bool(),
+        host_heard: is_quiet || s.bool(),
         timing: if is_quiet {
             TickTiming::default()
         } else {
@@ -292,40 +336,60 @@ replaced_property! {
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
     /// P11: a control tick is its specification, from the reading to the drive's command and in all that it remembers: its parts are asked the
-    /// same, in the same order, and told the same, whatever they answer.
+    /// same, and law and supervisor in the same order, whatever they answer.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
-    over "memory, reading and command; three phases or analogue, steps of fading in, force limits; under the checker whatever the parts answer"
+    over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
     by cadical fn p11_control_tick(s) {
         let Some(config) = any_config(s) else {
             return;
         };
-        let memory = any_memory(s);
-        let input = any_input(s);
-        let mut device = Device::of(config, memory);
+        // Of two sets at once the checker makes too much; which of them a tick uses samples see.
+        let next = if cfg!(kani) { config } else { any_config(s).unwrap_or(config) };
+        let mut device = Device::of(config, any_memory(s));
         let waits = s.bool();
         if waits {
-            device.prepare(config);
+            device.prepare(next);
         }
-        let memory = *device.memory();
-        let before = memory.machine.state();
-        let found = device.tick(&input);
-        of_specification();
-        let mut own = Own { config, supervisor: Supervisor::new(), law: config.law, input: &input, waits };
-        let (remembered, specified) = control_tick::tick(&memory, &input, &mut own);
-        end();
-        assert!(found == specified);
-        assert!(*device.memory() == remembered);
-        same_law(&device, &own);
-        let after = device.state();
-        if found.outputs == Outputs::On {
-            assert_reached!(after == State::Armed || after == State::Calibrating && before == State::Calibrating);
+        let mut own = Own {
+            config,
+            supervisor: Supervisor::new(),
+            law: config.law,
+            calibration: None,
+            input: any_input(s),
+            waits,
+            next,
+            found: None,
+        };
+        for tick in 0..TICKS {
+            let memory = *device.memory();
+            let input = if tick == 0 { own.input } else { any_input(s) };
+            let before = memory.machine.state();
+            of_code();
+            let found = device.tick(&input);
+            of_specification();
+            own.input = input;
+            let (remembered, specified) = control_tick::tick(&memory, &input, &mut own);
+            end();
+            assert!(found == specified);
+            assert!(*device.memory() == remembered);
+            same_law(&device, &own);
+            let after = device.state();
+            let is_off = found.outputs == Outputs::Off;
+            let calibrates = before == State::Calibrating && after == before;
+            let is_fine = own.found.is_some_and(|found| found.count.is_some() & found.fault.is_none());
+            assert!(is_off || after == State::Armed || calibrates);
+            assert!(is_off || is_fine && memory.reported.is_none());
+            let fades = found.record.limits.has(Limit::FadeIn);
+            let torque = found.record.torque != Force::zero();
+            let analogue = matches!(found.drive, DriveCommand::Analogue(_));
+            let moved = found.record.since_change != Position::zero();
+            let tripped = device.memory().reported.is_some();
+            let (was_ready, was_armed) = (before == State::Ready, before == State::Armed);
+            cover!(s, found.reconfigure, "other settings");
+            cover!(s, was_ready & fades & torque, "begins to fade in");
+            cover!(s, !fades & torque & analogue, "all of it, by an amplifier");
+            cover!(s, was_armed & moved & (after != before), "left, measured");
+            cover!(s, was_armed & tripped & (after == before), "tripped under a force");
         }
-        let limits = found.record.limits;
-        let all = !limits.has(Limit::FadeIn) && found.record.torque != Force::zero();
-        cover!(s, found.reconfigure, "other settings");
-        cover!(s, before == State::Ready && limits.has(Limit::FadeIn), "begins to fade in");
-        cover!(s, all && matches!(found.drive, DriveCommand::Analogue(_)), "all of it, by an amplifier");
-        cover!(s, found.outputs == Outputs::Off && after == State::Armed, "no reading");
-        cover!(s, before == State::Armed && device.fault().is_some(), "left by a fault");
     }
 }

@@ -1,6 +1,7 @@
 //! What stands in the place of a device's parts: any answer, and the same again to the specification, which has to ask the same.
 //!
-//! A part is asked once in a tick at most. What changes one, or reads what may have changed, is told apart by what came before it, too.
+//! A part is asked once in a tick at most. What changes law or supervisor, or reads what may have changed of the law, is told apart by what
+//! came before it, too. What a part is and what its coefficients are is no part of a question: the harness's samples see to that.
 
 use crate::control_tick::{any_alignment, any_contact};
 use crate::device::any_context;
@@ -24,7 +25,7 @@ use touchstone_drive::thermistor::Thermistor;
 use touchstone_drive::transform::Dq;
 use touchstone_drive::{
     Amps, Angle, Celsius, ControlInput, CurrentCommand, CurrentMode, CurrentReport, DacCode,
-    DeviceSettings, DriveCommand, Hardware, SettingsError,
+    DeviceSettings, DriveCommand, EncoderReading, Hardware, SettingsError,
 };
 use touchstone_protocol::Limits;
 
@@ -33,7 +34,9 @@ static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// The code has asked all that it asks.
+/// The code asks.
+pub fn of_code() {}
+/// It has asked all that it asks.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
@@ -116,8 +119,8 @@ macro_rules! part {
         }
     };
 }
-part!(found, 4, 6);
-part!(calibrated, 2, 9);
+part!(found, 6, 6);
+part!(calibrated, 6, 9);
 part!(sped, 1, 1);
 part!(advanced, 1, 1);
 part!(turned, 1, 1);
@@ -186,7 +189,7 @@ pub fn law_made<N: Number>(
 pub fn inspect(
     _: &mut Supervisor,
     _: &SupervisorConfig,
-    _: &ControlInput,
+    input: &ControlInput,
     watch: Watch,
 ) -> Verdict {
     let Watch {
@@ -195,7 +198,30 @@ pub fn inspect(
         driven,
         untold,
     } = watch;
-    let words = found::ask([watched, may_be_on, driven, untold].map(i64::from));
+    let bits = [
+        watched,
+        may_be_on,
+        driven,
+        untold,
+        input.hardware_break,
+        input.gate_driver_error,
+        input.stop_button,
+        input.host_heard,
+    ];
+    let mut packed = 0;
+    for bit in bits {
+        packed = (packed << 1) | u32::from(bit);
+    }
+    let (encoder, word) = match input.encoder {
+        EncoderReading::Silent => (0, 0),
+        EncoderReading::Counter32(word) => (1, word),
+        // The harness has no others.
+        _ => (2, 0),
+    };
+    let both = pair((packed << 2) | encoder, word);
+    let timing = pair(input.timing.lateness, input.timing.duration);
+    let [a, b, c, d] = words_of(&input.current);
+    let words = found::ask([both, timing, a, b, c, d]);
     let [code, value, count, derating, ..] = words;
     let context = any_context(&mut Words([code, 0, value].iter()));
     Verdict {
@@ -221,9 +247,28 @@ pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
     let [is_some, bits] = warm::ask([report.temperature.into()]);
     (is_some & 1 == 1).then(|| Celsius::from_bits(bits as i32))
 }
+fn pair(a: u32, b: u32) -> i64 {
+    (i64::from(a) << 32) | i64::from(b)
+}
+/// All of a report that the harness varies under the checker.
+fn words_of(report: &CurrentReport) -> [i64; 4] {
+    let two = |dq: Dq| {
+        pair(
+            dq.d.to_bits().cast_unsigned(),
+            dq.q.to_bits().cast_unsigned(),
+        )
+    };
+    let counts = pair(
+        (u32::from(report.missed) << 16) | u32::from(report.saturated),
+        (u32::from(report.temperature) << 8) | u32::from(report.trips),
+    );
+    let rest = pair(report.periods, report.bus.to_bits().cast_unsigned());
+    [two(report.current), two(report.voltage), counts, rest]
+}
 /// For `Calibration::tick`.
-pub fn calibrate(_: &mut Calibration, tick: u32, count: i64, _: &CurrentReport) -> Progress {
-    let answer = calibrated::ask([tick.into(), count]);
+pub fn calibrate(_: &mut Calibration, tick: u32, count: i64, report: &CurrentReport) -> Progress {
+    let [a, b, c, d] = words_of(report);
+    let answer = calibrated::ask([a, b, c, d, tick.into(), count]);
     let words = core::array::from_fn(|at| answer[at + 1]);
     match answer[0] & 3 {
         0 => Progress::Running(command_of(&words)),

@@ -53,7 +53,7 @@ fn is_part(part: i64, whole: i64) -> bool {
 }
 
 property! {
-    /// P3: the drive's product is that, rounded down and within a word, and of what is not negative not negative.
+    /// P3: the drive's product is that, rounded down and within a word, with its sign.
     equation "p = floor(x y 2^-k), not beyond the format, k = 16, 24, 31"
     over "two words"
     by kissat fn p3_product32(s) {
@@ -66,7 +66,7 @@ property! {
         let exact = i64::from(x) * i64::from(y);
         let found = i64::from(product(x, y, digits));
         assert!(found == exact.div_euclid(1 << digits).clamp(i32::MIN.into(), i32::MAX.into()));
-        assert!(x < 0 || y < 0 || found >= 0);
+        assert!(found == 0 || x != 0 && y != 0 && (found < 0) == ((x < 0) != (y < 0)));
         cover!(s, x < 0 && found == i64::from(i32::MAX), "the end");
     }
 }
@@ -82,12 +82,16 @@ property! {
     }
 }
 property! {
-    /// P3: a share of the way from one word to another, as the integrator's, to the nearest, is between nothing and the way.
+    /// P3: a share of the way from one word to another, as the integrator's, is between nothing and the way; on samples it is to the nearest.
     equation "p = floor(x s 2^-16 + 1/2), s < 2^16  =>  p between 0 and x"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
         let (way, share) = (such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words"), s.u16());
         let part = share_of(way, share);
+        if cfg!(not(kani)) {
+            let nearest = (way * i64::from(share) + (1 << 15)).div_euclid(1 << 16);
+            assert!(part == nearest, "to the nearest");
+        }
         assert!(is_part(part, way));
         cover!(s, part < 0, "back");
         cover!(s, way > i64::from(u32::MAX) - 2 && part < way, "furthest");
@@ -98,7 +102,7 @@ property! {
 #[cfg(kani)]
 pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     let found = kani::any();
-    kani::assume(a < 0 || b < 0 || found >= 0);
+    kani::assume(found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0)));
     if shift == 31 {
         kani::assume(b < 0 || is_part(i64::from(found), a.into()));
         for (place, word) in ASKED.iter().zip([a, b, found]) {
@@ -150,29 +154,34 @@ pub fn any_quotient(_: Si, _: Si) -> Si {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_control::quotient::quotient, crate::drive::any_quotient)]
-    /// P4: whatever torque is asked for, a motor's current is along `q` alone and within what the temperature leaves of its limit;
+    /// P4: whatever torque is asked for, a motor's current is along `q` alone, turns it that way and is within what the temperature leaves of its limit;
     /// the torque that is left of it is not larger, and the same where nothing was cut.
-    equation "|i_q| <= i_max min(θ, 1), i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
+    equation "|i_q| <= i_max min(θ, 1), ±i_q τ >= 0, i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
     over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
         let mut motor = DeviceSettings::default().motor;
         // Neither is negative: the settings' ranges.
-        let (limit, constant) = (s.u32() >> 1, s.u32() >> 1);
+        let (limit, constant) = (s.u32() >> 1, s.u64() >> 1);
         motor.current_limit_a = Si::from_bits(i64::from(limit) << 16);
-        motor.torque_constant_n_m_per_a = Si::from_bits(constant.into());
+        motor.torque_constant_n_m_per_a = Si::from_bits(constant.cast_signed());
         let Ok(drive) = ThreePhase::new(&motor) else {
             return;
         };
         let torque = Force(I8F24::from_bits(s.i32()));
-        let rotor = Rotor { derating: s.u32(), against: s.bool(), ..Rotor::default() };
+        let (tick, angle, advance) = (s.u32(), Angle(s.u16()), s.i32());
+        let rotor = Rotor { tick, angle, advance, derating: s.u32(), against: s.bool(), ..Rotor::default() };
         let driven = drive.command(torque, &rotor);
         let DriveCommand::Current(command) = driven.command else {
             unreachable!("a motor on this board's bridge has a current");
         };
         let left = (i64::from(limit) * i64::from(rotor.derating.min(1 << 16))) >> 16;
-        assert!(command.current.d == 0 && i64::from(command.current.q.to_bits()).abs() <= left);
+        let q = i64::from(command.current.q.to_bits());
+        assert!(command.current.d == 0 && q.abs() <= left);
+        assert!(command.mode == CurrentMode::Drive && command.tick == tick);
+        assert!(command.angle == angle && command.advance == advance);
         let (asked, shown) = (i64::from(torque.0.to_bits()), i64::from(driven.torque.0.to_bits()));
         assert!(shown.abs() <= asked.abs() && (shown == 0 || (shown > 0) == (asked > 0)));
+        assert!(q == 0 || ((q > 0) != rotor.against) == (asked > 0));
         assert!(driven.limits.has(Limit::Current) || shown == asked);
         assert!(driven.limits.has(Limit::Temperature) == (rotor.derating < 1 << 16));
         cover!(s, shown != asked && shown > 0, "cut");
@@ -182,17 +191,17 @@ replaced_property! {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_drive::units::share_of, crate::drive::any_share)]
-    /// P4: a current controller's voltage is within the limit whatever the error, and so is what it remembers, if it was.
-    equation "|s| <= v_max  =>  |v| <= v_max, |s'| <= v_max"
-    over "gains, error, limit from 0 on, memory in the invariant; under the checker any product, and a share of which p3_part_of_way32 holds"
+    /// P4: a current controller's voltage is within the limit whatever the error and whatever it remembers; what it remembers is no more than
+    /// the limit or what it was.
+    equation "|v| <= v_max, |s'| <= max(|s|, v_max)"
+    over "gains, error, limit from 0 on, memory; under the checker any product, and a share of which p3_part_of_way32 holds"
     by cadical fn p4_current_loop32(s) {
         let gains = PiGains { proportional: any_value(s), share: s.u16() };
-        let (error, limit, before) = (any_value(s), any_value(s), any_value(s));
-        let bound = |v: I16F16| i64::from(v.to_bits()).abs() <= i64::from(limit.to_bits());
-        assume!(s, bound(before), "invariant, kept by this; a memory of 0 and the limit of a bus");
+        let (error, limit, before) = (any_value(s), I16F16::from_bits((s.u32() >> 1).cast_signed()), any_value(s));
+        let size = |v: I16F16| i64::from(v.to_bits()).abs();
         let mut pi = Pi::of(before);
         let (given, limited) = pi.tick(&gains, error, limit);
-        assert!(bound(given) && bound(pi.integral()));
+        assert!(size(given) <= size(limit) && size(pi.integral()) <= size(limit).max(size(before)));
         let moved = pi.integral() != before;
         cover!(s, limited & moved, "at the limit");
         cover!(s, !limited & (given < 0), "within it");

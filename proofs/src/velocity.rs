@@ -12,13 +12,22 @@
 
 use crate::estimated::motion;
 use crate::estimator::{any_measured, any_motion, holds};
+use crate::format::Format;
+use crate::source::one_with;
 use crate::spec::Int;
 use crate::spec::velocity as spec;
-use crate::{bounded_property, cover, property, such, weighed, weighed_property};
-use touchstone_control::Fixed32;
+use crate::valid::Valid;
+use crate::{
+    bounded_property, cover, property, replaced_property, such, weighed, weighed_property,
+};
+use fixed::FixedI32;
 use touchstone_control::estimator::Flow;
+use touchstone_control::law::{Damped, DampedState, Law as _, Sample, Spring};
 use touchstone_control::number::Wide64;
-use touchstone_control::velocity::{Smoothed, Tracker};
+use touchstone_control::velocity::{
+    FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope, Smoothed, Tracker, Velocity,
+};
+use touchstone_control::{Fixed8, Fixed32, Force, Position, Ratio, Stiffness};
 
 type N = Fixed32;
 
@@ -101,4 +110,78 @@ weighed_property! {
         cover!(s, expected.is_some_and(|after| after.d < 0 && after.g > 0), "corrected");
         cover!(s, expected.is_none(), "starts anew");
     }
+}
+
+/// Of so many ticks, as settings have it: a window's slope.
+fn slope(ticks: i32) -> Slope<N> {
+    Slope {
+        times: Stiffness(FixedI32::from_bits(ticks << 12)),
+        share: Ratio(FixedI32::from_bits((1 << 24) / ticks)),
+    }
+}
+fn place(bits: i32) -> Position<N> {
+    Position(FixedI32::from_bits(bits))
+}
+
+property! {
+    /// P11: the adaptive window is the specification's: the slope over the longest window that a line fits, and the positions that are
+    /// remembered.
+    equation "v = (e - e(n-k))/k, the largest k <= K that a line within d fits; e, e(n-1), ... remembered"
+    over "positions remembered, position, longest window, margin"
+    by sampled fn p11_window(s) {
+        let longest = s.u8() % 17;
+        let slopes = core::array::from_fn(|at| slope(at as i32 + 1));
+        let law = FirstOrderAdaptiveWindow { slopes, longest, margin: place(s.i32()) };
+        let at = s.i32();
+        let before: [i32; LONGEST_WINDOW] = core::array::from_fn(|_| s.i32());
+        let mut past = before.map(place);
+        let found = law.tick(&mut past, place(at));
+        let margin = law.margin.0.to_bits().into();
+        let expected = spec::window(&before.map(Int::from), at.into(), longest.into(), margin);
+        assert!(Int::from(found.0.to_bits()) == expected);
+        for n in 1..LONGEST_WINDOW {
+            assert_reached!(past[n] == place(before[n - 1]));
+        }
+        assert!(past[0] == place(at));
+        cover!(s, expected < 0, "outward");
+        cover!(s, expected > 0 && longest == 16, "inward");
+    }
+}
+replaced_property! {
+    [(touchstone_control::velocity::Velocity::tick, crate::velocity::any_velocity)]
+    /// P11: a spring with a velocity of its own is the spring, told the penetration and what the filter makes of it, whatever that is.
+    equation "f = spring(e, v), v = filter(e)"
+    over "spring and damper, penetration, displacement told; under the checker whatever a filter tells"
+    by kissat fn p11_damped_tick(s) {
+        let spring = one_with(s, <Spring<Fixed8> as Valid<Fixed8>>::any, Spring::valid);
+        let velocity = Velocity::Smoothed(Smoothed { share: s.i32() & (ONE - 1) });
+        let law = Damped { spring, velocity };
+        let mut state = DampedState { spring: <Spring<Fixed8> as Valid<Fixed8>>::any_state(s), ..DampedState::default() };
+        let (mut own, mut filtered) = (state.spring, state.velocity);
+        let sample = Sample { e: Fixed8::any_position(s), moved: Fixed8::any_position(s) };
+        let force = law.tick(&mut state, sample);
+        let moved = velocity.tick(&mut filtered, sample.e);
+        assert!(force == spring.tick(&mut own, Sample { moved, ..sample }));
+        assert!(state == DampedState { spring: own, velocity: filtered });
+        cover!(s, force > Force::zero() && sample.e > Position::zero(), "pushes");
+    }
+}
+
+/// For `Velocity::tick`: any, told of the position; the same again if asked the same.
+#[cfg(kani)]
+pub fn any_velocity<N: Format>(
+    _: &Velocity<N>,
+    state: &mut touchstone_control::velocity::VelocityState<N>,
+    at: Position<N>,
+) -> Position<N> {
+    use core::sync::atomic::{AtomicI64, Ordering::Relaxed};
+    static ASKED: [AtomicI64; 2] = [const { AtomicI64::new(i64::MAX) }; 2];
+    let told = N::any_position(&mut crate::source::Symbolic);
+    let words = [at, told].map(|x| N::of_signal(x.0));
+    kani::assume(ASKED[0].load(Relaxed) != words[0] || ASKED[1].load(Relaxed) == words[1]);
+    for (place, word) in ASKED.iter().zip(words) {
+        place.store(word, Relaxed);
+    }
+    *state = touchstone_control::velocity::VelocityState::Positions([told; LONGEST_WINDOW]);
+    told
 }

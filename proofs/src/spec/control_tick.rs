@@ -11,6 +11,8 @@
 //! tripped   : a fault of the next tick, or begun anew where no force acted
 //! left      : books closed with the law's tick and no force, where the last force acted up to here; and the switching off told
 //! ```
+//!
+//! Armed and without a good reading the drive is off and the law is told nothing: its guard books the last force up to the next reading.
 
 use super::{Int, LOWEST, signal};
 use touchstone_control::law::{Contact, View};
@@ -33,7 +35,9 @@ pub trait Parts {
     fn aligns(&self) -> bool;
     /// A tick of the calibration.
     fn calibrate(&mut self, tick: u32, count: i64) -> Progress;
-    /// Other settings wait, and are taken now.
+    /// No calibration runs any more.
+    fn calibration_over(&mut self);
+    /// Whether other settings waited; they are taken now.
     fn changes_over(&mut self) -> bool;
     /// Shaft's speed, rad/s 2^-16.
     fn speed(&mut self) -> i32;
@@ -158,6 +162,9 @@ pub fn tick(
         parts.resume();
         new.fade = 0;
         new.pushes = false;
+    }
+    if before != after {
+        parts.calibration_over();
     }
     let reconfigure = entered(State::Calibrating) && parts.changes_over();
 

@@ -26,6 +26,7 @@ pub mod settings;
 pub mod sfa;
 pub mod tdpa;
 pub mod velocity;
+pub mod window;
 
 pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 
