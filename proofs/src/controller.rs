@@ -15,18 +15,18 @@ use crate::valid::Valid;
 use crate::{assume, cover, property, replaced_property, such};
 use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring, SpringState};
 use touchstone_control::{
-    AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Settings, Si, States, StatesKind,
-    Stiffness,
+    AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Number, Settings, Si, States,
+    StatesKind, Stiffness,
 };
 #[cfg(kani)]
 use touchstone_control::{
-    Compliance, Energy, GuardSettings, GuardedDevice, Number, Position, Ratio, SettingsError,
+    Compliance, Energy, GuardSettings, GuardedDevice, Position, Ratio, SettingsError,
 };
 
 type N = Fixed8;
 
 /// A controller of a spring that is none.
-fn plain() -> Controller<N> {
+pub(crate) fn plain<N: Number>() -> Controller<N> {
     let none = Stiffness::zero();
     let spring = Spring {
         desired: none,
@@ -72,7 +72,7 @@ pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState
 
 /// Any spring, any last sample, any guard or none, after any force.
 fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
-    let mut wall = plain();
+    let mut wall = plain::<N>();
     let law = one_with(s, <Spring<N> as Valid<N>>::any, Spring::valid);
     wall.law = AnyLaw::Spring(law, <Spring<N> as Valid<N>>::any_state(s));
     wall.commanded(N::any_force(s));
@@ -216,7 +216,7 @@ any_law_property! {
     over "guard or none before and after, memories"
     by cadical fn p7_controller_resumes(s) {
         let before = any_wall(s);
-        let mut fresh = plain();
+        let mut fresh = plain::<N>();
         fresh.guard = s.bool().then(|| Guarded::new(Guard::<N>::any(s)));
         let mut wall = before;
         wall.resume(&fresh);

@@ -72,8 +72,12 @@ property! {
     }
 }
 
+/// One of them for each byte.
+pub(crate) fn code_of(byte: u8) -> FaultCode {
+    FaultCode::ALL[usize::from(byte) % FaultCode::ALL.len()]
+}
 fn any_code<S: Source>(s: &mut S) -> FaultCode {
-    FaultCode::ALL[usize::from(s.u8()) % FaultCode::ALL.len()]
+    code_of(s.u8())
 }
 pub(crate) fn any_context<S: Source>(s: &mut S) -> Context {
     Context {

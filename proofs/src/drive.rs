@@ -86,7 +86,8 @@ property! {
     equation "p = floor(x s 2^-16 + 1/2), s < 2^16  =>  p between 0 and x"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
-        let (way, share) = (such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words"), s.u16());
+        let way = such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words");
+        let share = s.u16();
         let part = share_of(way, share);
         if cfg!(not(kani)) {
             let nearest = (way * i64::from(share) + (1 << 15)).div_euclid(1 << 16);
