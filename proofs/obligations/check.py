@@ -97,6 +97,32 @@ def obligations(s):
     yield ("P11: the root of less than half a double word's square fits a word", [q >= 0, q * q <= E, E < W // 2 * (W // 2)], q < W // 2,
            ([q >= 0, q * q <= E], q < W // 2))
 
+    # P3: what is known of a product's floor, p P <= a b < p P + P, beside what the checker proves: that the code's is that.
+    p, P = I("p"), I("P")
+    floor = [P > 0, p * P <= a * b1, a * b1 < p * P + P]
+    yield ("P3: a product of numbers that are not negative, rounded down, is none", [*floor, a >= 0, b1 >= 0], p >= 0,
+           ([*floor, a >= 0], p >= 0))
+    yield ("P3: nor is that of two negative ones", [*floor, a <= 0, b1 <= 0], p >= 0, ([*floor, a <= 0], p >= 0))
+    yield ("P3: that of one that is and one that is not is not above 0", [*floor, a >= 0, b1 <= 0], p <= 0,
+           ([*floor, a >= 0], p <= 0))
+    # A share s below 1 = P P^-1 of x: t is what it lacks of P - 1, and xt = x t.
+    x, xt = I("x"), I("xt")
+    share = [P > 0, p * P <= x * P - x - xt, x * P - x - xt < p * P + P]
+    yield ("P3: a share of what is not negative is not more", [*share, x >= 0, xt >= 0], p <= x, ([*share, x >= 0], p <= x))
+    yield ("P3: nor further from 0 of what is negative", [*share, x <= 0, xt <= 0], p >= x, ([*share, x <= 0], p >= x))
+    # The same to the nearest, with a share of 2 H = 2^16 parts; r stands for the product.
+    H = 1 << 15
+    near, nearest = [p * 2 * H <= r + H, r + H < p * 2 * H + 2 * H], r == x * 2 * H - x - xt
+    yield ("P3: to the nearest, a share of what is not negative is not more", [*near, nearest, x >= 0, xt >= 0], p <= x,
+           ([*near, nearest, x >= 0], p <= x))
+    yield ("P3: to the nearest, nor further from 0 of what is negative", [*near, nearest, x <= 0, xt <= 0], p >= x,
+           ([*near, nearest, x <= 0], p >= x))
+    yield "P3: to the nearest, a share of what is not negative is none", [*near, r >= 0], p >= 0, (near, p >= 0)
+    yield "P3: to the nearest, and of what is not above 0 not above 0", [*near, r <= 0], p <= 0, (near, p <= 0)
+    yield ("P3: a product has the sign of its factors", [a >= 0, b1 >= 0], a * b1 >= 0, ([a >= 0], a * b1 >= 0))
+    # h is half the words, of which x is one; t is what its magnitude lacks of it.
+    yield ("P3: a product is at most that with half the words", [k >= 0, t >= 0], k * (h - t) <= k * h, ([k >= 0], k * (h - t) <= k * h))
+
 
 def answer(s, assumptions, claim):
     solver = s.Solver()

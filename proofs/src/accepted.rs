@@ -166,7 +166,7 @@ property! {
     /// P8: a product of settings that are not negative is not negative, and twice one is its sum.
     equation "a >= 0, b >= 0  =>  a b >= 0;  2 a = a + a"
     over "two numbers"
-    by kissat fn p8_product64(s) {
+    by minisat fn p8_product64(s) {
         let two = Si::const_from_int(2);
         let (a, any) = (Si::from_bits(s.i64()), Si::from_bits(s.i64()));
         let b = if s.bool() { two } else { any };

@@ -29,7 +29,7 @@ property! {
     /// overflow, no panic.
     equation "top - longest <= duty <= longest"
     over "timer, voltage vector, bus voltage"
-    by kissat fn p4_duties32(s) {
+    by minisat fn p4_duties32(s) {
         let timer = Modulator { top: s.u16(), longest: s.u16() };
         assume!(s, timer.longest <= timer.top && timer.top - timer.longest <= timer.longest, "the boards' constants: a test");
         let vector = AlphaBeta { alpha: any_value(s), beta: any_value(s) };
@@ -47,13 +47,17 @@ property! {
 fn part_of(force: i32, share: u32) -> i64 {
     (i64::from(force) * i64::from(share)).div_euclid(1 << 31)
 }
+/// Whether a product is none or has the sign of its factors.
+fn has_sign(found: i32, a: i32, b: i32) -> bool {
+    found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0))
+}
 /// Whether a part is between nothing and the whole.
 fn is_part(part: i64, whole: i64) -> bool {
     part >= whole.min(0) && part <= whole.max(0)
 }
 
 property! {
-    /// P3: the drive's product is that, rounded down and within a word, with its sign.
+    /// P3: the drive's product is that, rounded down and within a word.
     equation "p = floor(x y 2^-k), not beyond the format, k = 16, 24, 31"
     over "two words"
     by kissat fn p3_product32(s) {
@@ -63,47 +67,47 @@ property! {
             1 => 24,
             _ => 31,
         };
-        let exact = i64::from(x) * i64::from(y);
-        let found = i64::from(product(x, y, digits));
-        assert!(found == exact.div_euclid(1 << digits).clamp(i32::MIN.into(), i32::MAX.into()));
-        assert!(found == 0 || x != 0 && y != 0 && (found < 0) == ((x < 0) != (y < 0)));
-        cover!(s, x < 0 && found == i64::from(i32::MAX), "the end");
+        // Of two words it does not wrap.
+        let floor = i64::from(x).wrapping_mul(i64::from(y)) >> digits;
+        let found = product(x, y, digits);
+        assert!(i64::from(found) == floor.clamp(i32::MIN.into(), i32::MAX.into()));
+        cover!(s, x < 0 && found == i32::MAX, "the end");
     }
 }
 property! {
-    /// P3: a share of a word, as the torque's that fades in, is its product, rounded down, and between nothing and the word.
-    equation "p = floor(x s 2^-31), 0 <= s < 2^31  =>  p between 0 and x"
-    over "word, share"
-    by kissat fn p3_part_of_word32(s) {
-        let (word, share) = (s.i32(), s.u32() >> 1);
-        let part = i64::from(product(word, share.cast_signed(), 31));
-        assert!(is_part(part, word.into()));
-        cover!(s, part < 0 && part > i64::from(word), "of a negative one");
-    }
-}
-property! {
-    /// P3: a share of the way from one word to another, as the integrator's, is between nothing and the way; on samples it is to the nearest.
-    equation "p = floor(x s 2^-16 + 1/2), s < 2^16  =>  p between 0 and x"
+    /// P3: a share of the way from one word to another, as the integrator's, is to the nearest.
+    equation "p = floor(x s 2^-16 + 1/2), s < 2^16"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
         let way = such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words");
         let share = s.u16();
         let part = share_of(way, share);
-        if cfg!(not(kani)) {
-            let nearest = (way * i64::from(share) + (1 << 15)).div_euclid(1 << 16);
-            assert!(part == nearest, "to the nearest");
-        }
-        assert!(is_part(part, way));
+        assert!(part == way.wrapping_mul(i64::from(share)).wrapping_add(1 << 15) >> 16);
         cover!(s, part < 0, "back");
         cover!(s, way > i64::from(u32::MAX) - 2 && part < way, "furthest");
     }
 }
+property! {
+    /// P3: what is known of these holds of the floor: over the integers, in two solvers, `obligations/check.py`.
+    equation "p = 0 or x y p > 0; p between 0 and x for y < 2^31 from 0 on; of a way the same"
+    over "two words; two words, share"
+    by sampled fn p3_parts_of_words(s) {
+        let (x, y, digits) = (s.i32(), s.i32(), [16, 24, 31][usize::from(s.u8() % 3)]);
+        let found = product(x, y, digits);
+        assert!(has_sign(found, x, y));
+        let share = s.u32() >> 1;
+        assert!(is_part(product(x, share.cast_signed(), 31).into(), x.into()));
+        let way = such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words");
+        assert!(is_part(share_of(way, s.u16()), way));
+        cover!(s, found < 0, "negative");
+    }
+}
 
-/// For [`product`]: any that [`p3_product32`] allows, of a share what [`p3_part_of_word32`] says.
+/// For [`product`]: any of which [`p3_parts_of_words`] holds.
 #[cfg(kani)]
 pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     let found = kani::any();
-    kani::assume(found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0)));
+    kani::assume(has_sign(found, a, b));
     if shift == 31 {
         kani::assume(b < 0 || is_part(i64::from(found), a.into()));
         for (place, word) in ASKED.iter().zip([a, b, found]) {
@@ -119,7 +123,7 @@ pub fn same_part(force: i32, share: u32) -> i64 {
     let is_same = ASKED[0].load(Relaxed) == force && ASKED[1].load(Relaxed) == share.cast_signed();
     i64::from(if is_same { ASKED[2].load(Relaxed) } else { any })
 }
-/// For [`share_of`]: any that [`p3_part_of_way32`] allows.
+/// For [`share_of`]: any of which [`p3_parts_of_words`] holds.
 #[cfg(kani)]
 pub fn any_share(way: i64, _: u16) -> i64 {
     let found = kani::any();
@@ -135,7 +139,7 @@ replaced_property! {
     (crate::drive::part_of, crate::drive::same_part)]
     /// P4: a torque is the force's negative; while it fades in it is a share of that, never more, and of the other sign.
     equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
-    over "force, share or none; under the checker a part of which p3_part_of_word32 holds"
+    over "force, share or none; under the checker a part of which p3_parts_of_words holds"
     by cadical fn p4_fade_in32(s) {
         let (force, share) = (s.i32(), s.bool().then_some(s.u32()));
         let torque = i64::from(torque_of(Force(I8F24::from_bits(force)), share).0.to_bits());
@@ -175,7 +179,7 @@ replaced_property! {
         let DriveCommand::Current(command) = driven.command else {
             unreachable!("a motor on this board's bridge has a current");
         };
-        let left = (i64::from(limit) * i64::from(rotor.derating.min(1 << 16))) >> 16;
+        let left = i64::from(limit).wrapping_mul(rotor.derating.min(1 << 16).into()) >> 16;
         let q = i64::from(command.current.q.to_bits());
         assert!(command.current.d == 0 && q.abs() <= left);
         assert!(command.mode == CurrentMode::Drive && command.tick == tick);
@@ -195,7 +199,7 @@ replaced_property! {
     /// P4: a current controller's voltage is within the limit whatever the error and whatever it remembers; what it remembers is no more than
     /// the limit or what it was.
     equation "|v| <= v_max, |s'| <= max(|s|, v_max)"
-    over "gains, error, limit from 0 on, memory; under the checker any product, and a share of which p3_part_of_way32 holds"
+    over "gains, error, limit from 0 on, memory; under the checker any product, and a share of which p3_parts_of_words holds"
     by cadical fn p4_current_loop32(s) {
         let gains = PiGains { proportional: any_value(s), share: s.u16() };
         let (error, limit, before) = (any_value(s), I16F16::from_bits((s.u32() >> 1).cast_signed()), any_value(s));

@@ -24,7 +24,8 @@ macro_rules! heart {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
                     assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
                     let step = passivity_step::<$word>(energy, force, moved, true);
-                    let sum = energy + $wide::from(force) * $wide::from(moved);
+                    // A product of two words does not wrap.
+                    let sum = energy + $wide::from(force).wrapping_mul(moved.into());
                     assert!(step.force == force);
                     assert!(step.energy == sum.min(FULL));
                     cover!(s, sum > FULL, "cap reached");
@@ -139,7 +140,7 @@ macro_rules! heart {
                 /// P1 by the SAT solver: outward, the energy never grows and never passes zero.
                 equation "0 <= E' <= E"
                 over "energy, force, displacement"
-                by $bits fn p1_step_remainder(s) {
+                by minisat fn p1_step_remainder(s) {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
                     assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
                     let step = passivity_step::<$word>(energy, force, moved, false);

@@ -16,7 +16,7 @@ property! {
     /// not fit is refused.
     equation "bits' = bits >> shift, or refused"
     over "setting of 64 bits"
-    by kissat fn p8_conversions32(s) {
+    by minisat fn p8_conversions32(s) {
         let bits = s.i64();
         let si = Si::from_bits(bits);
         if let Some(gain) = Fixed32::gain(si) {

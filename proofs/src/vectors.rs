@@ -61,8 +61,8 @@ property! {
         {
             // Any of them: one comparison is quicker than three.
             let axis = usize::from(s.u8() % 3);
-            let part = N::of_signal(u.0[axis]) * N::of_signal(length.0);
-            assert_reached!(N::of_signal(way.0[axis].0) == part / 128);
+            let part = i16::from(u.0[axis].to_bits()) * i16::from(length.0.to_bits());
+            assert_reached!(i16::from(way.0[axis].0.to_bits()) == part / 128);
         }
         cover!(s, N::of_signal(way.0[0].0) < 0, "back");
     }
@@ -78,8 +78,8 @@ property! {
         {
             // Any of them: one comparison is quicker than three.
             let axis = usize::from(s.u8() % 3);
-            let part = N::of_signal(u.0[axis]) * N::of_signal(force.0);
-            assert_reached!(N::of_signal(pull.0[axis].0) == part / 128);
+            let part = i16::from(u.0[axis].to_bits()) * i16::from(force.0.to_bits());
+            assert_reached!(i16::from(pull.0[axis].0.to_bits()) == part / 128);
         }
         cover!(s, N::of_signal(pull.0[2].0) < 0, "down");
     }

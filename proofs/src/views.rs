@@ -14,7 +14,7 @@ use crate::valid::Valid;
 use crate::{cover, property, staged_property, such};
 use touchstone_control::law::{Contact, EnhancedSfa, Fba, Law, Sample, Sfa, Spring, Tdpa, View};
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
-use touchstone_control::{Energy, Fixed8, Fixed32, Force, Position};
+use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, Position};
 
 type N = Fixed8;
 
@@ -70,22 +70,27 @@ property! {
         cover!(s, state.contact == Contact::Free, "free");
     }
 }
+/// A signal's word.
+fn bits(x: <N as Number>::Signal) -> i32 {
+    x.to_bits().into()
+}
+
 property! {
     /// P1: the exact observer's energy is the sum of the force that acted times the way, as far as 16 bits go.
     equation "E(n) = E(n-1) + f(n-1) (x(n) - x(n-1))"
     over "start, two ticks of position and force"
-    by cadical fn p1_observer_exact(s) {
+    by kissat fn p1_observer_exact(s) {
         let mut at = N::any_position(s);
         let mut observer = ExactObserver::new(at);
         assert_reached!(observer.energy == Energy::zero());
         let (mut energy, mut acted) = (0, 0);
         for _ in 0..2 {
             let (x, force) = (N::any_position(s), N::any_force(s));
-            let moved = (N::of_signal(x.0) - N::of_signal(at.0)).clamp(-128, 127);
-            energy = (energy + acted * moved).clamp(i64::from(i16::MIN), i64::from(i16::MAX));
-            (at, acted) = (x, N::of_signal(force.0));
+            let moved = (bits(x.0) - bits(at.0)).clamp(-128, 127);
+            energy = (energy + acted * moved).clamp(i16::MIN.into(), i16::MAX.into());
+            (at, acted) = (x, bits(force.0));
             let shown = observer.tick(x, force);
-            assert!(N::of_energy(shown.0) == energy && shown == observer.energy);
+            assert!(i32::from(shown.0.to_bits()) == energy && shown == observer.energy);
             cover!(s, energy < 0, "has given energy");
         }
     }
@@ -101,11 +106,11 @@ property! {
         let mut energy = 0;
         for _ in 0..2 {
             let (x, force) = (N::any_position(s), N::any_force(s));
-            let moved = (N::of_signal(x.0) - N::of_signal(at.0)).clamp(-128, 127);
-            energy = (energy + N::of_signal(force.0) * moved).clamp(i64::from(i16::MIN), i64::from(i16::MAX));
+            let moved = (bits(x.0) - bits(at.0)).clamp(-128, 127);
+            energy = (energy + bits(force.0) * moved).clamp(i16::MIN.into(), i16::MAX.into());
             at = x;
             let shown = observer.tick(x, force);
-            assert!(N::of_energy(shown.0) == energy && shown == observer.energy);
+            assert!(i32::from(shown.0.to_bits()) == energy && shown == observer.energy);
             cover!(s, energy < 0, "has given energy");
         }
     }

@@ -2,9 +2,9 @@
 //!
 //! The checker ends with 0 also when there was nothing to prove, when an assumption was impossible and when a cover was never
 //! reached. So the gate in `inspect/` reads its report: every harness of the committed list ran, no other did, each succeeded,
-//! each cover was reached, and each assertion of a property can be. Without the checker the sampled form and the integer
-//! obligations run, and the answer is "not run". The theorems over traces ([`coq`]) need no checker, but Coq; properties with few
-//! inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is asked by itself.
+//! each cover was reached, and each assertion of a property can be. Without the checker the sampled form runs, and the answer is
+//! "not run". The theorems over traces ([`coq`]) need no checker, but Coq; the integer obligations, on which some harnesses rest, two
+//! solvers; properties with few inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is asked by itself.
 
 mod certified;
 pub mod checker;
@@ -93,18 +93,21 @@ pub fn run(args: &[String]) -> Outcome {
             // The checker's compiler has one core to do with for minutes: Coq and the trials of all inputs have the other.
             let beside = std::thread::spawn(|| {
                 let theorems = coq::run();
+                let obligations = obligations();
+                println!("integer obligations: {obligations}");
                 let every = every::run("");
                 println!("all inputs: {every}");
-                (theorems, every)
+                (theorems, obligations, every)
             });
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
             let panicked = |_| {
                 let failed = || Outcome::Failed("the run beside the harnesses' panicked".into());
-                (failed(), failed())
+                (failed(), failed(), failed())
             };
-            let (theorems, every) = beside.join().unwrap_or_else(panicked);
-            with_theorems(theorems, with_every(every, harnesses))
+            let (theorems, obligations, every) = beside.join().unwrap_or_else(panicked);
+            let harnesses = with_obligations(obligations, with_every(every, harnesses));
+            with_theorems(theorems, harnesses)
         }
     }
 }
@@ -146,6 +149,21 @@ fn has_checker() -> bool {
 /// Harnesses, and the properties that were tried on all inputs: what failed, else what is said of the harnesses.
 fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
     if every.is_failure() { every } else { harnesses }
+}
+
+/// Harnesses, and the arithmetic that some of them rest on: what failed, else what did not run, else what is said of the harnesses.
+fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
+    let said = format!("{}; integer obligations", harnesses.reason());
+    match obligations {
+        Outcome::Ok(_) if matches!(harnesses, Outcome::Ok(_)) => {
+            Outcome::Ok(format!("{said} hold in both solvers"))
+        }
+        Outcome::Ok(_) => harnesses,
+        Outcome::NotRun(why) if !harnesses.is_failure() => {
+            Outcome::NotRun(format!("{said}: {why}"))
+        }
+        other => Outcome::Failed(format!("{said}: {other}")),
+    }
 }
 
 /// Harnesses with theorems: what failed, else what did not run, else both.
