@@ -11,7 +11,9 @@
 use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_proofs::source::Source;
-use touchstone_proofs::{contact, heart, objects, planes, shells, space, vector_guard, vectors};
+use touchstone_proofs::{
+    contact, edges, heart, objects, planes, shells, space, vector_guard, vectors,
+};
 
 /// A property's name, where it begins and its body.
 type Row = (&'static str, fn(&mut Every));
@@ -27,6 +29,9 @@ macro_rules! every {
 
 const PROPERTIES: &[Row] = &[
     every!(heart::reciprocal::p6_reciprocal_8),
+    every!(edges::w8::p1_edge_affordable),
+    every!(edges::w8::p1_edge_per),
+    every!(edges::w8::p6_edge_divide),
     every!(space::w8::p4_unit),
     every!(space::w8::p4_within),
     every!(space::w8::p4_polar),

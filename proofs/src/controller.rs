@@ -1,7 +1,6 @@
 //! The controller around its law: a tick is the law and then the guard, whatever law it is, and all that is told of it is what it holds.
 //!
 //! ```text
-//! any law = the law                        p11_any_law_*; of TDPA and the enhanced law by samples, tests/controller.rs
 //! f = guard(law(e, e - e(n-1)))            p11_controller_tick
 //! told: f(n-1) = told, in the guard too    p11_controller_told
 //! resumed: memory new, B' = min(B, C')     p7_controller_resumes
@@ -12,8 +11,8 @@ use crate::format::Format;
 use crate::source::{Source, one_with};
 use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
-use crate::{assume, cover, property, replaced_property, such};
-use touchstone_control::law::{Fba, Law, Sample, Sfa, Spring, SpringState};
+use crate::{assume, cover, replaced_property};
+use touchstone_control::law::{Law, Sample, Spring, SpringState};
 use touchstone_control::{
     AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Number, Settings, Si, States,
     StatesKind, Stiffness,
@@ -37,11 +36,12 @@ pub(crate) fn plain<N: Number>() -> Controller<N> {
     Controller::of_parts(law, States::default(), None)
 }
 
-/// A property of a controller whatever its law is.
-macro_rules! any_law_property {
+/// A property of a controller of a spring, whatever its guard and its products are.
+macro_rules! controller_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
-            [(touchstone_control::Guarded::tick, crate::controller::kept)
+            [(<touchstone_control::Fixed8 as touchstone_control::Number>::product, crate::any_law::small::product)
+            (touchstone_control::Guarded::tick, crate::controller::kept)
             (touchstone_control::Guard::switched_off, crate::controller::ended)]
             $($property)*
         }
@@ -85,69 +85,11 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
     wall
 }
 
-/// Tick, view and forgetting of any law that is this one, beside its own; the force.
-fn dispatched<L, S: Source>(
-    s: &mut S,
-    any_law: fn(L, L::State) -> AnyLaw<N>,
-    law: L,
-    before: L::State,
-) -> Force<N>
-where
-    L: Law<N> + Copy,
-{
-    let mut any = any_law(law, before);
-    let sample = Sample {
-        e: N::any_position(s),
-        moved: N::any_position(s),
-    };
-    let mut state = before;
-    let force = law.tick(&mut state, sample);
-    assert!(any.tick(sample) == force && any == any_law(law, state));
-    assert!(any.view() == law.view(&state));
-    any.forget();
-    assert_reached!(any == any_law(law, L::State::default()));
-    force
-}
-
-property! {
-    /// P11: any law that is a spring does as the spring.
-    equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
-    by kissat fn p11_any_law_spring(s) {
-        let law = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
-        let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
-        let force = dispatched(s, AnyLaw::Spring, law, before);
-        cover!(s, force != Force::zero(), "a force");
-    }
-}
-property! {
-    /// P11: any law that is force bounding does as force bounding.
-    equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
-    by kissat fn p11_any_law_fba(s) {
-        let law = such!(s, Fba::<N>::any(s), |law| law.valid(), "validate");
-        let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
-        let force = dispatched(s, AnyLaw::Fba, law, before);
-        cover!(s, force != Force::zero(), "a force");
-    }
-}
-property! {
-    /// P11: any law that is SFA does as SFA.
-    equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
-    by kissat fn p11_any_law_sfa(s) {
-        let law = such!(s, Sfa::<N>::any(s), |law| law.valid(), "validate");
-        let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
-        let force = dispatched(s, AnyLaw::Sfa, law, before);
-        cover!(s, force != Force::zero(), "a force");
-    }
-}
-
-any_law_property! {
+controller_property! {
     /// P11: a tick is the law, told the penetration and its change, and then the guard, told what was measured and what the law wants.
     equation "f = guard(e, at_change, law(e, e - e(n-1)))"
-    over "spring, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told"
-    by kissat fn p11_controller_tick(s) {
+    over "spring, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
+    by minisat fn p11_controller_tick(s) {
         let before = any_wall(s);
         assume!(s, cfg!(kani) || before.guard.as_ref().is_none_or(stage_holds), "Guard::new; invariant, kept by p1_account_stays, p4_overspeed and p9_no_way_uncounted");
         let AnyLaw::Spring(law, mut state) = before.law else { return };
@@ -175,7 +117,7 @@ any_law_property! {
         cover!(s, wall.tripped(), "overspeed");
     }
 }
-any_law_property! {
+controller_property! {
     /// P11: what the controller is told of the force that a later stage left, its guard is told, and it is what it says next.
     equation "told f: f(n-1) = f, guard(f)"
     over "guard or none, memories, force told"
@@ -193,7 +135,7 @@ any_law_property! {
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }
 }
-any_law_property! {
+controller_property! {
     /// P11, controller: switched off, its guard is and nothing is commanded; the law's memory is not touched.
     equation "guard = switched_off(guard), f = 0"
     over "guard or none, memories"
@@ -210,7 +152,7 @@ any_law_property! {
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }
 }
-any_law_property! {
+controller_property! {
     /// P7: resumed, a controller is as it was made, but for what is left in its guard's account.
     equation "memory = new; B' = min(B, C'), f = 0"
     over "guard or none before and after, memories"

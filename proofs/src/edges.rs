@@ -7,7 +7,7 @@ use touchstone_control::magnitude::{self, Word};
 use touchstone_control::{Energy, Fixed8, Fixed32, Force, Number, Position, Stiffness, Tension};
 
 macro_rules! edges {
-    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, products $products:ident, bits $bits:ident) => {
+    ($(#[doc = $doc:literal])* $module:ident, $number:ident, $word:ident, $wide:ident, products $products:ident, quotients $quotients:ident, bits $bits:ident) => {
         $(#[doc = $doc])*
         pub mod $module {
             use super::*;
@@ -37,9 +37,9 @@ macro_rules! edges {
             property! {
                 /// P1: the signed retreat is the heart's; negative energies count as zero.
                 equation "(m, r) = heart(max(E, 0), |f|)"
-                over "stored energy and force"
-                by $products fn p1_edge_affordable(s) {
-                    let (energy, force) = (N::any_energy(s), N::any_force(s));
+                over "force and stored energy"
+                by $quotients fn p1_edge_affordable(s) {
+                    let (force, energy) = (N::any_force(s), N::any_energy(s));
                     let (moved, rest) = energy.affordable(force);
                     let heart = magnitude::affordable::<$word>(
                         energy.0.to_bits().max(0).unsigned_abs(),
@@ -68,9 +68,9 @@ macro_rules! edges {
             property! {
                 /// P1: the force that works a deficit off is the heart's quotient.
                 equation "|E / d| = heart(|E|, |d|)"
-                over "energy and displacement"
-                by $products fn p1_edge_per(s) {
-                    let (energy, moved) = (N::any_energy(s), N::any_position(s));
+                over "displacement and energy"
+                by $quotients fn p1_edge_per(s) {
+                    let (moved, energy) = (N::any_position(s), N::any_energy(s));
                     assume!(s, moved.0 != 0, "case; at rest there is nothing to work off over: tdpa::p1_exact_correction");
                     let force = energy.per_displacement(moved).0;
                     let heart = magnitude::quotient::<$word>(
@@ -105,9 +105,9 @@ macro_rules! edges {
             property! {
                 /// P6: the quotient keeps the sign of the tension and is the heart's quotient.
                 equation "|p / k| = heart(|p|, |k|), sign of p"
-                over "tension and stiffness above 0"
-                by $products fn p6_edge_divide(s) {
-                    let (tension, k) = (N::any_tension(s), N::any_stiffness(s));
+                over "stiffness above 0 and tension"
+                by $quotients fn p6_edge_divide(s) {
+                    let (k, tension) = (N::any_stiffness(s), N::any_tension(s));
                     assume!(s, k.0 > 0, "validate; by 0 it is 0: p3_total");
                     let x = tension.over(k).0.to_bits();
                     let heart = magnitude::quotient::<$word>(tension.0.unsigned_abs(), k.0.to_bits().unsigned_abs());
@@ -185,9 +185,9 @@ macro_rules! edges {
 
 edges!(
     /// At the width that the firmware runs.
-    w32, Fixed32, u32, i64, products cvc5, bits kissat
+    w32, Fixed32, u32, i64, products cvc5, quotients cvc5, bits kissat
 );
 edges!(
-    /// At 8 bits: where mutants are refuted quickly.
-    w8, Fixed8, u8, i16, products kissat, bits cadical
+    /// At 8 bits: where mutants are refuted quickly. Quotients are tried on all inputs (`examples/every.rs`).
+    w8, Fixed8, u8, i16, products kissat, quotients sampled, bits cadical
 );

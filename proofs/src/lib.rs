@@ -27,6 +27,7 @@ macro_rules! assert_reached {
 pub mod accepted;
 #[cfg(kani)]
 pub mod answers;
+pub mod any_law;
 pub mod contact;
 pub mod control_tick;
 pub mod controller;
