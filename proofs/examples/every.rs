@@ -1,6 +1,7 @@
 //! Properties that have so few inputs that all of them can be tried: `every [NAME]`, `every --list`.
 //!
-//! Products and a root of three axes at 8 bits are more than the solvers follow, and no more than 2^32 inputs. What is run here is the
+//! Products and a root of three axes at 8 bits are more than the solvers follow, and no more than 2^32 inputs; quotients of 2^24 inputs take them
+//! longer than trying each. What is run here is the
 //! body that is sampled in every test, compiled with overflow checks and debug assertions (`--profile every`): a proof at this
 //! width that rests on no solver.
 //!

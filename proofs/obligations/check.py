@@ -1,12 +1,14 @@
-"""Integer obligations: the nonlinear facts of P1, P2, P5 and P6 over the integers, in two solvers.
+"""Integer obligations: the nonlinear facts of P1, P2, P3, P5, P6 and P11 over the integers, in two solvers.
 
 Each obligation must be `unsat` (no counterexample) in both, and each weakened copy `sat` in at least one and `unsat` in none:
 an obligation whose assumptions contradict each other would pass the first and fail the second.
 
 Integers have no width. That machine words are integers here is P3: no operation of the laws overflows at its width.
-`model.py` ties the formulas' functions to the code.
+`model.py` ties the formulas' functions to the code, and `claims.txt` has what is asked, so that none goes or says less without that file
+changing; `check.py --bless` writes it.
 """
 import sys
+from pathlib import Path
 
 import cvc5.pythonic as c
 import z3 as z
@@ -97,15 +99,17 @@ def obligations(s):
     yield ("P11: the root of less than half a double word's square fits a word", [q >= 0, q * q <= E, E < W // 2 * (W // 2)], q < W // 2,
            ([q >= 0, q * q <= E], q < W // 2))
 
-    # P3: what is known of a product's floor, p P <= a b < p P + P, beside what the checker proves: that the code's is that.
+    # P3: what is known of a product's floor, p P <= a b < p P + P, beside what the checker proves: that the code's is that. A factor may
+    # be 0, so a product of both signs is 0 or below by these; which of two factors is the negative one is the same; cutting at the end of the
+    # format keeps the sign, and cuts no share.
     p, P = I("p"), I("P")
     floor = [P > 0, p * P <= a * b1, a * b1 < p * P + P]
-    yield ("P3: a product of numbers that are not negative, rounded down, is none", [*floor, a >= 0, b1 >= 0], p >= 0,
+    yield ("P3: a product of numbers that are not negative, rounded down, is not negative", [*floor, a >= 0, b1 >= 0], p >= 0,
            ([*floor, a >= 0], p >= 0))
     yield ("P3: nor is that of two negative ones", [*floor, a <= 0, b1 <= 0], p >= 0, ([*floor, a <= 0], p >= 0))
     yield ("P3: that of one that is and one that is not is not above 0", [*floor, a >= 0, b1 <= 0], p <= 0,
            ([*floor, a >= 0], p <= 0))
-    # A share s below 1 = P P^-1 of x: t is what it lacks of P - 1, and xt = x t.
+    # A share s P^-1 with s <= P - 1: t is what s lacks of that, so x s = x P - x - x t; xt stands for x t.
     x, xt = I("x"), I("xt")
     share = [P > 0, p * P <= x * P - x - xt, x * P - x - xt < p * P + P]
     yield ("P3: a share of what is not negative is not more", [*share, x >= 0, xt >= 0], p <= x, ([*share, x >= 0], p <= x))
@@ -117,7 +121,7 @@ def obligations(s):
            ([*near, nearest, x >= 0], p <= x))
     yield ("P3: to the nearest, nor further from 0 of what is negative", [*near, nearest, x <= 0, xt <= 0], p >= x,
            ([*near, nearest, x <= 0], p >= x))
-    yield "P3: to the nearest, a share of what is not negative is none", [*near, r >= 0], p >= 0, (near, p >= 0)
+    yield "P3: to the nearest, a share of what is not negative is not negative", [*near, r >= 0], p >= 0, (near, p >= 0)
     yield "P3: to the nearest, and of what is not above 0 not above 0", [*near, r <= 0], p <= 0, (near, p <= 0)
     yield ("P3: a product has the sign of its factors", [a >= 0, b1 >= 0], a * b1 >= 0, ([a >= 0], a * b1 >= 0))
     # h is half the words, of which x is one; t is what its magnitude lacks of it.
@@ -136,7 +140,23 @@ def answer(s, assumptions, claim):
     return str(solver.check())
 
 
+CLAIMS = Path(__file__).with_name("claims.txt")
+
+
+def said():
+    """What is asked, in the words of one of the solvers."""
+    lines = []
+    for what, assumptions, claim, _ in obligations(z):
+        lines += [what, *(f"    {' '.join(str(each).split())}" for each in assumptions), f"    => {' '.join(str(claim).split())}"]
+    return "\n".join(lines) + "\n"
+
+
 def main():
+    if sys.argv[1:] == ["--bless"]:
+        CLAIMS.write_text(said())
+    elif said() != CLAIMS.read_text():
+        FAILED.append("claims")
+        print(f"FAIL what is asked is not what {CLAIMS.name} says; `check.py --bless` and look at what changed")
     seen = {}
     for s, name in ((z, "z3"), (c, "cvc5")):
         for what, assumptions, claim, (weak, weak_claim) in obligations(s):

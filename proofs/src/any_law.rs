@@ -1,7 +1,8 @@
 //! Any law is the law that it is: in its tick, in what it shows and in what it forgets.
 //!
-//! Which law's tick is called does not depend on what products and quotients are: the checker has something small in their place, the same for
-//! both sides, as [`Fixed8`] has it in `Fixed32`'s. What a law makes of the real ones is `refines.rs` and `refines_enhanced.rs`.
+//! Which law's tick is called does not depend on what products, quotients, roots and steps are, nor on what the pieces of a tick do: in their place
+//! the checker has small functions of their arguments and memory, the same for both sides. What a law makes of the real ones is
+//! `refines.rs` and `refines_enhanced.rs`.
 //!
 //! ```text
 //! any law = the law      p11_any_law_*
@@ -11,11 +12,12 @@ use crate::format::Format;
 use crate::source::Source;
 use crate::valid::Valid;
 use crate::{cover, such};
+use touchstone_control::estimator::EstimatedMotion;
 use touchstone_control::law::{
     Damped, DampedState, EnhancedSfa, Fba, Law, Sample, Sfa, Spring, Tdpa,
 };
 use touchstone_control::velocity::{Smoothed, Velocity, VelocityState};
-use touchstone_control::{AnyLaw, Fixed8, Force};
+use touchstone_control::{AnyLaw, Fixed8, Force, Number as _};
 
 type N = Fixed8;
 
@@ -101,12 +103,16 @@ pub mod small {
         state: &mut VelocityState<N>,
         at: Position<N>,
     ) -> Position<N> {
+        let before = match state {
+            VelocityState::Motion(Some(motion)) => Position(N::narrow(motion.position)),
+            _ => Position::quantum(),
+        };
         let position = N::widen(at.0);
         *state = VelocityState::Motion(Some(EstimatedMotion {
             position,
             ..EstimatedMotion::default()
         }));
-        -at
+        at - before
     }
     /// For `EnhancedSfa::hand_over`.
     pub fn hand_over<N: Number>(_: &EnhancedSfa<N>, state: &mut EnhancedState<N>) {
@@ -161,7 +167,7 @@ where
 any_law_property! {
     /// P11: any law that is a spring does as the spring.
     equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
+    over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_spring(s) {
         let law = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
         let before = such!(s, <Spring<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
@@ -169,16 +175,25 @@ any_law_property! {
         cover!(s, force != Force::zero(), "a force");
     }
 }
+/// A filter's memory: of any position, at rest, or none.
+fn any_motion<S: Source>(s: &mut S) -> VelocityState<N> {
+    let position = N::widen(N::any_position(s).0);
+    let motion = EstimatedMotion {
+        position,
+        ..EstimatedMotion::default()
+    };
+    VelocityState::Motion(s.bool().then_some(motion))
+}
 any_law_property! {
     and [(touchstone_control::velocity::Velocity::tick, crate::any_law::small::velocity)]
     /// P11: any law that is a spring with a velocity of its own does as that.
     equation "tick, view, forget = the law's"
-    over "valid spring, filter of any share, any memory, sample"
+    over "valid spring, filter of any share, memory of the spring and of a position or none, sample; under the checker small functions in the place of the filter, products and roundings"
     by minisat fn p11_any_law_damped(s) {
         let spring = such!(s, Spring::<N>::any(s), |law| law.valid(), "validate");
         let velocity = Velocity::Smoothed(Smoothed { share: s.i32() & i32::MAX });
         let law = Damped { spring, velocity };
-        let before = DampedState { spring: <Spring<N> as Valid<N>>::any_state(s), velocity: VelocityState::default() };
+        let before = DampedState { spring: <Spring<N> as Valid<N>>::any_state(s), velocity: any_motion(s) };
         let force = dispatched(s, AnyLaw::Damped, law, before);
         cover!(s, force != Force::zero(), "a force");
     }
@@ -186,7 +201,7 @@ any_law_property! {
 any_law_property! {
     /// P11: any law that is TDPA does as TDPA.
     equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
+    over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_tdpa(s) {
         let law = such!(s, Tdpa::<N>::any(s), |law| law.valid(), "validate");
         let before = such!(s, <Tdpa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
@@ -197,7 +212,7 @@ any_law_property! {
 any_law_property! {
     /// P11: any law that is force bounding does as force bounding.
     equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
+    over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_fba(s) {
         let law = such!(s, Fba::<N>::any(s), |law| law.valid(), "validate");
         let before = such!(s, <Fba<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
@@ -208,7 +223,7 @@ any_law_property! {
 any_law_property! {
     /// P11: any law that is SFA does as SFA.
     equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
+    over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_sfa(s) {
         let law = such!(s, Sfa::<N>::any(s), |law| law.valid(), "validate");
         let before = such!(s, <Sfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p4_*");
@@ -222,7 +237,7 @@ any_law_property! {
     (touchstone_control::law::EnhancedSfa::affordable_move, crate::any_law::small::affordable_move)]
     /// P11: any law that is the enhanced law does as that.
     equation "tick, view, forget = the law's"
-    over "valid configuration, memory in the invariant, sample"
+    over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, hand-over, offset and paid move"
     by minisat fn p11_any_law_enhanced(s) {
         let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
         let before = such!(s, <EnhancedSfa<N> as Valid<N>>::any_state(s), |state| law.holds(&state), "invariant, kept by p1_* and p4_*");

@@ -40,12 +40,18 @@ pub(crate) fn plain<N: Number>() -> Controller<N> {
 macro_rules! controller_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
-            [(<touchstone_control::Fixed8 as touchstone_control::Number>::product, crate::any_law::small::product)
+            [(<touchstone_control::Fixed8 as touchstone_control::Number>::product, crate::controller::product)
             (touchstone_control::Guarded::tick, crate::controller::kept)
             (touchstone_control::Guard::switched_off, crate::controller::ended)]
             $($property)*
         }
     };
+}
+
+/// For a product of `Fixed8`: every digit of both, as far above the rounding as a gain's fractional bits, and room for a sum of two.
+#[cfg(kani)]
+pub fn product(k: <Fixed8 as Number>::Gain, x: <Fixed8 as Number>::Signal) -> i16 {
+    (i16::from(k.to_bits()) ^ i16::from(x.to_bits())) << 3
 }
 
 /// For `Guarded::tick`: it keeps what it is told, and shows a force that is none of it.
@@ -114,6 +120,7 @@ controller_property! {
         assert!(wall.tripped() == guard.is_some_and(|guard| guard.tripped));
         cover!(s, guard.is_some() && force != Force::zero(), "a force, guarded");
         cover!(s, guard.is_none() && force != Force::zero(), "a force, not guarded");
+        cover!(s, wanted > Force::quantum() + Force::quantum() + Force::quantum(), "a force of many digits");
         cover!(s, wall.tripped(), "overspeed");
     }
 }

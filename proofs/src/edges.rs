@@ -58,8 +58,7 @@ macro_rules! edges {
                 by $bits fn p1_edge_work(s) {
                     let (force, moved) = (N::any_force(s), N::any_position(s));
                     let work = (force * moved).0.to_bits();
-                    // Of two words it does not wrap.
-                    let product = $wide::from(force.0.to_bits()).wrapping_mul(moved.0.to_bits().into());
+                    let product = $wide::from(force.0.to_bits()) * $wide::from(moved.0.to_bits());
                     assert!(work == product);
                     cover!(s, work < 0, "given");
                     cover!(s, force.0 == N::LOWEST && moved.0 == N::LOWEST, "largest");

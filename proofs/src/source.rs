@@ -251,7 +251,7 @@ macro_rules! cover {
 /// `equation` and `over` (which configurations, memories and inputs: all that are of that kind) are for the table.
 #[macro_export]
 macro_rules! property {
-    // No solver finishes at this width: sampled only, and proved at another by the same body.
+    // No solver finishes at this width, or it follows over the integers, or all inputs are tried: sampled only here.
     ($(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {

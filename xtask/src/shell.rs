@@ -53,23 +53,33 @@ pub fn cargo_locked(subcommand: &str) -> Command {
     command
 }
 
+/// The same command, after all others that want the processor.
+pub fn behind(command: &Command) -> Command {
+    let mut nice = Command::new("nice");
+    nice.args(["-n", "19"]);
+    started_by(nice, command)
+}
+
 /// The same command, ended when it has taken so much processor time; so is each process that it starts.
 pub fn within(command: &Command, seconds: u32) -> Command {
     let mut limited = Command::new("sh");
-    limited
-        .args(["-c", &format!("ulimit -t {seconds} && exec \"$0\" \"$@\"")])
-        .arg(command.get_program())
-        .args(command.get_args());
+    limited.args(["-c", &format!("ulimit -t {seconds} && exec \"$0\" \"$@\"")]);
+    started_by(limited, command)
+}
+
+/// The command as another's arguments, in its folder and with what it says of the environment.
+fn started_by(mut other: Command, command: &Command) -> Command {
+    other.arg(command.get_program()).args(command.get_args());
     if let Some(folder) = command.get_current_dir() {
-        limited.current_dir(folder);
+        other.current_dir(folder);
     }
     for (key, value) in command.get_envs() {
         match value {
-            Some(value) => limited.env(key, value),
-            None => limited.env_remove(key),
+            Some(value) => other.env(key, value),
+            None => other.env_remove(key),
         };
     }
-    limited
+    other
 }
 
 /// The command as one would type it.

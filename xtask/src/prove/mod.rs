@@ -90,22 +90,25 @@ pub fn run(args: &[String]) -> Outcome {
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            // The checker's compiler has one core to do with for minutes: Coq and the trials of all inputs have the other.
+            // First, for their solvers are given a time by the clock, and nothing is blessed that rests on what does not hold.
+            let obligations = obligations();
+            println!("integer obligations: {obligations}");
+            let bless = bless && !obligations.is_failure();
+            // The checker's compiler has one core to do with for minutes: Coq has the other. The trials of all inputs have what is left
+            // over, at the end too, when the last harness has one core.
             let beside = std::thread::spawn(|| {
                 let theorems = coq::run();
-                let obligations = obligations();
-                println!("integer obligations: {obligations}");
-                let every = every::run("");
+                let every = every::run_beside();
                 println!("all inputs: {every}");
-                (theorems, obligations, every)
+                (theorems, every)
             });
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
             let panicked = |_| {
                 let failed = || Outcome::Failed("the run beside the harnesses' panicked".into());
-                (failed(), failed(), failed())
+                (failed(), failed())
             };
-            let (theorems, obligations, every) = beside.join().unwrap_or_else(panicked);
+            let (theorems, every) = beside.join().unwrap_or_else(panicked);
             let harnesses = with_obligations(obligations, with_every(every, harnesses));
             with_theorems(theorems, harnesses)
         }
