@@ -3,18 +3,9 @@
 
 open Specified
 
-let rec positive n = if n = 1 then XH else if n land 1 = 1 then XI (positive (n lsr 1)) else XO (positive (n lsr 1))
-let small n = if n = 0 then Z0 else if n > 0 then Zpos (positive n) else Zneg (positive (-n))
-
-(* Eighteen digits fit a machine's word; what is longer is put together. *)
-let number text =
-  let length = String.length text in
-  if length <= 18 then small (int_of_string text)
-  else
-    let negative = text.[0] = '-' in
-    let head = String.sub text 0 (length - 9) and tail = int_of_string ("1" ^ String.sub text (length - 9) 9) - 1_000_000_000 in
-    let rest = small (if negative then - tail else tail) in
-    Z.add (Z.mul (small (int_of_string head)) (small 1_000_000_000)) rest
+let number = Big_int_Z.big_int_of_string
+let zero = Big_int_Z.zero_big_int
+let one = Big_int_Z.unit_big_int
 
 type running =
   | Nothing
@@ -39,12 +30,12 @@ let settled count line same = if same then incr count else fail line "the specif
 let seen = Array.make 7 0
 let reached after m =
   let both = m.phase = Augmenting && after.phase = Augmenting in
-  let less a b = Z.ltb a b in
+  let less = Big_int_Z.lt_big_int in
   List.iteri
     (fun i it -> if it then seen.(i) <- seen.(i) + 1)
     [ m.phase = First && after.phase = Augmenting; m.phase = Augmenting && after.phase = Free;
-      both && less m.offset after.offset; both && less after.offset m.offset; both && after.hip_force = Z0;
-      both && less after.left m.left; both && less after.last Z0 ]
+      both && less m.offset after.offset; both && less after.offset m.offset; both && after.hip_force = zero;
+      both && less after.left m.left; both && less after.last zero ]
 
 let start it = incr made; running := it
 
@@ -56,7 +47,7 @@ let take line =
       | "settings",
         [ set_capacity; set_refill; set_share; set_damping; set_overspeed; set_delay; set_lag; measured; told_rate; told_limit;
           told_count ], _ ->
-          let set_measured = measured <> Z0 in
+          let set_measured = measured <> zero in
           running :=
             Of_settings
               (accepted
@@ -70,23 +61,23 @@ let take line =
           let it = { capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun } in
           start (A_guard (it, full it))
       | "tdpa", [ t_desired; form; t_damping; t_limit ], _ ->
-          start (A_tdpa ({ t_desired; exact = form <> Z0; t_damping; t_limit }, outside))
+          start (A_tdpa ({ t_desired; exact = form <> zero; t_damping; t_limit }, outside))
       | "fba", [ f_desired; f_damping; f_limit ], _ -> start (An_fba ({ f_desired; f_damping; f_limit }, outside))
       | "enhanced",
         [ desired; target; soft; compliance; of_ideal; of_force; of_penetration; hip; every; exact; keep; inertia; coupling;
           mass_damping; total; series; credit; limit ], _ ->
-          let at_hip = hip <> Z0 and every_tick = every <> Z0 and mass_exact = exact <> Z0 and keep_force = keep <> Z0 in
+          let at_hip = hip <> zero and every_tick = every <> zero and mass_exact = exact <> zero and keep_force = keep <> zero in
           let it =
             { desired; target; soft; compliance; of_ideal; of_force; of_penetration; at_hip; every_tick; mass_exact; keep_force;
               inertia; coupling; mass_damping; total; series; credit; limit }
           in
-          start (An_enhanced (it, free_at Z0))
+          start (An_enhanced (it, free_at zero))
       | "tick", [ moved; before; wanted; told; account'; force'; older'; fine; told' ], A_guard (it, m) ->
           let after, answer = tick it m moved before wanted in
           let last = commanded after told in
           check line
             (after.account = account' && after.force = force' && after.older = older'
-            && answer = (fine <> Z0) && last.force = told');
+            && answer = (fine <> zero) && last.force = told');
           running := A_guard (it, last)
       | "off", [ account'; force'; older' ], A_guard (it, m) ->
           let after = switched_off it m in
@@ -102,7 +93,7 @@ let take line =
           running := An_fba (it, after)
       | "mass", [ e; moved; force'; contact'; last; hip_force; left; mass; mass_moved; offset; at_mass ], An_enhanced (it, m) ->
           let after = enhanced_tick it m e moved in
-          let phase = if contact' = Z0 then Free else if contact' = small 1 then First else Augmenting in
+          let phase = if contact' = zero then Free else if contact' = one then First else Augmenting in
           check line
             (after = { phase; last; hip_force; left; mass; mass_moved; offset; at_mass } && after.hip_force = force');
           reached after m;

@@ -154,7 +154,7 @@ def said():
 def main():
     if sys.argv[1:] == ["--bless"]:
         CLAIMS.write_text(said())
-    elif said() != CLAIMS.read_text():
+    elif not CLAIMS.exists() or said() != CLAIMS.read_text():
         FAILED.append("claims")
         print(f"FAIL what is asked is not what {CLAIMS.name} says; `check.py --bless` and look at what changed")
     seen = {}

@@ -23,7 +23,7 @@ def affordable(energy, force, largest):
 
 def agrees():
     done = subprocess.run(
-        ["cargo", "run", "--quiet", "--release", "-p", "touchstone-proofs", "--example", "vectors"],
+        ["cargo", "run", "--quiet", "--profile", "every", "-p", "touchstone-proofs", "--example", "vectors"],
         capture_output=True, text=True, check=True)
     cases = wrong = 0
     for line in done.stdout.splitlines():

@@ -5,6 +5,7 @@
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
+use crate::prove::coq;
 use crate::{emulator, shell, toolchain};
 
 /// Something that a command needs.
@@ -120,6 +121,14 @@ const TOOLS: &[Tool] = &[
         // 250 MB to fetch, 1 GB on disk.
         hint: "apt-get install --no-install-recommends coq",
         packages: &["coq"],
+    },
+    Tool {
+        name: "zarith",
+        required: false,
+        purpose: "prove: the specification beside the code's ticks",
+        version: coq::integers,
+        hint: "apt-get install libzarith-ocaml-dev",
+        packages: &["libzarith-ocaml-dev"],
     },
     Tool {
         name: "kani",

@@ -2,7 +2,7 @@
 //! run beside the shipped code.
 //!
 //! Coq ends with 0 also for a proof that was admitted or rests on an axiom, and for one of less than was claimed. So every claim is in
-//! `Theorems.v`, which asks what it says and what it assumes: each must assume nothing, and all of it must be what `claims.txt` says.
+//! `Theorems.v`, which asks what each says and what all of them assume: that must be nothing, and all that is said must be what `claims.txt` says.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -40,11 +40,14 @@ const FILES: [&str; 21] = [
 const CLAIMS: &str = "Theorems.v";
 /// What Coq says of them; committed, so that none goes or says less unseen.
 const SAID: &str = "claims.txt";
-/// Of a claim that assumes nothing.
+/// All of them, as one.
+const TOGETHER: &str = "Definition claims :=";
+const ASKED: &str = "Print Assumptions claims.";
+/// The answer where nothing is assumed.
 const CLOSED: &str = "Closed under the global context";
 const SOURCES: &str = "proofs/coq";
 const MUTANTS: &str = "proofs/coq/mutants.toml";
-const INSTALL: &str = "Coq is not installed; install with `apt-get install --no-install-recommends coq` (1 GB on disk)";
+const INSTALL: &str = "Coq, or OCaml's Zarith, is not installed; install with `apt-get install --no-install-recommends coq libzarith-ocaml-dev` (1 GB on disk)";
 /// Ticks of the shipped code that the extracted specification repeats.
 const TICKS: &str = "600000";
 /// Words with which a file would claim what it does not prove.
@@ -68,7 +71,16 @@ struct Broken {
 }
 
 pub fn is_there() -> bool {
-    shell::capture(Command::new("coqc").arg("--version")).is_some()
+    shell::capture(Command::new("coqc").arg("--version")).is_some() && integers().is_some()
+}
+
+/// The version of what the extracted specification counts with, where it can be built with: Coq itself needs no more than to run with it.
+pub fn integers() -> Option<String> {
+    let mut query = Command::new("ocamlfind");
+    let said = shell::capture(query.args(["query", "-format", "%d %v", "zarith"]))?;
+    let (folder, version) = said.trim().split_once(' ')?;
+    let is_whole = Path::new(folder).join("zarith.cmxa").is_file();
+    is_whole.then(|| version.to_owned())
 }
 
 /// Compiles the theorems, asks what they assume, and runs the specification on the code's ticks.
@@ -122,7 +134,7 @@ fn fresh(folder: &Path) -> Result<(), Broken> {
 
 /// Compiles all; how many claims there are, each of which assumes nothing.
 fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
-    let mut answers = String::new();
+    let mut claims = 0;
     for name in FILES {
         let file = format!("{name}.v");
         let text = std::fs::read_to_string(folder.join(&file)).map_err(|why| broken(&file, why))?;
@@ -143,31 +155,50 @@ fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
             println!("{:>7.1} s  {SOURCES}/{file}", begun.elapsed().as_secs_f64());
         }
         if file == CLAIMS {
-            answers = String::from_utf8_lossy(&done.stdout).into_owned();
-            let asked = text.matches("\nPrint Assumptions ").count();
-            nothing_assumed(asked, &answers).map_err(|why| broken(CLAIMS, why))?;
+            let answers = String::from_utf8_lossy(&done.stdout).into_owned();
+            claims = all_asked(&text).map_err(|why| broken(CLAIMS, why))?.len();
+            nothing_assumed(&answers).map_err(|why| broken(CLAIMS, why))?;
             as_claimed(folder, &answers)?;
         }
     }
-    Ok(closed(&answers))
+    Ok(claims)
 }
 
-/// Claims that assume nothing.
-fn closed(answers: &str) -> usize {
-    answers.lines().filter(|line| *line == CLOSED).count()
+/// The claims: what is asked what it says, and all of it, together, what it assumes.
+fn all_asked(text: &str) -> Result<Vec<&str>, String> {
+    let said: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("Check ")?.strip_suffix('.'))
+        .collect();
+    let together = text
+        .split_once(TOGETHER)
+        .and_then(|(_, rest)| rest.split_once(ASKED))
+        .ok_or_else(|| format!("`{TOGETHER}` and `{ASKED}` are not in it"))?
+        .0;
+    let is_not_of_a_name = |c: char| !(c.is_alphanumeric() || c == '_');
+    let asked = together.split(is_not_of_a_name).filter(|it| !it.is_empty());
+    if said.is_empty() || !said.iter().copied().eq(asked) {
+        return Err(
+            "the claims that are asked what they say are not those that are asked what they assume"
+                .into(),
+        );
+    }
+    Ok(said)
 }
 
-/// As many answers as questions, and each that nothing is assumed.
-fn nothing_assumed(asked: usize, answers: &str) -> Result<(), String> {
+/// One answer, and that nothing is assumed.
+fn nothing_assumed(answers: &str) -> Result<(), String> {
     // What is assumed follows this word.
     if let Some(at) = answers.find("Axioms:") {
         let assumed = answers[at..].lines().nth(1).unwrap_or_default();
         return Err(format!("a theorem rests on more: {assumed}"));
     }
-    if asked == 0 || closed(answers) != asked {
-        return Err(format!("{asked} theorems, and not as many answers"));
+    match answers.lines().filter(|line| *line == CLOSED).count() {
+        1 => Ok(()),
+        count => Err(format!(
+            "one question for all theorems, and {count} answers"
+        )),
     }
-    Ok(())
 }
 
 /// What Coq says of the claims is what is committed, but for where its lines end.
@@ -201,7 +232,7 @@ fn compared(folder: &Path) -> Result<String, String> {
     let sources = ["specified.mli", "specified.ml", "compare.ml"];
     build
         .current_dir(folder)
-        .args(["ocamlopt", "-package", "str"]);
+        .args(["ocamlopt", "-package", "zarith", "-linkpkg"]);
     let built = build.args(sources).args(["-o", "compare"]).output();
     let built = built.map_err(|why| format!("ocamlfind: {why}"))?;
     if !built.status.success() {
@@ -296,11 +327,21 @@ mod tests {
     #[test]
     fn an_axiom_is_no_proof() {
         let closed = "it\n     : Prop\nClosed under the global context\n";
-        assert_eq!(nothing_assumed(2, &closed.repeat(2)), Ok(()));
-        assert!(nothing_assumed(2, closed).is_err());
-        assert!(nothing_assumed(0, "").is_err());
-        let axioms = format!("{closed}Axioms:\nclassic : forall P : Prop, P \\/ ~ P\n{closed}");
-        assert!(nothing_assumed(2, &axioms).unwrap_err().contains("classic"));
+        assert_eq!(nothing_assumed(closed), Ok(()));
+        assert!(nothing_assumed("it\n     : Prop\n").is_err());
+        assert!(nothing_assumed(&closed.repeat(2)).is_err());
+        let axioms = format!("{closed}Axioms:\nclassic : forall P : Prop, P \\/ ~ P\n");
+        assert!(nothing_assumed(&axioms).unwrap_err().contains("classic"));
+    }
+
+    #[test]
+    fn a_claim_that_is_not_asked_is_seen() {
+        let of = |asked: &str| format!("Check a.\nCheck b.\n{TOGETHER}\n  ({asked}).\n\n{ASKED}\n");
+        assert_eq!(all_asked(&of("a,\n   b")), Ok(vec!["a", "b"]));
+        for asked in ["a", "a, c", "a, b, c", ""] {
+            assert!(all_asked(&of(asked)).is_err(), "{asked}");
+        }
+        assert!(all_asked("Check a.\n").is_err());
     }
 
     #[test]
@@ -323,13 +364,7 @@ mod tests {
             std::fs::read_to_string(path).expect("readable")
         };
         let (theorems, said) = (read(CLAIMS), read(SAID));
-        let names = |before: &str| -> Vec<String> {
-            let of = |line: &str| Some(line.strip_prefix(before)?.trim_end_matches('.').to_owned());
-            theorems.lines().filter_map(of).collect()
-        };
-        let claims = names("Print Assumptions ");
-        assert_eq!(claims, names("Check "));
-        assert_eq!(closed(&said), claims.len());
+        let claims = all_asked(&theorems).expect("each is asked for both");
         for claim in claims {
             assert!(said.lines().any(|line| line == claim), "{claim}");
         }

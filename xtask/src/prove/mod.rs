@@ -8,7 +8,7 @@
 
 mod certified;
 pub mod checker;
-mod coq;
+pub mod coq;
 mod elf;
 mod every;
 mod solvers;
@@ -18,6 +18,7 @@ mod usage;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::mpsc;
 use std::time::Instant;
 
 use crate::outcome::Outcome;
@@ -90,25 +91,28 @@ pub fn run(args: &[String]) -> Outcome {
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            // First, for their solvers are given a time by the clock, and nothing is blessed that rests on what does not hold.
-            let obligations = obligations();
-            println!("integer obligations: {obligations}");
-            let bless = bless && !obligations.is_failure();
-            // The checker's compiler has one core to do with for minutes: Coq has the other. The trials of all inputs have what is left
-            // over, at the end too, when the last harness has one core.
-            let beside = std::thread::spawn(|| {
+            // The checker's compiler has one core to do with for minutes: integer obligations and Coq have the other. The trials of all
+            // inputs have what is left over, at the end too, when the last harness has one core.
+            let (tell, told) = mpsc::channel();
+            let beside = std::thread::spawn(move || {
+                let obligations = obligations();
+                println!("integer obligations: {obligations}");
+                // Nobody waits for it where the checker did not start.
+                let _ = tell.send(obligations.is_failure());
                 let theorems = coq::run();
                 let every = every::run_beside();
                 println!("all inputs: {every}");
-                (theorems, every)
+                (obligations, theorems, every)
             });
+            // Nothing is blessed that rests on what does not hold.
+            let bless = || bless && !told.recv().unwrap_or(true);
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
             let panicked = |_| {
                 let failed = || Outcome::Failed("the run beside the harnesses' panicked".into());
-                (failed(), failed())
+                (failed(), failed(), failed())
             };
-            let (theorems, every) = beside.join().unwrap_or_else(panicked);
+            let (obligations, theorems, every) = beside.join().unwrap_or_else(panicked);
             let harnesses = with_obligations(obligations, with_every(every, harnesses));
             with_theorems(theorems, harnesses)
         }
@@ -201,7 +205,7 @@ fn some(part: &str, jobs: u32) -> Outcome {
 }
 
 /// All of them, against the lock, with the table. Resumed: those that were not proved before, of this code and as they are stated.
-fn whole(bless: bool, resume: bool, jobs: u32) -> Outcome {
+fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     let (machine, begun) = (machine(load()), Instant::now());
     let left = if resume {
         remaining(jobs)
@@ -225,7 +229,7 @@ fn whole(bless: bool, resume: bool, jobs: u32) -> Outcome {
         took_s % 60,
     );
     let mut words = vec![run, machine];
-    if bless {
+    if bless() {
         words.push("--bless".into());
     }
     if let Some(list) = list {
