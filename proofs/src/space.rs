@@ -228,18 +228,20 @@ macro_rules! space {
                 over "penetrations outside, offsets, of at most a quarter of the format"
                 by $leaving fn p7_leaving(s) {
                     // Outside, as PerAxis::tick asks only there; offsets are not negative (p2_offset_*).
-                    let mut sizes = || Vector([(); 3].map(|()| Position::<N>(<N as Number>::Signal::from_bits(s.bits(N::BITS - 3) as _))));
-                    let (e, o) = (-sizes(), sizes());
+                    let mut size = || Position::<N>(<N as Number>::Signal::from_bits(s.bits(N::BITS - 3) as _));
+                    let e = -Vector([size(), size(), size()]);
+                    let o = Vector([size(), size(), size()]);
                     let (e_bits, o_bits) = (position_bits(e), position_bits(o));
                     let ([e1, e2, e3], [o1, o2, o3]) = (e_bits.map(N::exact), o_bits.map(N::exact));
                     let along = -(e1 * o1) - e2 * o2 - e3 * o3;
-                    assert!(Leaving::Projection.ends(e, o) == (squares::<N>(e_bits) > along));
+                    let left = Leaving::Projection.ends(e, o);
+                    assert!(left == (squares::<N>(e_bits) > along));
                     assert!(!Leaving::Decoupled.ends(e, o));
                     let any = e_bits.iter().zip(o_bits).any(|(e, o)| e + o < 0);
                     assert!(Leaving::AnyAxis.ends(e, o) == any);
-                    assert!(any || !Leaving::Projection.ends(e, o));
-                    cover!(s, any && !Leaving::Projection.ends(e, o), "Fig. 4.8: one axis has left, the object has not");
-                    cover!(s, Leaving::Projection.ends(e, o) && o_bits != [0; 3], "left with an offset");
+                    assert!(any || !left);
+                    cover!(s, any && !left, "Fig. 4.8: one axis has left, the object has not");
+                    cover!(s, left && o_bits != [0; 3], "left with an offset");
                 }
             }
             property! {

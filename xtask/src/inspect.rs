@@ -2,10 +2,27 @@
 //! first needs it, so that the others start without its dependencies.
 
 use std::ffi::OsStr;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use crate::outcome::Outcome;
 use crate::shell;
+
+fn of_tools(what: &str) -> Command {
+    let mut cargo = shell::cargo_locked(what);
+    cargo.args([
+        "--quiet",
+        "--profile",
+        "tools",
+        "--package",
+        "xtask-inspect",
+    ]);
+    cargo
+}
+
+/// Builds it while there is time: a step that asks it only at its end would have to wait. What is wrong is said there.
+pub fn build() {
+    let _ = of_tools("build").stderr(Stdio::null()).status();
+}
 
 /// Shows what it found; the outcome is its last line.
 pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
@@ -18,9 +35,9 @@ pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
 
 /// The same with its lines handed over instead of shown.
 pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>, Outcome) {
-    let mut cargo = shell::cargo_locked("run");
-    cargo.args(["--quiet", "--package", "xtask-inspect", "--"]);
+    let mut cargo = of_tools("run");
     let done = cargo
+        .arg("--")
         .args(words)
         .stdin(Stdio::null())
         .stderr(Stdio::inherit())

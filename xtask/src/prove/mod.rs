@@ -99,6 +99,7 @@ pub fn run(args: &[String]) -> Outcome {
                 println!("integer obligations: {obligations}");
                 // Nobody waits for it where the checker did not start.
                 let _ = tell.send(obligations.is_failure());
+                inspect::build();
                 let theorems = coq::run();
                 let every = every::run_beside();
                 println!("all inputs: {every}");
