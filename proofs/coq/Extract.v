@@ -1,5 +1,5 @@
 (** The specification as a program: what compare.ml runs beside the shipped code's ticks, and beside what it makes of
-    settings. Integers are of any size, and Zarith's, which Coq itself counts with: one bit a list's element takes ten times as long. *)
+    settings. Integers are of any size, and Zarith's, which Coq itself counts with: one constructor a bit takes three times as long. *)
 
 From Touchstone Require Import Quotient Guard GuardSettings Laws Enhanced.
 Require Import ZArith ExtrOcamlBasic ExtrOcamlZBigInt.
