@@ -156,7 +156,8 @@ def main():
         CLAIMS.write_text(said())
     elif not CLAIMS.exists() or said() != CLAIMS.read_text():
         FAILED.append("claims")
-        print(f"FAIL what is asked is not what {CLAIMS.name} says; `check.py --bless` and look at what changed")
+        why = f"is not what {CLAIMS.name} says" if CLAIMS.exists() else f"was never committed: there is no {CLAIMS.name}"
+        print(f"FAIL what is asked {why}; `check.py --bless` and look at what changed")
     seen = {}
     for s, name in ((z, "z3"), (c, "cvc5")):
         for what, assumptions, claim, (weak, weak_claim) in obligations(s):

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use crate::outcome::Outcome;
 use crate::shell;
 
+/// Cargo, to build or run it as it is compiled soonest.
 fn of_tools(what: &str) -> Command {
     let mut cargo = shell::cargo_locked(what);
     cargo.args([

@@ -76,7 +76,7 @@ struct Process {
     processor_s: f64,
 }
 
-/// Reads one, from the first of the kernel's tables on it; `None` if it is gone, or the kernel's own, which has no memory.
+/// Reads one; `None` if it is gone, or the kernel's own, which has no memory.
 fn process(folder: &Path) -> Option<Process> {
     let stat = std::fs::read(folder.join("stat")).ok()?;
     let stat = String::from_utf8_lossy(&stat);
