@@ -7,6 +7,7 @@ import socket
 import subprocess
 import termios
 import threading
+import time
 import tty
 
 from board import change, click_at, phase, press, served_page, text
@@ -78,11 +79,33 @@ class Terminal:
         os.close(self.master)
 
 
+# Seconds of the firmware's own time that a calibration may take.
+CALIBRATION_S = 60
+# Seconds of this machine's time without a record after which the firmware stands still.
+STANDSTILL_S = 60
+
+
 def calibrated(page):
-    # In the firmware's own time, which a busy machine makes longer.
+    """Waits in the firmware's own time, which a busy machine makes as long as it likes."""
     press(page, "calibrate")
     phase(page, "calibrating")
-    phase(page, "ready", 120)
+    began = at = own_time_s(page)
+    moved = time.monotonic()
+    while (now := text(page, "phase")) != "ready":
+        last, at = at, own_time_s(page)
+        if at > last:
+            moved = time.monotonic()
+        still = time.monotonic() - moved
+        if now != "calibrating" or at - began > CALIBRATION_S or still > STANDSTILL_S:
+            what = f"{now!r}, {text(page, 'fault-name')!r}, {text(page, 'error')!r} instead of 'ready'"
+            raise TimeoutError(f"{what} after {at - began:.1f} s of the firmware's time, the last record {still:.0f} s ago")
+        page.wait(0.2)
+    return at - began
+
+
+def own_time_s(page):
+    """Seconds of the firmware's time that its records tell of, those that were lost included."""
+    return page.run("(took.records + took.missing) * hello.decimation / hello.rate_hz")
 
 
 def through(browser, program, address, way, pictures, check):
@@ -92,13 +115,13 @@ def through(browser, program, address, way, pictures, check):
         check("firmware" in text(page, "device") and "simulated" not in text(page, "device"), f"{way}: {text(page, 'device')}")
         change(page, "wall.k_desired_n_m_per_rad", "4")
         page.until("hello.k_desired_n_m_per_rad === 4")
-        calibrated(page)
+        took_s = calibrated(page)
         press(page, "arm")
         phase(page, "armed")
         page.until("run.ring.columns.force_n_m.some((f) => f > 0.02)", 60)
         page.wait(1)
         worst, judged = page.run("[worst, run.ring.columns.model_n_m.filter((x) => !Number.isNaN(x)).length]")
-        check(worst == 0 and judged > 300, f"{way}: armed; the firmware less the model over {judged} ticks: at most {worst} N·m; {page.run('took.missing')} records missing")
+        check(worst == 0 and judged > 300, f"{way}: calibrated in {took_s:.1f} s of its own time and armed; the firmware less the model over {judged} ticks: at most {worst} N·m; {page.run('took.missing')} records missing")
         if pictures:
             page.picture(os.path.join(pictures, "board-emulated.png"))
         yield page, url
