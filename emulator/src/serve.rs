@@ -14,7 +14,7 @@ use crate::world::Parts;
 /// How it is served.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted {
-    /// A hand presses into the wall every four seconds while the device is armed.
+    /// A hand presses into the wall every four seconds while the device is armed, and lets go when it no longer is.
     pub hand: bool,
     /// Ends after so many seconds.
     pub for_s: Option<u64>,
@@ -43,7 +43,8 @@ pub fn serve(
     };
     let mut bench = Bench::new(program, &setup)?;
     let mut client = None;
-    let (started, mut told, mut pressed) = (Instant::now(), Instant::now(), 0);
+    let (started, mut told) = (Instant::now(), Instant::now());
+    let (mut pressed, mut was_armed) = (0, false);
     let mut buffer = [0; 4_096];
     loop {
         let time = started.elapsed();
@@ -79,17 +80,20 @@ pub fn serve(
         {
             client = None;
         }
+        let is_armed = bench
+            .link
+            .telemetry
+            .last()
+            .is_some_and(|record| record.phase == Phase::Armed);
+        // Whoever stops a device takes the hand off it: the next calibration turns the shaft.
+        if hand && was_armed && !is_armed {
+            bench.release();
+        }
+        was_armed = is_armed;
         if hand && bench.now() / (4_000 * MS) > pressed {
             pressed = bench.now() / (4_000 * MS);
-            let is_armed = bench
-                .link
-                .telemetry
-                .last()
-                .is_some_and(|record| record.phase == Phase::Armed);
             if is_armed {
                 let _ = bench.press_at(&MEDIUM, 0.1, 0.6, 0.8, 1.0, 16_384.0, 5.0);
-            } else {
-                bench.release();
             }
         }
         let device = Duration::from_millis(bench.now() / MS);

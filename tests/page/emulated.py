@@ -79,28 +79,42 @@ class Terminal:
         os.close(self.master)
 
 
-# Seconds of the firmware's own time that a calibration may take.
-CALIBRATION_S = 60
+# Seconds of the firmware's own time that anything may take.
+LONGEST_S = 60
 # Seconds of this machine's time without a record after which the firmware stands still.
 STANDSTILL_S = 60
+# What the angle may change by within so much of the firmware's time where the shaft rests.
+AT_REST = """(() => {
+  let low = Infinity, high = -Infinity;
+  run.ring.since(0.3, (i) => { const x = run.ring.columns.angle_rad[i]; low = Math.min(low, x); high = Math.max(high, x); });
+  return high - low < 0.002;
+})()"""
 
 
 def calibrated(page):
-    """Waits in the firmware's own time, which a busy machine makes as long as it likes."""
+    """Seconds of the firmware's time that a calibration took, of a shaft at rest."""
+    began = own_time_s(page)
+    own_time_until(page, "the shaft at rest", lambda: own_time_s(page) > began + 0.3 and page.run(AT_REST))
     press(page, "calibrate")
     phase(page, "calibrating")
+    took_s = own_time_until(page, "the end of the calibration", lambda: text(page, "phase") != "calibrating")
+    phase(page, "ready")
+    return took_s
+
+
+def own_time_until(page, what, done):
+    """Waits in the firmware's own time, which a busy machine makes as long as it likes; says how much of it has passed."""
     began = at = own_time_s(page)
     moved = time.monotonic()
-    while (now := text(page, "phase")) != "ready":
+    while not done():
         last, at = at, own_time_s(page)
         if at > last:
             moved = time.monotonic()
-        still = time.monotonic() - moved
-        if now != "calibrating" or at - began > CALIBRATION_S or still > STANDSTILL_S:
-            what = f"{now!r}, {text(page, 'fault-name')!r}, {text(page, 'error')!r} instead of 'ready'"
-            raise TimeoutError(f"{what} after {at - began:.1f} s of the firmware's time, the last record {still:.0f} s ago")
+        still_s = time.monotonic() - moved
+        if at - began > LONGEST_S or still_s > STANDSTILL_S:
+            raise TimeoutError(f"{what} did not come in {at - began:.1f} s of the firmware's time, the last record {still_s:.0f} s ago")
         page.wait(0.2)
-    return at - began
+    return own_time_s(page) - began
 
 
 def own_time_s(page):

@@ -28,8 +28,7 @@ pub fn run(is_whole: bool) -> Outcome {
 }
 
 fn played(is_whole: bool) -> Result<Outcome, Outcome> {
-    let cargo = &mut shell::cargo_locked("build");
-    shell::run(cargo.args(["--package", "touchstone"])).went_well()?;
+    shell::built_with_tests()?;
     let (emulator, programs) = emulator::firmware_and_emulator(&[REFERENCE])?;
     let folder = shell::target("board-scorecard");
     let made = std::fs::create_dir_all(&folder);

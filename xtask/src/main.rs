@@ -104,7 +104,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "wasm",
-        about: "control and the simulator's crates that a browser needs build for wasm32-unknown-unknown; the live page's module is what \
+        about: "control and the simulator's crates that a browser needs compile for wasm32-unknown-unknown; the live page's module is what \
                 its source gives",
         in_test: true,
         quick: Quick::LeftOut,

@@ -19,24 +19,13 @@ pub fn run(args: &[String]) -> Outcome {
     if shell::capture(shell::program("python3").arg("--version")).is_none() {
         return Outcome::NotRun("no python3".into());
     }
-    let built = shell::run(shell::cargo_locked("build").args(["--package", "touchstone"]));
-    if built.is_failure() {
-        return built;
-    }
-    let example = [
-        "--package",
-        "touchstone-tests",
-        "--example",
-        "knob_on_a_socket",
-    ];
-    let built = shell::run(shell::cargo_locked("build").args(example));
-    if built.is_failure() {
-        return built;
-    }
-    let made = shell::target("debug");
+    let made = match shell::built_with_tests() {
+        Ok(folder) => folder,
+        Err(outcome) => return outcome,
+    };
     let (program, knob) = (
         made.join("touchstone"),
-        made.join("examples/knob_on_a_socket"),
+        made.join("examples").join(shell::KNOB),
     );
     let mut script = shell::program("python3");
     // Without an emulator the pages are still driven, before the simulated knob.

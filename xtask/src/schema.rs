@@ -13,9 +13,10 @@ pub fn run(_: &[String]) -> Outcome {
     if !found {
         return Outcome::NotRun("python3 has no jsonschema; `pip install jsonschema`".to_owned());
     }
+    // Of the whole workspace, whose features `cargo xtask unit` has built it with.
     let mut command = shell::cargo_locked("test");
     command
-        .args(["--package", "touchstone", "--test", "cli_folder"])
+        .args(["--workspace", "--test", "cli_folder"])
         .args(["--", "--ignored"]);
     shell::run(&mut command)
 }
