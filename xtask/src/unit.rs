@@ -3,6 +3,7 @@
 //! `--quick`: without the documentation's examples and without the tests of [`SLOW`].
 
 use std::fmt::Write;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use crate::outcome::Outcome;
 use crate::shell;
@@ -17,6 +18,13 @@ const SLOW: [&str; 1] = ["what_a_scene_does_not_name_costs_no_instruction"];
 
 /// How many test binaries are listed with their times.
 const SLOWEST: usize = 10;
+
+static ALL_PASSED: AtomicBool = AtomicBool::new(false);
+
+/// All tests of all crates have passed since this program was started: a later step need not ask some of them again.
+pub fn all_passed() -> bool {
+    ALL_PASSED.load(Relaxed)
+}
 
 /// What the lines of `cargo test` say.
 #[derive(Debug, Default)]
@@ -133,6 +141,7 @@ pub fn run(args: &[String]) -> Outcome {
         ..
     } = seen;
     let all = passed + failed.len() as u64;
+    ALL_PASSED.store(args.is_empty() && broken.is_none(), Relaxed);
     match (broken, ignored) {
         (Some(_), _) if !failed.is_empty() => Outcome::Failed(format!(
             "{} of {all} tests: {}",

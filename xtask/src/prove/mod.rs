@@ -22,7 +22,7 @@ use std::sync::mpsc;
 use std::time::Instant;
 
 use crate::outcome::Outcome;
-use crate::{inspect, mutants, shell};
+use crate::{inspect, mutants, shell, unit};
 use checker::{How, Left, MEMORY_KIB, Which};
 use systematic::Asked;
 pub use systematic::Shard;
@@ -308,10 +308,13 @@ fn without_checker() -> Outcome {
 }
 
 fn without_harnesses() -> Outcome {
-    let mut tests = shell::cargo_locked("test");
-    let sampled = shell::run(tests.args(["--quiet", "-p", "touchstone-proofs"]));
-    if sampled.is_failure() {
-        return Outcome::Failed(format!("the sampled and exhaustive form; {INSTALL}"));
+    // `cargo xtask test` has run them before, among all others.
+    if !unit::all_passed() {
+        let mut tests = shell::cargo_locked("test");
+        let sampled = shell::run(tests.args(["--quiet", "-p", "touchstone-proofs"]));
+        if sampled.is_failure() {
+            return Outcome::Failed(format!("the sampled and exhaustive form; {INSTALL}"));
+        }
     }
     let every = every::run(every::SAMPLE);
     if every.is_failure() {
