@@ -83,11 +83,11 @@ class Terminal:
 LONGEST_S = 60
 # Seconds of this machine's time without a record after which the firmware stands still.
 STANDSTILL_S = 60
-# What the angle may change by within so much of the firmware's time where the shaft rests.
+# The shaft rests: its angle was within 0.002 rad for 0.3 s of the firmware's time. Without a record nothing is known.
 AT_REST = """(() => {
   let low = Infinity, high = -Infinity;
   run.ring.since(0.3, (i) => { const x = run.ring.columns.angle_rad[i]; low = Math.min(low, x); high = Math.max(high, x); });
-  return high - low < 0.002;
+  return high >= low && high - low < 0.002;
 })()"""
 
 

@@ -107,18 +107,22 @@ fn remapped() -> Vec<(PathBuf, &'static str)> {
     all
 }
 
-/// Whether the committed module is what its source gives; in words, what was done.
-pub fn check(compiler: &Compiler) -> Outcome {
+/// Nothing, where this compiler can make the committed module again; in words, why not.
+pub fn why_not_compared(compiler: &Compiler) -> Option<String> {
     let told = std::fs::read_to_string(folder().join("MADE.txt")).unwrap_or_default();
     let made_with = told
         .lines()
         .find_map(|line| line.strip_prefix("compiler   rustc "))
         .unwrap_or("an unknown compiler");
     let here = format!("{}, its library {}", compiler.version, compiler.library());
-    if made_with != here {
-        return Outcome::NotRun(format!(
-            "{NAME} not compared: made with rustc {made_with}, here is {here}"
-        ));
+    (made_with != here)
+        .then(|| format!("{NAME} not compared: made with rustc {made_with}, here is {here}"))
+}
+
+/// Whether the committed module is what its source gives; in words, what was done.
+pub fn check(compiler: &Compiler) -> Outcome {
+    if let Some(why) = why_not_compared(compiler) {
+        return Outcome::NotRun(why);
     }
     let committed = std::fs::read(folder().join(NAME)).unwrap_or_default();
     match build(compiler) {

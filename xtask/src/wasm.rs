@@ -19,8 +19,13 @@ pub fn run(args: &[String]) -> Outcome {
         ));
     };
     println!("with {compiler}");
-    // Code is made of them in the page's module, which is built whole.
-    let (mut cargo, options) = compiler.cargo_for("check", &["std", "panic_abort"]);
+    // Where the page's module is made again, code is made of them there.
+    let subcommand = if live::why_not_compared(&compiler).is_none() {
+        "check"
+    } else {
+        "build"
+    };
+    let (mut cargo, options) = compiler.cargo_for(subcommand, &["std", "panic_abort"]);
     cargo.args(["--lib", "--target-dir"]);
     // One folder for each compiler: what two made must not be mixed.
     cargo.arg(shell::target("wasm").join(&compiler.version));
