@@ -7,7 +7,7 @@ use touchstone_emulator::bench::{Bench, Setup};
 use touchstone_emulator::board::{Board, Encoder, FaultLink};
 use touchstone_emulator::cpu::RAM;
 use touchstone_emulator::cpu::elf::Program;
-use touchstone_emulator::fil::jobs::{BOARDS, Programs};
+use touchstone_emulator::fil::jobs::{Asked, BOARDS, Programs};
 use touchstone_emulator::played::{HandProgramme, played};
 use touchstone_emulator::traces::{self, Trace};
 use touchstone_emulator::world::Parts;
@@ -15,11 +15,12 @@ use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
-  fil [--BOARD ELF]... [--only TEXT]...
+  fil [--BOARD ELF]... [--sample | --only TEXT...]
                               boot, calibrate, arm, press, and all fault injections, on the boards whose programs are named:
                               nucleo-g474re, nucleo-g474re-ihm16m1, nucleo-g474re-simplefoc-mini, nucleo-g431rb-ihm16m1,
                               b-g431b-esc1; those with one of the TEXTs in
-                              `BOARD, ENCODER: INJECTION, STATE`
+                              `BOARD, ENCODER: INJECTION, STATE`; --sample: one injection of three, few checks but on
+                              nucleo-g474re-ihm16m1, no cogging
   boot ELF [BOARD]            boot, calibrate, arm, press; nucleo-g474re if no other is named
   cycles [--BOARD ELF]...     instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
@@ -37,18 +38,35 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 
+/// What of the campaign is wanted.
+#[derive(Debug, Default)]
+struct Wanted<'a> {
+    sample: bool,
+    only: Vec<&'a str>,
+}
+
+impl Wanted<'_> {
+    fn asked(&self) -> Asked<'_> {
+        match (self.sample, self.only.as_slice()) {
+            (true, _) => Asked::Sample,
+            (false, []) => Asked::Everything,
+            (false, texts) => Asked::Only(texts),
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
     let code = match words.split_first() {
         Some((&"fil", options)) => boards(options).map_or_else(
             |code| code,
-            |(programs, only)| fil::report::run(&programs, &only),
+            |(programs, wanted)| fil::report::run(&programs, wanted.asked()),
         ),
         Some((&"cycles", options)) => boards(options).map_or_else(
             |code| code,
-            |(programs, only)| {
-                if only.is_empty() {
+            |(programs, wanted)| {
+                if wanted.asked() == Asked::Everything {
                     count::run(&programs)
                 } else {
                     usage()
@@ -76,24 +94,32 @@ fn read(elf: &str) -> Result<Program, u8> {
     })
 }
 
-/// The boards' programs and what `--only` names, in any order.
-fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Vec<&'a str>), u8> {
+/// The boards' programs and what is wanted of them, in any order.
+fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     let mut programs = Programs::default();
-    let mut only = Vec::new();
-    while let [option, value, more @ ..] = options {
+    let mut wanted = Wanted::default();
+    while let [option, more @ ..] = options {
+        options = more;
+        if *option == "--sample" {
+            wanted.sample = true;
+            continue;
+        }
+        let [value, more @ ..] = options else {
+            return Err(usage());
+        };
+        options = more;
         let name = option.strip_prefix("--");
         let board = BOARDS.into_iter().find(|board| Some(*board) == name);
         match (*option, board) {
-            ("--only", _) => only.push(*value),
+            ("--only", _) => wanted.only.push(*value),
             (_, Some(board)) => programs.add(board, read(value)?),
             _ => return Err(usage()),
         }
-        options = more;
     }
-    if !options.is_empty() || programs.count() == 0 {
+    if programs.count() == 0 || wanted.sample && !wanted.only.is_empty() {
         return Err(usage());
     }
-    Ok((programs, only))
+    Ok((programs, wanted))
 }
 
 /// The commands with one program.

@@ -352,7 +352,7 @@ def looks(page, pictures):
         page.picture(os.path.join(pictures, "dark.png"))
 
 
-def simulated(browser, program, seconds, pictures):
+def simulated(browser, program, seconds, asked_for, pictures):
     """The page of a simulated knob."""
     with tempfile.TemporaryDirectory() as folder:
         url = page_file(program, folder)
@@ -366,7 +366,7 @@ def simulated(browser, program, seconds, pictures):
             record(page, program, folder)
             opened_files(page, program, folder)
             link(page, url)
-            pace(page, seconds, check)
+            pace(page, seconds, asked_for, check)
             looks(page, pictures)
             check(not page.problems, f"no complaint of {page.name} {page.problems[:3]}")
         finally:
@@ -396,7 +396,8 @@ def page_file(program, folder):
 
 def main():
     program, knob, emulator, firmware = (None if path == "-" else os.path.abspath(path) for path in sys.argv[1:5])
-    seconds = float(sys.argv[5]) if len(sys.argv) > 5 else 20
+    asked_for = len(sys.argv) > 5
+    seconds = float(sys.argv[5]) if asked_for else 20
     pictures = sys.argv[6] if len(sys.argv) > 6 else None
     if not firmware:
         print("NOT RUN: the firmware's board path; there is no emulator here")
@@ -417,8 +418,8 @@ def main():
             if firmware and first:
                 emulated(browser, program, emulator, firmware, its, folder, check)
             report(browser, program, its, folder, check)
-            space(browser, program, its, folder, min(seconds, 5), check)
-        simulated(browser, program, seconds if first else min(seconds, 5), its)
+            space(browser, program, its, folder, min(seconds, 5), asked_for, check)
+        simulated(browser, program, seconds if first else min(seconds, 5), asked_for, its)
     if not browsers:
         return 77
     print(f"the pages: {len(failures)} failures")

@@ -3,7 +3,7 @@
 import os
 import subprocess
 
-from pace import worst_second
+from pace import MOST_CALLS_SPACE, worst_second
 
 
 def text(page, element):
@@ -130,7 +130,7 @@ def hands(page, check):
     page.wait(0.3)
 
 
-def space(browser, program, pictures, folder, seconds, check):
+def space(browser, program, pictures, folder, seconds, asked_for, check):
     file = os.path.join(folder, "space.html")
     subprocess.run([program, "--quiet", "live", "--dof", "3", "--no-open", "--out", file], check=True)
     check(os.path.getsize(file) <= 1_500_000, f"the page of three axes has {os.path.getsize(file)} bytes")
@@ -141,7 +141,7 @@ def space(browser, program, pictures, folder, seconds, check):
         controls(page, check)
         hands(page, check)
         click(page, "automatic")
-        worst_second(page, seconds, check, "three axes")
+        worst_second(page, seconds, asked_for, check, "three axes", MOST_CALLS_SPACE)
         for width in (400, 800, 1600):
             page.size(width, 900)
             page.wait(0.4)

@@ -41,7 +41,7 @@ mod wasm;
 
 use std::process::ExitCode;
 
-use step::{Quick, Step};
+use step::{InTest, Quick, Step};
 
 /// Every command. A new one is a `mod` above and a row here.
 const STEPS: &[Step] = &[
@@ -49,56 +49,56 @@ const STEPS: &[Step] = &[
         name: "test",
         about: "all of the marked steps below, in order, with times and a summary; exit code 1 if one failed; `test --quick`: what \
                 is daily work",
-        in_test: false,
+        in_test: InTest::No,
         quick: Quick::LeftOut,
         run: |args| test::run(STEPS, args),
     },
     Step {
         name: "setup",
         about: "what is installed, what is missing, what it is for and how to get it",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: setup::run,
     },
     Step {
         name: "fmt",
         about: "the code is formatted (`fmt --write` formats it)",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::Whole,
         run: fmt::run,
     },
     Step {
         name: "lint",
         about: "clippy on everything, warnings denied",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::Whole,
         run: lint::run,
     },
     Step {
         name: "unit",
         about: "all tests of all crates, documentation examples included",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::Part(unit::QUICK, unit::LEFT_OUT),
         run: unit::run,
     },
     Step {
         name: "schema",
         about: "results obey the documented JSON schema, under Python's validator",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: schema::run,
     },
     Step {
         name: "doc",
         about: "the documentation builds without a warning",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: doc::run,
     },
     Step {
         name: "float-free",
         about: "control and drive, as firmware builds them, have no float in their source, and neither float nor panic in their code",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::Part(float_free::QUICK, float_free::LEFT_OUT),
         run: float_free::run,
     },
@@ -106,14 +106,14 @@ const STEPS: &[Step] = &[
         name: "wasm",
         about: "control and the simulator's crates that a browser needs compile for wasm32-unknown-unknown; the live page's module is what \
                 its source gives",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: wasm::run,
     },
     Step {
         name: "live",
         about: "makes the live page's WebAssembly anew, `host-sim/live/module`: after every change of what it is made of",
-        in_test: false,
+        in_test: InTest::No,
         quick: Quick::LeftOut,
         run: live::run,
     },
@@ -121,30 +121,30 @@ const STEPS: &[Step] = &[
         name: "page",
         about: "the live pages in Chromium and Firefox without a window: every control and preset, frames and ticks in real time, a record \
                 that replays to the bit, a board's page before simulated knob and emulated firmware: `page [SECONDS [FOLDER FOR PICTURES]]`",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: page::run,
     },
     Step {
         name: "thumb",
         about: "every law on an emulated Cortex-M4F: its bits are this machine's; instructions per tick, size, no panic",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: thumb::run,
     },
     Step {
         name: "firmware",
         about: "all boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: firmware::run,
     },
     Step {
         name: "fil",
-        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--only TEXT]`; parts of \
+        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--sample | --only TEXT]`; parts of \
                 their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`; a board's scorecard beside the desktop's: \
                 `fil --scorecard [press]`",
-        in_test: true,
+        in_test: InTest::Sample(fil::SAMPLE),
         quick: Quick::LeftOut,
         run: fil::run,
     },
@@ -152,14 +152,14 @@ const STEPS: &[Step] = &[
         name: "traces",
         about: "what is expected at a first power-up, as pictures of the build guide made by the emulator: the same as those that are kept; \
                 `traces --write` keeps them",
-        in_test: false,
+        in_test: InTest::No,
         quick: Quick::LeftOut,
         run: traces::run,
     },
     Step {
         name: "cycles",
         about: "instructions and table cycles of law, control interrupt and current loop in that program; its stack",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: cycles::run,
     },
@@ -167,14 +167,14 @@ const STEPS: &[Step] = &[
         name: "bench",
         about: "instructions per tick of an example, counted by valgrind: `bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`; of every effect of a scene alone and in \
                 pairs: `bench --ladder [--write]`",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: bench::run,
     },
     Step {
         name: "probe",
         about: "boards behind a probe by the crate probe-rs, which `dist` builds with and nothing else: clippy, and tests on a chip in software",
-        in_test: false,
+        in_test: InTest::No,
         quick: Quick::LeftOut,
         run: probe::run,
     },
@@ -182,14 +182,14 @@ const STEPS: &[Step] = &[
         name: "dist",
         about: "an archive with which a maker needs no compiler, in `target/dist`: program, every board's firmware, guide, licences, \
                 checksums; unpacked and tried",
-        in_test: false,
+        in_test: InTest::No,
         quick: Quick::LeftOut,
         run: dist::run,
     },
     Step {
         name: "prove",
         about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests] [--shard I/N]`, `--mutants --theorems`, `--mutants --systematic`",
-        in_test: true,
+        in_test: InTest::Whole,
         quick: Quick::LeftOut,
         run: prove::run,
     },
@@ -198,7 +198,7 @@ const STEPS: &[Step] = &[
 fn help() -> String {
     let mut text = String::from("Usage: cargo xtask COMMAND\n\n");
     for step in STEPS {
-        let mark = if step.in_test { '*' } else { ' ' };
+        let mark = if step.in_test == InTest::No { ' ' } else { '*' };
         text += &format!("{mark} {:<11}{}\n", step.name, step.about);
     }
     text += "\n* is a step of `cargo xtask test`. Exit code: 0 done, 1 failed, 2 wrong usage, 77 not run.\n";

@@ -6,10 +6,32 @@ use crate::outcome::Outcome;
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// `cargo xtask test` runs it, in the order of the table.
-    pub in_test: bool,
+    /// What `cargo xtask test` runs of it, in the order of the table.
+    pub in_test: InTest,
     pub quick: Quick,
     pub run: fn(&[String]) -> Outcome,
+}
+
+/// What `cargo xtask test` does of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InTest {
+    /// Nothing.
+    No,
+    /// All of it.
+    Whole,
+    /// With this argument a sample of it.
+    Sample(&'static str),
+}
+
+impl InTest {
+    /// The arguments, where it is run.
+    pub fn args(self) -> Option<Vec<String>> {
+        match self {
+            InTest::No => None,
+            InTest::Whole => Some(Vec::new()),
+            InTest::Sample(option) => Some(vec![option.to_owned()]),
+        }
+    }
 }
 
 /// What `cargo xtask test --quick` does of a step.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use crate::outcome::Outcome;
-use crate::step::{Quick, Step};
+use crate::step::{InTest, Quick, Step};
 
 /// One finished step.
 struct Done {
@@ -14,12 +14,15 @@ struct Done {
 }
 
 pub fn run(all: &[Step], args: &[String]) -> Outcome {
-    let mut steps: Vec<&Step> = all.iter().filter(|step| step.in_test).collect();
+    let mut steps: Vec<(&Step, Vec<String>)> = all
+        .iter()
+        .filter_map(|step| step.in_test.args().map(|args| (step, args)))
+        .collect();
     let is_quick = match args {
         [] => false,
         [option] if option == "--quick" => true,
         _ => {
-            let names: Vec<_> = steps.iter().map(|step| step.name).collect();
+            let names: Vec<_> = steps.iter().map(|(step, _)| step.name).collect();
             return Outcome::Usage(format!(
                 "cargo xtask test [--quick]; single steps are commands: {}",
                 names.join(", ")
@@ -27,15 +30,15 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
         }
     };
     if is_quick {
-        steps.retain(|step| step.quick != Quick::LeftOut);
+        steps.retain(|(step, _)| step.quick != Quick::LeftOut);
     }
     let start = Instant::now();
     let mut done = Vec::new();
-    for (index, step) in steps.iter().enumerate() {
+    for (index, (step, whole)) in steps.iter().enumerate() {
         println!("\n==> [{}/{}] {}", index + 1, steps.len(), step.name);
         let args = match step.quick {
             Quick::Part(option, _) if is_quick => vec![option.to_owned()],
-            _ => Vec::new(),
+            _ => whole.clone(),
         };
         let begun = Instant::now();
         let outcome = (step.run)(&args);
@@ -57,7 +60,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
 /// What `--quick` leaves out of the steps, a line each.
 pub fn left_out(all: &[Step]) -> String {
     let mut text = String::new();
-    for step in all.iter().filter(|step| step.in_test) {
+    for step in all.iter().filter(|step| step.in_test != InTest::No) {
         if let Some(what) = step.quick.left_out() {
             let _ = writeln!(text, "  {:<11}{what}", step.name);
         }
@@ -129,7 +132,7 @@ mod tests {
         let step = |name, quick| Step {
             name,
             about: "",
-            in_test: true,
+            in_test: InTest::Whole,
             quick,
             run: |args| Outcome::Ok(args.join(" ")),
         };

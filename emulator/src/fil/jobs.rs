@@ -19,6 +19,23 @@ const FAST_LSI: u64 = 34_000;
 /// Injections of a piece: so many that starting a device and telling it its settings does not count.
 const PIECE: usize = 12;
 
+/// A sample has one injection of so many.
+const OF_ROWS: usize = 3;
+
+/// The board on which a sample has the checks; the others run the same code.
+const REFERENCE: &str = "nucleo-g474re-ihm16m1";
+
+/// The checks of a sample that other boards have as well: what a board's own pins and parts decide, and the one that runs once.
+const ON_ALL_BOARDS: [&str; 4] = [
+    OF_THE_EMULATOR.0,
+    "boot and presses",
+    "registers after the start",
+    "over-current by the comparators",
+];
+
+/// The longest check, a tenth of everything; it is in no sample.
+const LONGEST: &str = "cogging";
+
 /// The boards that there is a model of, by name.
 pub const BOARDS: [&str; 5] = [
     "nucleo-g474re",
@@ -68,9 +85,34 @@ pub struct Job<'a> {
     work: Work,
 }
 
-/// Everything, or what has one of `only` in its name.
+/// What is to be done of all that there is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked<'a> {
+    /// All of it.
+    Everything,
+    /// One injection of three on every board, the checks on the reference board, and a few of them on the others.
+    Sample,
+    /// What has one of these in its name.
+    Only(&'a [&'a str]),
+}
+
+impl Asked<'_> {
+    fn has_check(self, board: &str, name: &str) -> bool {
+        self != Self::Sample
+            || name != LONGEST && (board == REFERENCE || ON_ALL_BOARDS.contains(&name))
+    }
+
+    fn is_named(self, name: &str) -> bool {
+        match self {
+            Self::Everything | Self::Sample => true,
+            Self::Only(texts) => texts.iter().any(|text| name.contains(text)),
+        }
+    }
+}
+
+/// What is asked for.
 #[must_use]
-pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
+pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
         let setup = Setup {
             lsi_hz,
@@ -120,16 +162,13 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
     ];
     let mut jobs = Vec::new();
     let mut checked = Vec::new();
-    for (program, setup, mut rows) in sets {
+    for (set, (program, setup, mut rows)) in sets.into_iter().enumerate() {
         let Some(program) = program else {
             continue;
         };
         let board = setup.board.name;
         let device = format!("{board}, {:?}", setup.board.encoder);
-        let asked = |name: &str| {
-            let name = format!("{device}: {name}");
-            only.is_empty() || only.iter().any(|only| name.contains(only))
-        };
+        let is_named = |name: &str| asked.is_named(&format!("{device}: {name}"));
         let mut add = |work| {
             jobs.push(Job {
                 program,
@@ -141,12 +180,20 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
         // Once a board, and once.
         if !checked.contains(&board) {
             let of_all = checked.is_empty().then_some(&OF_THE_EMULATOR);
-            for check in CHECKS.iter().chain(of_all).filter(|(name, _)| asked(name)) {
+            let wanted = |name| is_named(name) && asked.has_check(board, name);
+            for check in CHECKS.iter().chain(of_all).filter(|(name, _)| wanted(name)) {
                 add(Work::Check(*check));
             }
             checked.push(board);
         }
-        rows.retain(|row| asked(&row.title()));
+        rows.retain(|row| is_named(&row.title()));
+        if asked == Asked::Sample {
+            rows = rows
+                .into_iter()
+                .skip(set % OF_ROWS)
+                .step_by(OF_ROWS)
+                .collect();
+        }
         for (index, rows) in rows.chunks(PIECE).enumerate() {
             add(Work::Rows {
                 is_first: index == 0,
@@ -158,6 +205,15 @@ pub fn jobs<'a>(programs: &'a Programs, only: &[&str]) -> Vec<Job<'a>> {
 }
 
 impl Job<'_> {
+    /// Its name, for people.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match &self.work {
+            Work::Check((name, _)) => format!("{}: {name}", self.device),
+            Work::Rows { rows, .. } => format!("{}: {} injections", self.device, rows.len()),
+        }
+    }
+
     /// Does it.
     #[must_use]
     pub fn run(&self) -> Tally {
@@ -202,5 +258,19 @@ impl Job<'_> {
         if let Some(mut device) = campaign {
             tally.ran(device.bench());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_sample_chooses_by_name_is_there() {
+        for name in ON_ALL_BOARDS.into_iter().chain([LONGEST]) {
+            let mut all = CHECKS.iter().chain([&OF_THE_EMULATOR]);
+            assert!(all.any(|(check, _)| *check == name), "{name}");
+        }
+        assert!(BOARDS.contains(&REFERENCE));
     }
 }

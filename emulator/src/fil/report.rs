@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use touchstone_protocol::{FaultCode, Request};
 
-use super::jobs::{BOARDS, Programs, jobs};
+use super::jobs::{Asked, BOARDS, Programs, jobs};
 use super::press;
 use super::tally::Tally;
 use crate::bench::{Bench, Setup};
@@ -16,20 +16,23 @@ use crate::cpu::elf::Program;
 /// How a run ended that was asked for something that there is not.
 const USAGE: u8 = 2;
 
-/// Runs everything, or what has one of `only` in its name; the exit code. Progress goes to standard error, the table to standard output.
+/// How many pieces of work are listed with their times.
+const SLOWEST: usize = 10;
+
+/// Runs what is asked for; the exit code. Progress goes to standard error, the table to standard output.
 #[must_use]
-pub fn run(programs: &Programs, only: &[&str]) -> u8 {
+pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
     let started = Instant::now();
-    let jobs = jobs(programs, only);
-    if jobs.is_empty() {
+    let jobs = jobs(programs, asked);
+    if let (Asked::Only(texts), true) = (asked, jobs.is_empty()) {
         eprintln!(
             "emulator: no injection or check has `{}` in its name; without --only the table shows them all",
-            only.join("` or `")
+            texts.join("` or `")
         );
         return USAGE;
     }
     let next = AtomicUsize::new(0);
-    let done: Vec<Mutex<Option<Tally>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    let done: Vec<Mutex<Option<(Tally, f64)>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     let threads =
         std::thread::available_parallelism().map_or(1, |count| count.get().min(jobs.len()));
     std::thread::scope(|scope| {
@@ -39,18 +42,24 @@ pub fn run(programs: &Programs, only: &[&str]) -> u8 {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     jobs.get(at).zip(done.get(at))
                 } {
+                    let begun = Instant::now();
                     let tally = job.run();
                     if let Ok(mut place) = place.lock() {
-                        *place = Some(tally);
+                        *place = Some((tally, begun.elapsed().as_secs_f64()));
                     }
                 }
             });
         }
     });
-    let tallies: Vec<Tally> = done
-        .into_iter()
-        .filter_map(|place| place.into_inner().ok().flatten())
-        .collect();
+    let mut slowest: Vec<(f64, String)> = Vec::new();
+    let mut tallies: Vec<Tally> = Vec::new();
+    for (job, place) in jobs.iter().zip(done) {
+        if let Some((tally, took_s)) = place.into_inner().ok().flatten() {
+            tallies.push(tally);
+            slowest.push((took_s, job.name()));
+        }
+    }
+    slowest.sort_by(|one, other| other.0.total_cmp(&one.0));
     let mut wrong = Vec::new();
     if tallies.len() < jobs.len() {
         wrong.push("the emulator itself panicked".to_owned());
@@ -61,7 +70,7 @@ pub fn run(programs: &Programs, only: &[&str]) -> u8 {
     }
     println!();
     let all_boards = programs.count() == BOARDS.len();
-    if only.is_empty() && all_boards {
+    if all_boards && !matches!(asked, Asked::Only(_)) {
         let latched = tallies.iter().flat_map(|tally| &tally.latched).collect();
         wrong.extend(codes(&latched));
     }
@@ -71,10 +80,19 @@ pub fn run(programs: &Programs, only: &[&str]) -> u8 {
         tallies.iter().map(|tally| tally.simulated_s).sum::<f64>(),
         started.elapsed().as_secs_f64()
     );
+    println!("the slowest:");
+    for (took_s, name) in slowest.iter().take(SLOWEST) {
+        println!("{took_s:>8.1} s  {name}");
+    }
     for line in &wrong {
         println!("WRONG: {line}");
     }
-    println!("{rows} injections, {} wrong", wrong.len());
+    let sample = if asked == Asked::Sample {
+        "; a sample, all of it by cargo xtask fil"
+    } else {
+        ""
+    };
+    println!("{rows} injections, {} wrong{sample}", wrong.len());
     u8::from(!wrong.is_empty())
 }
 
