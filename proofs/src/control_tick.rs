@@ -340,7 +340,7 @@ replaced_property! {
     /// same, and law and supervisor in the same order, whatever they answer.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
     over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
-    by cadical fn p11_control_tick(s) {
+    by minisat fn p11_control_tick(s) {
         let Some(config) = any_config(s) else {
             return;
         };

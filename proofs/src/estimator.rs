@@ -152,7 +152,7 @@ property! {
     /// out is below 160 rad and 21 rad a tick.
     equation "|x + V d + X g - Σ q f| < 160 rad"
     over "weights as settings give them, motion in the invariant, commands"
-    by cadical fn p3_flow_fits32(s) {
+    by minisat fn p3_flow_fits32(s) {
         let law = such!(s, any(s), |law| ok(&law), "settings");
         let motion = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by p3_motion_stays32");
         let commands = any_commands(s, law.limit);
@@ -169,7 +169,7 @@ bounded_property! {
     /// correction of the position is at most what the surprise was. For any end of the flow before it that `p3_flow_fits32` allows.
     equation "|x' - e| <= |e - x⁻|, invariant"
     over "weights as settings give them, motion in the invariant, commands, measured position"
-    by cadical fn p3_motion_stays32(s) {
+    by minisat fn p3_motion_stays32(s) {
         let law = such!(s, any(s), |law| ok(&law), "settings");
         let before = such!(s, any_motion(s), |motion| holds(&motion), "invariant, kept by this");
         let commands = any_commands(s, law.limit);
@@ -191,7 +191,7 @@ property! {
     /// P2: at rest, as expected and without push and command, nothing moves, and what is shown is what was measured.
     equation "x = e, d = g = f = 0  =>  shown (e, 0), nothing changes"
     over "weights as settings give them, measured position"
-    by cadical fn p2_rest_stays32(s) {
+    by minisat fn p2_rest_stays32(s) {
         let law = such!(s, any(s), |law| ok(&law), "settings");
         let measured = Position(fixed::types::I8F24::from_bits(s.i32()));
         let motion = EstimatedMotion::<N> { position: N::widen(measured.0), ..EstimatedMotion::default() };
