@@ -5,7 +5,7 @@
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
-use crate::prove::coq;
+use crate::prove::{allocator, coq};
 use crate::{emulator, shell, toolchain};
 
 /// Something that a command needs.
@@ -137,6 +137,14 @@ const TOOLS: &[Tool] = &[
         version: || first_line(&["cargo", "kani", "--version"]),
         hint: "cargo install --locked kani-verifier, then cargo kani setup",
         packages: &[],
+    },
+    Tool {
+        name: "tcmalloc",
+        required: false,
+        purpose: "prove: the harnesses in less time",
+        version: || allocator::found().map(|file| file.display().to_string()),
+        hint: "apt-get install libtcmalloc-minimal4",
+        packages: &["libtcmalloc-minimal4"],
     },
 ];
 

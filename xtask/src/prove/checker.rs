@@ -6,8 +6,8 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::solvers;
 use super::usage::Watch;
+use super::{allocator, solvers};
 use crate::inspect;
 use crate::outcome::Outcome;
 
@@ -81,7 +81,7 @@ pub fn programs(workspace: &Path, target: &Path) -> Result<PathBuf, String> {
         .args(["kani", "-p", "touchstone-proofs", "--only-codegen"])
         .arg("--target-dir")
         .arg(target);
-    let done = command
+    let done = allocator::give(&mut command)
         .output()
         .map_err(|why| format!("cargo kani: {why}"))?;
     if !done.status.success() {
@@ -160,6 +160,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
             }
         }
     }
+    allocator::give(&mut command);
     let watch = Watch::start(&target);
     let why = to_end(&mut command, how.progress)?;
     let taken = watch.finish();

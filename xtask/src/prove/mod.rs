@@ -6,6 +6,7 @@
 //! "not run". The theorems over traces ([`coq`]) need no checker, but Coq; the integer obligations, on which some harnesses rest, two
 //! solvers; properties with few inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is asked by itself.
 
+pub mod allocator;
 mod certified;
 pub mod checker;
 pub mod coq;
@@ -224,8 +225,9 @@ fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     let version = shell::capture(&mut kani_version()).unwrap_or_default();
     let parts = if resume { " in parts, the last of" } else { "" };
     let run = format!(
-        "{}, {jobs} harnesses at a\ntime,{parts} {} min {:02} s by the clock with compiling.",
+        "{}, {}, {jobs} harnesses at a\ntime,{parts} {} min {:02} s by the clock with compiling.",
         version.lines().next().unwrap_or("Kani"),
+        allocator::said(),
         took_s / 60,
         took_s % 60,
     );
