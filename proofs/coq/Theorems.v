@@ -2,7 +2,7 @@
     claim goes, and none says less, without that file changing. What a tick of guard and laws is, is compared with the code. *)
 
 Require Import ZArith QArith Qabs Qminmax List.
-From Touchstone Require Import Quotient Guard Port GuardLosesNothing ToldChange Shipped Boards GuardSettings AcceptedIsValid AcceptedCovers
+From Touchstone Require Import Quotient Root Guard Port GuardLosesNothing ToldChange Shipped Boards GuardSettings AcceptedIsValid AcceptedCovers
   AcceptedWindow Laws LawsArePassive Mass Enhanced EnhancedIsPassive EnhancedOffset EnhancedStorage EnhancedPort.
 
 Open Scope Q_scope.
@@ -81,6 +81,18 @@ Print EnhancedStorage.by_force.
 Print EnhancedStorage.by_kept_back.
 Print EnhancedStorage.way.
 Print EnhancedStorage.below_limit.
+Print Root.digit.
+Print Root.digits.
+Print Root.level.
+Print Root.scaled_16.
+Print Root.scaled_32.
+Print Root.scaled_64.
+Print Root.whole_root.
+Print Root.high_root.
+Print Root.root_32.
+Print Root.root_high_32.
+Print Root.root_64.
+Print Root.root_high_64.
 
 (** * The claims *)
 
@@ -113,6 +125,8 @@ Check force_is_the_tension_rounded.
 Check hand_over_adds_nothing.
 Check contact_gives_at_most_what_it_took.
 Check quotient_is_div.
+Check digits_are_the_root.
+Check halves_are_the_root.
 
 (** All of them, so that what they assume is asked once: the question goes through all that they are made of, which takes a while. *)
 Definition claims :=
@@ -121,6 +135,6 @@ Definition claims :=
    no_worse_is_covered, any_accepted_window, thesis_sum_is_never_negative, fba_is_passive, contact_gives_at_most_the_loan,
    given_at_most, enhanced_gives_at_most_the_loan, enhanced_gives_at_most, enhanced_energy_is_never_negative, offset_in_a_tick,
    offset_goes_no_further, storage_is_kept, force_is_the_tension_rounded, hand_over_adds_nothing,
-   contact_gives_at_most_what_it_took, quotient_is_div).
+   contact_gives_at_most_what_it_took, quotient_is_div, digits_are_the_root, halves_are_the_root).
 
 Print Assumptions claims.

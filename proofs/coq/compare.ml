@@ -1,5 +1,5 @@
 (* Reads ticks of the shipped code (examples/trace.rs) and runs the extracted specification on them: every memory and every answer
-   must be the same, to the last bit. So must what a guard is made of, and which settings are refused. *)
+   must be the same, to the last bit. So must what a guard is made of, which settings are refused, and roots. *)
 
 open Specified
 
@@ -21,6 +21,7 @@ let made = ref 0
 let ended = ref 0
 let allowed = ref 0
 let refused = ref 0
+let roots = ref 0
 
 let fail line why = Printf.printf "after %d ticks: %s: %s\n" !ticks line why; exit 1
 let check line same = if same then incr ticks else fail line "the specification says otherwise"
@@ -57,6 +58,10 @@ let take line =
           settled allowed line
             (it = Some { capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun })
       | "refused", [], Of_settings it -> settled refused line (it = None)
+      | "root_32", [ n; whole ], _ -> settled roots line (root_32 n = whole)
+      | "root_high_32", [ n; high ], _ -> settled roots line (root_high_32 n = high)
+      | "root_64", [ n; digits; whole ], _ -> settled roots line (root_by_digits n = digits && root_64 n = whole)
+      | "root_high_64", [ n; high ], _ -> settled roots line (root_high_64 n = high)
       | "guard", [ capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun ], _ ->
           let it = { capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun } in
           start (A_guard (it, full it))
@@ -106,7 +111,8 @@ let () =
   Array.iter (fun count -> if count < 50 then fail "the enhanced law" "a case was hardly reached") seen;
   if !ended < 1_000 then fail "the guard" "its force hardly ever ended";
   if !allowed < 10_000 || !refused < 10_000 then fail "settings" "hardly any were accepted, or hardly any refused";
+  if !roots < 10_000 then fail "roots" "hardly any were compared";
   Printf.printf
     "%d ticks of %d guards and laws, and %d ends of a guard's force, are the extracted specification's, bit for bit, and so are what %d settings make and the refusal \
-     of %d\n"
-    !ticks !made !ended !allowed !refused
+     of %d, and %d roots\n"
+    !ticks !made !ended !allowed !refused !roots

@@ -1,10 +1,12 @@
 //! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce: of the guard, of TDPA, of FBA
 //! and of the enhanced law, of each its coefficients, and of each tick what came in, and memory and answer after it. Of the guard
-//! also what it makes of settings, ill ones among them.
+//! also what it makes of settings, ill ones among them. And roots.
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
 use std::io::{BufWriter, Result, Write};
 use touchstone_control::law::{Law as _, Sample};
+use touchstone_control::magnitude;
+use touchstone_control::space::root;
 use touchstone_control::{
     AnyLaw, ChangeOfForce, Fixed32, Force, Guard, GuardSettings, GuardedDevice, LawKind,
     ObserverForm, Position, Si,
@@ -21,11 +23,39 @@ fn main() -> Result<()> {
     let mut out = BufWriter::new(std::io::stdout().lock());
     guards(&mut out, ticks)?;
     settings_alone(&mut out, ticks / 14)?;
+    roots(&mut out, ticks / 60)?;
     for kind in [LawKind::Tdpa, LawKind::Fba] {
         laws(&mut out, kind, ticks / 4)?;
     }
     enhanced_laws(&mut out, 2 * ticks)?;
     out.flush()
+}
+
+/// Roots of words of every length, of squares and of what is beside them, where a root steps.
+fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
+    let mut random = Random(9);
+    for _ in 0..draws {
+        let any = (random.any() as u32) >> random.below(32);
+        let square = u64::from(any) * u64::from(any);
+        let anything = random.any() >> random.below(64);
+        for n in [
+            anything,
+            square,
+            square.wrapping_sub(1),
+            square + 2 * u64::from(any),
+        ] {
+            let by_digits = magnitude::root::<u32>(n).root;
+            writeln!(out, "root_64 {n} {by_digits} {}", root::root_64(n))?;
+            let half = (n >> 32) as u32 >> random.below(32);
+            writeln!(out, "root_32 {half} {}", root::root_32(half))?;
+            // One of its four highest bits is set then.
+            let high = n.max(1) << (n.max(1).leading_zeros() & !3);
+            writeln!(out, "root_high_64 {high} {}", root::root_high_64(high))?;
+            let half = (high >> 32) as u32;
+            writeln!(out, "root_high_32 {half} {}", root::root_high_32(half))?;
+        }
+    }
+    Ok(())
 }
 
 /// TDPA or FBA, over contacts of every kind.

@@ -13,8 +13,9 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// In the order in which each needs those before it.
-const FILES: [&str; 21] = [
+const FILES: [&str; 22] = [
     "Quotient",
+    "Root",
     "Guard",
     "Port",
     "GuardLosesNothing",
