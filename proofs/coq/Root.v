@@ -131,6 +131,45 @@ Proof.
   destruct (Z.leb_spec (found_digit * found_digit) have) as [fits|fits]; unfold is_root; split; lia.
 Qed.
 
+(** Nothing on the way is more than the words that the code has for it: the dividend and what its division leaves are of one, what is found,
+    the square of its last digit and the rest with what was not divided of two. *)
+Theorem level_fits (h root rest a b : Z) :
+  0 < h -> h <= root < 2 * h -> 0 <= rest <= 2 * root -> 0 <= a < 2 * h -> 0 <= b < 2 * h ->
+  let half := 2 * h in let word := half * half in
+  let dividend := rest * h + a / 2 in
+  let found_digit := dividend / root in
+  let left := (dividend - found_digit * root) * 2 + a mod 2 in
+  0 <= rest * h < word /\ 0 <= dividend < word /\ 0 <= found_digit < word /\ 0 <= found_digit * root <= dividend /\
+  0 <= left < word /\ 0 <= left * half + b < word * word /\ 0 <= root * half + found_digit < word * word /\
+  0 <= found_digit * found_digit < word * word.
+Proof.
+  intros Hh Hroot Hrest Ha Hb half word dividend found_digit left.
+  assert (Ha' := Z.div_mod a 2 ltac:(lia)). assert (Hodd := Z.mod_pos_bound a 2 ltac:(lia)).
+  assert (H0 : 0 <= rest * h) by (apply Z.mul_nonneg_nonneg; lia).
+  assert (H1 : rest * h <= 2 * root * h) by (apply Z.mul_le_mono_nonneg_r; lia).
+  assert (H2 : 2 * root * h <= 2 * (2 * h - 1) * h) by (apply Z.mul_le_mono_nonneg_r; lia).
+  assert (Hdividend : 0 <= dividend < word) by (unfold dividend, word, half; lia).
+  assert (Hd := Z.div_mod dividend root ltac:(lia)). assert (Hover := Z.mod_pos_bound dividend root ltac:(lia)).
+  fold found_digit in Hd. set (over := dividend mod root) in *.
+  assert (Hdigit : 0 <= found_digit <= half).
+  { split; [apply Z.div_pos; lia|]. enough (found_digit < half + 1) by lia.
+    apply Z.div_lt_upper_bound; [lia|]. unfold dividend, half. lia. }
+  assert (H3 : 0 <= root * found_digit) by (apply Z.mul_nonneg_nonneg; lia).
+  assert (Hleft : 0 <= left <= 2 * root - 1) by (unfold left; lia).
+  assert (H4 : 0 <= left * half <= (2 * root - 1) * half).
+  { unfold half. split; [apply Z.mul_nonneg_nonneg | apply Z.mul_le_mono_nonneg_r]; lia. }
+  assert (H5 : 0 <= root * half <= (half - 1) * half).
+  { unfold half. split; [apply Z.mul_nonneg_nonneg | apply Z.mul_le_mono_nonneg_r]; lia. }
+  assert (H6 : 0 <= found_digit * found_digit <= half * half).
+  { split; [apply Z.mul_nonneg_nonneg | apply Z.mul_le_mono_nonneg]; unfold half in *; lia. }
+  assert (H7 : 2 * half <= word) by (unfold word; apply Z.mul_le_mono_nonneg_r; unfold half; lia).
+  assert (H8 : 2 * word <= word * word) by (apply Z.mul_le_mono_nonneg_r; unfold half in *; lia).
+  assert (Hword : word = half * half) by reflexivity.
+  assert (H9 : rest * h < word) by (unfold dividend in *; lia).
+  assert (Hhalf : 0 < half /\ root < half /\ b < half) by (unfold half; lia).
+  clearbody word half found_digit left over dividend. lia.
+Qed.
+
 (** Of 16 bits, one of the two highest set: a table has the largest root of those with the same first eight. *)
 Definition scaled_16 (n : Z) : Z * Z :=
   let most := Z.sqrt (256 * (n / 256) + 255) in

@@ -126,6 +126,7 @@ Check hand_over_adds_nothing.
 Check contact_gives_at_most_what_it_took.
 Check quotient_is_div.
 Check digits_are_the_root.
+Check level_fits.
 Check halves_are_the_root.
 
 (** All of them, so that what they assume is asked once: the question goes through all that they are made of, which takes a while. *)
@@ -135,6 +136,6 @@ Definition claims :=
    no_worse_is_covered, any_accepted_window, thesis_sum_is_never_negative, fba_is_passive, contact_gives_at_most_the_loan,
    given_at_most, enhanced_gives_at_most_the_loan, enhanced_gives_at_most, enhanced_energy_is_never_negative, offset_in_a_tick,
    offset_goes_no_further, storage_is_kept, force_is_the_tension_rounded, hand_over_adds_nothing,
-   contact_gives_at_most_what_it_took, quotient_is_div, digits_are_the_root, halves_are_the_root).
+   contact_gives_at_most_what_it_took, quotient_is_div, digits_are_the_root, level_fits, halves_are_the_root).
 
 Print Assumptions claims.
