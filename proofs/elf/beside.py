@@ -1,7 +1,7 @@
-"""Second readings: the instructions' semantics beside Unicorn (QEMU's core), the specifications beside the Rust code's ticks.
+"""A second reading: the instructions' semantics beside Unicorn (QEMU's core).
 
 `same_as_unicorn` runs a tick of the program on inputs that are known, in `machine.py` and in Unicorn: every register that a function leaves,
-and every byte of its structures, must be the same. `same_as_rust` reads the ticks that `proofs/examples/trace.rs` prints.
+and every byte of its structures, must be the same.
 """
 import random
 
@@ -9,7 +9,6 @@ import unicorn
 from unicorn import arm_const as u
 
 import samples
-import spec
 import words as w
 from machine import END, PC, Machine, runs
 from paths import Path
@@ -99,23 +98,3 @@ def any_inputs(tick, chance):
             if field.size == 1:
                 tick.draw(given, name, chance.randint(0, max(field.words.values(), default=1)))
     return given.values
-
-
-def same_as_rust(lines):
-    """Ticks of the guard, as `trace.rs` prints them: how many are the specification's, and the first that is not."""
-    of, k, m, count = Counts(), None, None, 0
-    for line in lines:
-        word, *numbers = line.split()
-        if word == "guard":
-            k = spec.Guard(*map(int, numbers))
-            m = spec.GuardMemory(account=k.capacity)
-        elif word == "tick":
-            moved, before_change, wanted, told, account, force, older, fine, kept = map(int, numbers)
-            m, found = spec.guard_tick(of, k, m, moved, before_change, wanted)
-            if (m.account, m.force, m.older, int(found)) != (account, force, older, fine):
-                return count, line
-            m = spec.commanded(of, m, told)
-            if m.force != kept:
-                return count, line
-            count += 1
-    return count, None

@@ -54,10 +54,10 @@ class Bounds:
     def asked(self, x, full):
         """Of what is not made of anything: by a question."""
         low, high = full
-        if self.path.holds(w.not_(w.less(x, 0, 64)), 1000):
+        if self.path.holds(w.not_(w.less(x, 0, 64)), self.path.SOON_MS):
             low = 0
         for bits in (54, 62):
-            if self.path.holds(w.all_(w.less(x, 1 << bits, 64), w.not_(w.less(x, -(1 << bits) & (1 << 64) - 1, 64))), 1000):
+            if self.path.holds(w.all_(w.less(x, 1 << bits, 64), w.not_(w.less(x, -(1 << bits) & (1 << 64) - 1, 64))), self.path.SOON_MS):
                 return max(low, -(1 << bits)), min(high, 1 << bits)
         return low, high
 

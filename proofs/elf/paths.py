@@ -99,6 +99,9 @@ class Path:
     """
 
     QUICK_MS = 400
+    #: What would only make a number shorter is waited for no longer; each that a slow machine misses is one that the next questions miss,
+    #: so this is some ten times what the slowest of them took.
+    SOON_MS = 10_000
 
     def __init__(self, timeout_ms=60_000):
         self.timeout_ms = timeout_ms

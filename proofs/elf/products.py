@@ -6,7 +6,7 @@ in `obligations/check.py`, over the integers, the others are shifts:
 
     a <= c, b <= d  implies  a b <= c d
     a < 2^n  implies  a b <= (b << n) - b
-    0 b = 0, 1 b = b, 2^24 b = b << 24, 2^29 b = b << 29, (2^31 - 1) b = (b << 31) - b, 2^31 b = b << 31
+    0 b = 0, 1 b = b, 2^16 b = b << 16, 2^24 b = b << 24, 2^29 b = b << 29, (2^31 - 1) b = (b << 31) - b, 2^31 b = b << 31
 
 and everything else that multiplies is made of that: the signed product has the signs' sign, the unsigned one differs from it by the
 words' upper halves. Where both factors are known the product is what it is.
@@ -15,7 +15,7 @@ import z3
 
 import words as w
 
-FACTORS = (1, 1 << 24, 1 << 29, (1 << 31) - 1, 1 << 31)
+FACTORS = (1, 1 << 16, 1 << 24, 1 << 29, (1 << 31) - 1, 1 << 31)
 
 
 def of_factor(factor, b):
@@ -35,9 +35,6 @@ def length(product):
 
 class Products:
     """Those asked for so far on a path."""
-
-    #: What would only make a number shorter is not waited for.
-    SOON_MS = 1000
 
     def __init__(self, path):
         self.path = path
@@ -79,13 +76,15 @@ class Products:
         low, high = self.path.bounds.of(w.zero_extended(a, 32))
         at_most = min(high.bit_length(), 32) if low >= 0 else 32
         for bits in (least, least + 1, 31):
-            if least <= bits < at_most and self.path.holds(w.below(a, 1 << bits), self.SOON_MS):
+            if least <= bits < at_most and self.path.holds(w.below(a, 1 << bits), self.path.SOON_MS):
                 return bits
         return at_most
 
     def asked(self, a, b):
         """A new row, with what is known of it."""
         bits = [self.bits(a), self.bits(b)]
+        if 0 in bits:
+            return 0
         short = self.path.fresh("product", min(sum(bits), 63))
         product = z3.simplify(z3.ZeroExt(64 - short.size(), short))
         a, b = w.term(a), w.term(b)
@@ -100,7 +99,7 @@ class Products:
                     most = of_factor(factor, y)
                     facts.append(z3.Implies(z3.ULE(x, factor), z3.ULE(product, most)))
                     facts.append(z3.Implies(z3.UGE(x, factor), z3.UGE(product, most)))
-        soon = lambda condition: self.path.holds(w._normal(condition), 3 * self.SOON_MS)
+        soon = lambda condition: self.path.holds(w._normal(condition), self.path.SOON_MS)
         for c, d, other in self.rows[:self.assumed]:
             for e, f in ((c, d), (d, c)):
                 if soon(z3.ULE(a, e)) and soon(z3.ULE(b, f)):

@@ -13,6 +13,10 @@ class Field:
                       for child in die.iter_children() if child.tag == "DW_TAG_enumerator"}
 
 
+class NoFunction(LookupError):
+    """A function that the compiler put into its callers, or more than one of that name."""
+
+
 class Program:
     def __init__(self, path):
         self.elf = ELFFile(open(path, "rb"))
@@ -57,7 +61,7 @@ class Program:
         """The one function whose mangled name fits."""
         fitting = {place for name, place in self.symbols.items() if re.search(pattern, name) and "Thunk" not in name}
         if len(fitting) != 1:
-            raise KeyError(f"{len(fitting)} functions are called {pattern}")
+            raise NoFunction(f"{len(fitting)} functions are called {pattern}")
         return fitting.pop()
 
     # Where fields are.
@@ -69,7 +73,8 @@ class Program:
             for unit in self.elf.get_dwarf_info().iter_CUs():
                 for die in unit.iter_DIEs():
                     if die.tag in ("DW_TAG_structure_type", "DW_TAG_enumeration_type") and "DW_AT_name" in die.attributes:
-                        if "DW_AT_byte_size" in die.attributes:
+                        # A variant is described as a structure of its name within its enumeration: no type of its own.
+                        if "DW_AT_byte_size" in die.attributes and die.get_parent().tag != "DW_TAG_structure_type":
                             self._types.setdefault(die.attributes["DW_AT_name"].value.decode(), die)
         return self._types[name]
 

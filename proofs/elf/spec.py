@@ -157,3 +157,37 @@ def guard_tick(of, k, m, moved, before_change, wanted):
 
 def commanded(of, m, told):
     return replace(m, force=guard_within(of, told, of.size(m.force)))
+
+
+def switched_off(of, k, m):
+    account = m.account - reserve(of, k, m.older) if m.force == 0 else of.least(m.account, 0)
+    return GuardMemory(account)
+
+
+# `drive/src/command.rs`: the torque of a motor on this board's bridge, as the current that it is told.
+
+Motor = namedtuple("Motor", "amps_per_nm nm_per_amp limit")
+Command = namedtuple("Command", "q limited derated torque left")
+
+
+def scaled(of, a, b, digits):
+    return signal(of, of.times(a, b) >> digits)
+
+
+def negated(of, x):
+    return signal(of, -x)
+
+
+def motor_command(of, k, torque, derating, against, map_):
+    along = scaled(of, torque, k.amps_per_nm, 24)
+    left = scaled(of, k.limit, of.least(derating, 1 << 16), 16)
+    added = of.most(of.least(map_, left), negated(of, left))
+    least, most = signal(of, negated(of, left) - added), signal(of, left - added)
+    given = of.most(of.least(along, most), least)
+    current = signal(of, given + added)
+    q = of.either(against, negated(of, current), current)
+    derated = derating < 1 << 16
+    if of.decide(equal(given, along)):
+        return Command(q, False, derated, torque, left)
+    bound = scaled(of, of.either(given < 0, negated(of, least), most), k.nm_per_amp, 16)
+    return Command(q, True, derated, of.most(of.least(torque, bound), negated(of, bound)), left)

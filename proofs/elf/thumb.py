@@ -183,7 +183,7 @@ class Steps:
     def asr(self, insn):
         self.shift(insn, "asr")
 
-    # Products and quotients.
+    # Products.
 
     def mul(self, insn):
         d, n, m = self.three(insn)
@@ -221,10 +221,6 @@ class Steps:
 
     def umlal(self, insn):
         self.long(insn, self.m.products.unsigned, True)
-
-    def udiv(self, insn):
-        d, n, m = self.three(insn)
-        self.m.set_register(d.reg, self.m.products.quotient(self.register(n), self.register(m)))
 
     # Bits and saturation.
 

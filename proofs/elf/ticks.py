@@ -6,7 +6,7 @@ from dataclasses import is_dataclass
 import spec
 import words as w
 from machine import STACK
-from whole import Whole, equal, signed, word
+from whole import Whole, equal, signed, unsigned, word
 
 FIXED32 = "touchstone_control::number::fixed_point::Fixed32"
 #: Half of the format's largest energy.
@@ -14,7 +14,7 @@ ENERGY_CAP = 1 << 62
 QUARTER = spec.HIGHEST >> 2
 #: What the guard's account and refill stay below.
 MOST_STORED = (QUARTER + 1) << spec.SIGNAL
-SELF, STATE = 0x2000_1000, 0x2000_2000
+SELF, STATE, OUT = 0x2000_1000, 0x2000_2000, 0x2000_3000
 
 
 class Placed:
@@ -92,8 +92,8 @@ class Tick:
 
     def placed(self, machine, inputs):
         """What it is given."""
-        self.law = Placed(machine, self.program, f"{self.kind}<{FIXED32}>", SELF, inputs)
-        self.state = Placed(machine, self.program, f"{self.state_kind}<{FIXED32}>", STATE, inputs)
+        self.law = Placed(machine, self.program, self.kind, SELF, inputs)
+        self.state = Placed(machine, self.program, self.state_kind, STATE, inputs)
         machine.regs[0], machine.regs[1] = SELF, STATE
 
     def draw(self, given, name, value):
@@ -142,7 +142,7 @@ class OfGuard(Tick):
     name = "guard"
     what = "Guard::tick_with_change"
     pattern = r"5guardINtB\w*_5Guard.*7Fixed32E16tick_with_change"
-    kind, state_kind = "Guard", "GuardState"
+    kind, state_kind = f"Guard<{FIXED32}>", f"GuardState<{FIXED32}>"
     assumes = "coefficients as Guard::new gives them (`valid` of proofs/src/guard.rs), memory in the invariant; any displacements, any wanted force"
 
     def begin(self, machine, inputs):
@@ -203,7 +203,7 @@ class OfSfa(Tick):
     name = "sfa"
     what = "Sfa::tick"
     pattern = r"3law3sfaINtB\w*_3SfaNt.*7Fixed32.*_E4tick"
-    kind, state_kind = "Sfa", "SfaState"
+    kind, state_kind = f"Sfa<{FIXED32}>", f"SfaState<{FIXED32}>"
     assumes = "gains, ratios not negative, a limit above 0 (`validate`), memory in the invariant; any sample"
 
     def begin(self, machine, inputs):
@@ -245,4 +245,43 @@ class OfSfa(Tick):
             "contact": contact, "last": after.last, "before_last": after.before_last, "offset": after.offset, "force": after.force})
 
 
-TICKS = [OfGuard, OfSfa]
+class OfMotor(Tick):
+    name = "motor"
+    what = "ThreePhase::command"
+    pattern = r"7commandNt\w*_10ThreePhaseNt\w*_5Drive7command"
+    kind, state_kind = "ThreePhase", "Rotor"
+    assumes = "a current limit that is not negative (`MotorSettings`); any torque constants, torque, angle, derating and map"
+
+    def begin(self, machine, inputs):
+        self.placed(machine, inputs)
+        self.out = Placed(machine, self.program, "Driven", OUT, inputs)
+        self.command = Placed(machine, self.program, "CurrentCommand", OUT + self.out.fields["command"].at, inputs)
+        machine.regs[0], machine.regs[1], machine.regs[3] = OUT, SELF, STATE
+        self.torque = self.argument(machine, 2, "torque", inputs)
+        self.k = spec.Motor(*(self.law.number(name) for name in spec.Motor._fields))
+        self.map_ = self.state.number("map")
+        self.derating = unsigned(self.state.get("derating"))
+        self.against = w.eq(self.state.get("against"), 1, 8)
+
+    def assumed(self, of):
+        yield from self.state.valid_choices()
+        yield self.k.limit >= 0
+
+    def claims(self, of, machine):
+        found = spec.motor_command(of, self.k, self.torque, self.derating, self.against, self.map_)
+        memory, rotor = machine.memory, self.state
+        bit = lambda condition, place: w.choose(of.settled(condition), 1 << place, 0, 8)
+        yield "torque left", self.out.get("torque", memory), word(found.torque)
+        yield "limits", self.out.get("limits", memory), w.or_(bit(found.derated, 0), bit(found.limited, 1), 8)
+        expected = {"mode": self.command.fields["mode"].words["Drive"], "current.d": 0, "current.q": word(found.q)}
+        expected |= {name: rotor.get(name) for name in ("tick", "angle", "advance")}
+        for name, value in expected.items():
+            yield name, self.command.get(name, memory), value
+        # What a reader of the source would want of it: the current is within what the temperature leaves of the limit.
+        yield "within the limit", w.choose(of.settled(found.q <= found.left), 1, 0, 1), 1
+        yield "within the limit, the other way", w.choose(of.settled(found.q >= -found.left), 1, 0, 1), 1
+        yield from self.law.unchanged(memory)
+        yield from self.state.unchanged(memory)
+
+
+TICKS = [OfGuard, OfSfa, OfMotor]

@@ -112,6 +112,11 @@ def signed(x, width=32):
     return w.to_signed(x, width) if isinstance(x, int) else shrunk(x, -(1 << width - 1), (1 << width - 1) - 1)
 
 
+def unsigned(x, width=32):
+    """A machine's word as a number that has no sign."""
+    return x if isinstance(x, int) else shrunk(z3.ZeroExt(DOUBLE - width, x), 0, (1 << width) - 1)
+
+
 def word(x, width=32):
     """A number's lowest bits."""
     if isinstance(x, int):
@@ -157,9 +162,9 @@ class Counts:
             return x
         for bits in (8, 26, 30, 31, 54, 63):
             within = self.fits(x, bits)
-            if bits < needed(x.low, x.high) and self.path.holds(within, 2000):
+            if bits < needed(x.low, x.high) and self.path.holds(within, self.path.SOON_MS):
                 x = Whole(x.term, max(-(1 << bits - 1), x.low), min((1 << bits - 1) - 1, x.high))
-                return self.tight(x, 0, x.high) if x.low < 0 and self.path.holds(x >= 0, 2000) else x
+                return self.tight(x, 0, x.high) if x.low < 0 and self.path.holds(x >= 0, self.path.SOON_MS) else x
         return x
 
     def size(self, x):

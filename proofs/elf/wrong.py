@@ -27,10 +27,11 @@ def left_out(insn, name):
 
 
 def other_word(insn, name):
-    """The word after the one that is loaded."""
+    """The word before the one that is loaded; of a structure's first, the next."""
     if name == "ldr" and insn.size == 2 and insn.bytes[1] & 0xf8 == 0x68:
-        code = int.from_bytes(insn.bytes, "little") + (1 << 6)
-        return ("next word", code.to_bytes(2, "little")) if code & 0x7c0 else None
+        code = int.from_bytes(insn.bytes, "little")
+        code += -(1 << 6) if code & 0x7c0 else 1 << 6
+        return "other word", code.to_bytes(2, "little")
     return None
 
 
@@ -42,7 +43,16 @@ def other_shift(insn, name):
     return None
 
 
-RULES = (other_condition, left_out, other_word, other_shift)
+def other_sum(insn, name):
+    """A saturating difference in the place of a sum, and the other way."""
+    if name in ("qadd", "qsub"):
+        code = bytearray(insn.bytes)
+        code[2] ^= 0x20
+        return "sum or difference", bytes(code)
+    return None
+
+
+RULES = (other_condition, left_out, other_word, other_shift, other_sum)
 
 
 def changes(tick, decoder):

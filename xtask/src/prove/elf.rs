@@ -1,41 +1,57 @@
-//! `cargo xtask prove --elf [--mutants] [NAME]`: ticks of a board's program are their specification, by what its machine code does
+//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: ticks of a board's program are their specification, by what its machine code does
 //! (`proofs/elf/`).
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::outcome::Outcome;
 use crate::{firmware, shell};
 
-/// The board whose program is looked at.
-const BOARD: &str = "nucleo-g474re";
+/// The board whose program is looked at where none is named.
+pub const BOARD: &str = "nucleo-g474re";
 /// Ticks of the Rust code that the checker's specification repeats.
 const TICKS: &str = "20000";
 
 /// All ticks, or those whose name contains a part.
-pub fn run(part: &str) -> Outcome {
+pub fn run(board: &str, part: &str) -> Outcome {
     let begun = Instant::now();
-    match checked(&["--only", part]) {
+    match checked(board, &["--only", part]) {
         Ok(Outcome::Ok(_)) => Outcome::Ok(format!(
-            "ticks of the program of {BOARD} are their specification ({} s)",
+            "ticks of the program of {board} are their specification ({} s)",
             begun.elapsed().as_secs()
         )),
         Ok(outcome) | Err(outcome) => outcome,
     }
 }
 
+/// All ticks on samples, without a proof: that the checker, its specification and the program still fit one another.
+pub fn readings() -> Outcome {
+    match checked(BOARD, &["--readings"]) {
+        Ok(Outcome::Ok(_)) => Outcome::Ok(format!("the program of {BOARD} on samples")),
+        Ok(outcome) | Err(outcome) => outcome,
+    }
+}
+
 /// Wrong changes of the program's bytes.
-pub fn mutants(part: &str) -> Outcome {
-    match checked(&["--mutants", "--only", part]) {
-        Ok(Outcome::Ok(_)) => Outcome::Ok("every wrong change of the program refuted".into()),
+pub fn mutants(board: &str, part: &str) -> Outcome {
+    match checked(board, &["--mutants", "--only", part]) {
+        Ok(Outcome::Ok(_)) => {
+            Outcome::Ok(format!("every wrong change of the program of {board} refuted"))
+        }
         Ok(outcome) | Err(outcome) => outcome,
     }
 }
 
 /// The checker's own outcome; what it needs is made before.
-fn checked(options: &[&str]) -> Result<Outcome, Outcome> {
+fn checked(board: &str, options: &[&str]) -> Result<Outcome, Outcome> {
+    if !firmware::BOARDS.contains(&board) {
+        return Err(Outcome::Usage(format!(
+            "there is no board `{board}`; there are {}",
+            firmware::BOARDS.join(", ")
+        )));
+    }
     let python = super::with_wheels("elf-venv", "proofs/elf/requirements.txt")?;
-    let program = firmware::build(BOARD)?;
+    let program = firmware::build(board)?;
     let trace = traced()?;
     let mut check = shell::program(&python);
     check
@@ -45,10 +61,22 @@ fn checked(options: &[&str]) -> Result<Outcome, Outcome> {
     Ok(shell::run(&mut check))
 }
 
+/// The specification that a program is compared with, beside the Rust code: it needs no program, and only z3 of all wheels.
+pub fn read(python: &Path) -> Outcome {
+    match traced() {
+        Ok(trace) => {
+            let mut reads = shell::program(python);
+            shell::run(reads.arg("proofs/elf/traced.py").arg(trace))
+        }
+        Err(outcome) => outcome,
+    }
+}
+
 /// Ticks of the Rust code, in a file.
 fn traced() -> Result<PathBuf, Outcome> {
     let mut command = shell::cargo_locked("run");
-    command.args(["--release", "-q", "-p", "touchstone-proofs"]);
+    // As the trials of all inputs are built, so that the code is compiled once for both.
+    command.args(["--profile", "every", "-q", "-p", "touchstone-proofs"]);
     command.args(["--example", "trace", "--", TICKS]);
     let path = shell::target("elf-trace.txt");
     let written = std::fs::File::create(&path).and_then(|file| command.stdout(file).status());

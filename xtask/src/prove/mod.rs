@@ -29,7 +29,7 @@ use systematic::Asked;
 pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --elf [--mutants] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs [NAME] | --every]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --elf [--mutants] [--board BOARD] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs [NAME] | --every]]";
 /// What the proofs are made of; nothing else has to build.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
@@ -50,10 +50,10 @@ pub fn run(args: &[String]) -> Outcome {
         ["--theorems"] => return coq::run(),
         ["--certified"] => return certified::run(""),
         ["--certified", part] => return certified::run(part),
-        ["--elf", "--mutants"] | ["--mutants", "--elf"] => return elf::mutants(""),
-        ["--elf", "--mutants", part] | ["--mutants", "--elf", part] => return elf::mutants(part),
-        ["--elf"] => return elf::run(""),
-        ["--elf", part] => return elf::run(part),
+        ["--elf", "--mutants", rest @ ..] | ["--mutants", "--elf", rest @ ..] => {
+            return of_program(rest, elf::mutants);
+        }
+        ["--elf", rest @ ..] => return of_program(rest, elf::run),
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
@@ -118,6 +118,17 @@ pub fn run(args: &[String]) -> Outcome {
             let harnesses = with_obligations(obligations, with_every(every, harnesses));
             with_theorems(theorems, harnesses)
         }
+    }
+}
+
+/// `[--board BOARD] [NAME]`: of which board's program, and which of its ticks.
+fn of_program(words: &[&str], asked: fn(&str, &str) -> Outcome) -> Outcome {
+    match words {
+        [] => asked(elf::BOARD, ""),
+        ["--board", board] => asked(board, ""),
+        ["--board", board, part] if !part.starts_with("--") => asked(board, part),
+        [part] if !part.starts_with("--") => asked(elf::BOARD, part),
+        _ => usage(),
     }
 }
 
@@ -324,10 +335,14 @@ fn without_harnesses() -> Outcome {
     }
     let statements = inspect::call(["statements", LOCK]);
     let statements = statements.reason();
+    let readings = elf::readings();
+    if readings.is_failure() {
+        return Outcome::Failed(format!("the machine code's readings: {readings}"));
+    }
     let obligations = obligations();
     match &obligations {
         Outcome::Ok(_) => Outcome::NotRun(format!(
-            "{INSTALL}; sampled form and integer obligations ran, no counterexample; {statements}"
+            "{INSTALL}; sampled form and integer obligations ran, no counterexample; machine code: {readings}; {statements}"
         )),
         Outcome::NotRun(why) => Outcome::NotRun(format!(
             "{INSTALL}; sampled form ran; integer obligations: {why}; {statements}"
@@ -336,12 +351,17 @@ fn without_harnesses() -> Outcome {
     }
 }
 
-/// The integer obligations in two solvers' Python wheels.
+/// The integer obligations in two solvers' Python wheels, and what of the machine code's checker needs no machine code.
 fn obligations() -> Outcome {
-    match with_wheels("obligations-venv", "proofs/obligations/requirements.txt") {
-        Ok(python) => shell::run(shell::program(python).arg("proofs/obligations/check.py")),
-        Err(outcome) => outcome,
+    let python = match with_wheels("obligations-venv", "proofs/obligations/requirements.txt") {
+        Ok(python) => python,
+        Err(outcome) => return outcome,
+    };
+    let checked = shell::run(shell::program(&python).arg("proofs/obligations/check.py"));
+    if checked.is_failure() {
+        return checked;
     }
+    elf::read(&python)
 }
 
 /// A Python that has the wheels of a list, in a folder below `target/`.
