@@ -45,7 +45,7 @@ def main(words):
     good = is_read(trace)
     board = beside.Board(program)
     for tick in ticks:
-        good &= reads(tick, program, board) and ("--readings" in options or proves(tick, program))
+        good &= reads(tick, program, board) and ("--readings" in options or proves(tick, program, board))
     return 0 if good else 1
 
 
@@ -59,7 +59,7 @@ def reads(tick, program, board):
     return True
 
 
-def proves(tick, program):
+def proves(tick, program, board):
     decoder = Decoder(program)
     found = verdict.check(tick, decoder, deadline_s=DEADLINE_S)
     at = f"{tick.what} at {tick.at:#x}, {tick.length} bytes"

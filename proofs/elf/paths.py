@@ -217,8 +217,16 @@ class Path:
             del self.known[count:]
 
 
+class Empty(Exception):
+    """A case that there is not: another choice of it says the opposite of what follows."""
+
+
 class Oracle:
-    """Cases of a specification: each `if` of it that is not settled is gone both ways, by running it again."""
+    """Cases of a specification: each `if` of it that is not settled is gone both ways, by running it again.
+
+    A way is kept with the number of its `if`. What is settled rests on what was found in time, so a later run may have an `if` settled
+    that an earlier had open: then the way that does not follow has no case. One that is open and was settled is no answer.
+    """
 
     def __init__(self, path):
         self.path = path
@@ -227,25 +235,36 @@ class Oracle:
         """`f()` in each case, within the case's assumptions. `f` asks `decide`."""
         todo = [[]]
         while todo:
-            self.ways, self.at, self.more = todo.pop(), 0, []
+            self.ways, self.at, self.count, self.more = todo.pop(), 0, 0, []
             self.depth = []
             try:
-                yield f()
+                found = f()
+                if self.at < len(self.ways):
+                    raise Undecided("a choice of the specification that did not come again")
+                yield found
+            except Empty:
+                pass
             finally:
                 for block in reversed(self.depth):
                     block.__exit__(None, None, None)
             todo.extend(self.more)
 
     def decide(self, condition):
+        number, self.count = self.count, self.count + 1
+        told = self.at < len(self.ways) and self.ways[self.at][0] == number
+        if not isinstance(condition, bool):
+            condition = self.path.settled(condition)
         if isinstance(condition, bool):
-            return condition
-        condition = self.path.settled(condition)
-        if isinstance(condition, bool):
+            if told and self.ways[self.at][1] != condition:
+                raise Empty
+            self.at += told
             return condition
         if self.at == len(self.ways):
-            self.more.append([*self.ways, False])
-            self.ways = [*self.ways, True]
-        way = self.ways[self.at]
+            self.more.append([*self.ways, (number, False)])
+            self.ways = [*self.ways, (number, True)]
+        elif not told:
+            raise Undecided("a choice of the specification that was settled before")
+        way = self.ways[self.at][1]
         self.at += 1
         block = self.path.assuming(condition if way else w.not_(condition))
         block.__enter__()

@@ -267,6 +267,17 @@ class OfMotor(Tick):
         yield from self.state.valid_choices()
         yield self.k.limit >= 0
 
+    def drawn(self, chance, given):
+        super().drawn(chance, given)
+        self.draw(given, "limit", chance.getrandbits(31) >> chance.randrange(31))
+        # Where the derating ends, and the map meets what is left.
+        whole = 1 << 16
+        if chance.random() < 0.6:
+            self.draw(given, "derating", chance.choice((0, whole - 1, whole, whole + 1, w.MASK)))
+        if chance.random() < 0.5:
+            limit = given.values[f"m{SELF + self.law.fields['limit'].at:x}"]
+            self.draw(given, "map", chance.choice((limit, -limit, limit + 1, -limit - 1, limit >> 1, spec.LOWEST, 0)))
+
     def claims(self, of, machine):
         found = spec.motor_command(of, self.k, self.torque, self.derating, self.against, self.map_)
         memory, rotor = machine.memory, self.state

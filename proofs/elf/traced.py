@@ -11,6 +11,8 @@ from whole import Counts
 
 #: Ticks, and ends of a force, that a trace has at least.
 LEAST = 1000, 10
+#: What a trace says of others than the guard; any other word may be of the guard, and is none that is passed over.
+OTHERS = {"enhanced", "fba", "law", "made", "mass", "refused", "root_32", "root_64", "root_high_32", "root_high_64", "settings", "tdpa"}
 
 
 def same_as_rust(lines):
@@ -35,6 +37,8 @@ def same_as_rust(lines):
             if (m.account, m.force, m.older) != tuple(map(int, numbers)):
                 return ticks, ends, line
             ends += 1
+        elif word not in OTHERS:
+            return ticks, ends, line
     return ticks, ends, None
 
 
@@ -45,8 +49,11 @@ def is_read(path):
     if other is not None:
         print(f"WRONG: proofs/elf/spec.py has another tick than the Rust code after {ticks} that are the same: {other.strip()}")
         return False
+    if ticks < LEAST[0] or ends < LEAST[1]:
+        print(f"{path} has {ticks} ticks and {ends} ends of the guard; {LEAST[0]} and {LEAST[1]} are wanted")
+        return False
     print(f"{ticks} ticks and {ends} ends of the guard's Rust code are those of proofs/elf/spec.py, bit for bit")
-    return ticks >= LEAST[0] and ends >= LEAST[1]
+    return True
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@
 //! reached. So the gate in `inspect/` reads its report: every harness of the committed list ran, no other did, each succeeded,
 //! each cover was reached, and each assertion of a property can be. Without the checker the sampled form runs, and the answer is
 //! "not run". The theorems over traces ([`coq`]) need no checker, but Coq; the integer obligations, on which some harnesses rest, two
-//! solvers; properties with few inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is asked by itself.
+//! solvers; properties with few inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is proved by itself, and read on samples
+//! where the checker is not.
 
 pub mod allocator;
 mod certified;
@@ -345,7 +346,7 @@ fn without_harnesses() -> Outcome {
             "{INSTALL}; sampled form and integer obligations ran, no counterexample; machine code: {readings}; {statements}"
         )),
         Outcome::NotRun(why) => Outcome::NotRun(format!(
-            "{INSTALL}; sampled form ran; integer obligations: {why}; {statements}"
+            "{INSTALL}; sampled form ran; integer obligations: {why}; machine code: {readings}; {statements}"
         )),
         other => Outcome::Failed(format!("the integer obligations: {other}; {INSTALL}")),
     }
@@ -367,8 +368,11 @@ fn obligations() -> Outcome {
 /// A Python that has the wheels of a list, in a folder below `target/`.
 fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
     let folder = shell::target(folder);
-    let python = folder.join("bin/python");
-    if !python.exists() {
+    let (python, made_of) = (folder.join("bin/python"), folder.join("made-of.txt"));
+    let wanted = std::fs::read_to_string(list).ok();
+    // One that was broken off, or made of another list, is made anew.
+    if wanted.is_none() || std::fs::read_to_string(&made_of).ok() != wanted {
+        let _ = std::fs::remove_dir_all(&folder);
         let mut venv = shell::program("python3");
         let mut install = shell::program(&python);
         install.args(["-m", "pip", "install", "-q", "-r", list]);
@@ -382,6 +386,7 @@ fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
                     .into(),
             ));
         }
+        let _ = std::fs::write(&made_of, wanted.unwrap_or_default());
     }
     Ok(python)
 }
