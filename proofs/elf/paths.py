@@ -99,8 +99,8 @@ class Path:
     """
 
     QUICK_MS = 400
-    #: What would only make a number shorter is waited for no longer; each that a slow machine misses is one that the next questions miss,
-    #: so this is some ten times what the slowest of them took.
+    #: What would only make a number shorter is waited for no longer. What is missed the next questions miss, so this is several times what
+    #: a run by itself needs: with 1 to 3 s it has an answer, and two side by side on a slow machine had none.
     SOON_MS = 10_000
 
     def __init__(self, timeout_ms=60_000):

@@ -1,5 +1,5 @@
-//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: ticks of a board's program are their specification, by what its machine code does
-//! (`proofs/elf/`).
+//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: functions of a board's program are their specification, by what its
+//! machine code does (`proofs/elf/`).
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -17,8 +17,7 @@ pub fn run(board: &str, part: &str) -> Outcome {
     let begun = Instant::now();
     match checked(board, &["--only", part]) {
         Ok(Outcome::Ok(_)) => Outcome::Ok(format!(
-            "{} of the program of {board} are their specification ({} s)",
-            if part.is_empty() { "guard, SFA and the motor's current" } else { part },
+            "what is named above, of the program of {board}, is its specification ({} s)",
             begun.elapsed().as_secs()
         )),
         Ok(outcome) | Err(outcome) => outcome,
@@ -40,9 +39,9 @@ pub fn readings() -> Outcome {
 /// Wrong changes of the program's bytes.
 pub fn mutants(board: &str, part: &str) -> Outcome {
     match checked(board, &["--mutants", "--only", part]) {
-        Ok(Outcome::Ok(_)) => {
-            Outcome::Ok(format!("every wrong change of the program of {board} refuted"))
-        }
+        Ok(Outcome::Ok(_)) => Outcome::Ok(format!(
+            "every wrong change of the program of {board} refuted"
+        )),
         Ok(outcome) | Err(outcome) => outcome,
     }
 }
