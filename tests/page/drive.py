@@ -1,10 +1,10 @@
 """Drives the live page in Chromium and Firefox without a window: every control, every preset, real time, a record that the program repeats; then
 the page of a board.
 
-    drive.py PROGRAM KNOB EMULATOR FIRMWARE [SECONDS [FOLDER]]
+    drive.py PROGRAM KNOB EMULATOR FIRMWARE [--short | SECONDS [FOLDER]]
 
 KNOB is the example `knob_on_a_socket`; EMULATOR and FIRMWARE are `-` where there is none; ticks are counted over SECONDS (20), pictures
-go to FOLDER.
+go to FOLDER. `--short`: the first browser that is here, ticks over 5 s.
 
 Exit code 0: all holds; 1: something does not; 77: no browser here. A browser that is not here is skipped, which is said.
 """
@@ -396,15 +396,18 @@ def page_file(program, folder):
 
 def main():
     program, knob, emulator, firmware = (None if path == "-" else os.path.abspath(path) for path in sys.argv[1:5])
-    asked_for = len(sys.argv) > 5
-    seconds = float(sys.argv[5]) if asked_for else 20
+    short = sys.argv[5:] == ["--short"]
+    asked_for = len(sys.argv) > 5 and not short
+    seconds = float(sys.argv[5]) if asked_for else 5 if short else 20
     pictures = sys.argv[6] if len(sys.argv) > 6 else None
-    if not firmware:
+    if not firmware and not short:
         print("NOT RUN: the firmware's board path; there is no emulator here")
     browsers = [browser for find, browser in ((chromium.find, chromium.Chromium), (firefox.find, firefox.Firefox)) if find()]
     for browser in (chromium.Chromium, firefox.Firefox):
-        if browser not in browsers:
+        if browser not in browsers and not (short and browsers):
             print(f"NOT RUN: no {browser.name} here: install it, or name one in {browser.name.upper()}")
+    if short:
+        browsers = browsers[:1]
     for browser in browsers:
         print(f"-- {browser.name}")
         its = os.path.join(pictures, browser.name.lower()) if pictures else None

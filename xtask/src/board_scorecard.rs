@@ -3,11 +3,11 @@
 
 use std::path::PathBuf;
 
+use crate::firmware::REFERENCE;
 use crate::outcome::Outcome;
 use crate::{emulator, shell};
 
-/// The board, and the scene of its knob.
-const REFERENCE: &str = "nucleo-g474re-ihm16m1";
+/// The scene of the board's knob.
 const SCENE: &str = "gimbal-knob";
 /// What the board has and the scene has not: its current loop's bandwidth as it ships, and that the loop takes a command with the PWM
 /// period after the one in which the encoder was read.

@@ -2,11 +2,12 @@
 //! of all boards in the emulator, worst over presses, taps and hard settings; and how deep the stack was.
 
 use crate::emulator;
+use crate::firmware::BOARDS;
 use crate::outcome::Outcome;
 
 pub fn run(args: &[String]) -> Outcome {
     match args {
-        [] => emulator::call("cycles", &[]),
+        [] => emulator::call("cycles", &BOARDS, &[]),
         _ => Outcome::Usage("cargo xtask cycles".into()),
     }
 }

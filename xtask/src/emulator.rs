@@ -9,15 +9,15 @@ use crate::{firmware, packages, shell};
 /// What Unicorn and its bindings are built with.
 const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
 
-/// Builds the firmware of all boards and the emulator, calls the emulator with a command and the programs; what it said last.
-pub fn call(command: &str, words: &[String]) -> Outcome {
-    let all = firmware_and_emulator(&firmware::BOARDS);
+/// Builds the firmware of boards and the emulator, calls the emulator with a command and the programs; what it said last.
+pub fn call(command: &str, boards: &[&str], words: &[&str]) -> Outcome {
+    let all = firmware_and_emulator(boards);
     all.map_or_else(
         |outcome| outcome,
         |(emulator, programs)| {
             let mut call = shell::program(&emulator);
             call.arg(command);
-            for (board, program) in firmware::BOARDS.iter().zip(programs) {
+            for (board, program) in boards.iter().zip(programs) {
                 call.arg(format!("--{board}")).arg(program);
             }
             last_line(call.args(words))

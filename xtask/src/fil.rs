@@ -1,36 +1,52 @@
-//! `cargo xtask fil [--sample | --only TEXT]`: the firmware in the loop. The real programs of all boards, on an emulated chip with a
-//! simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the bit, and
-//! every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`]. `--scorecard`: what a
-//! hand feels of the reference board, [`board_scorecard`]; a press of it is in the run of everything and in that of
+//! `cargo xtask fil [--sample | --only TEXT] [--board BOARD]`: the firmware in the loop. The real programs of all boards, or of one, on an
+//! emulated chip with a simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the
+//! bit, and every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`]. `--scorecard`: what
+//! a hand feels of the reference board, [`board_scorecard`]; a press of it is in the run of everything and in that of
 //! the sample, which has one injection of three, all but the longest check on the reference board, and few checks on the others.
 
+use crate::firmware::{self, BOARDS, REFERENCE};
 use crate::outcome::Outcome;
+use crate::step::Share;
 use crate::{board_scorecard, emulator, sabotage};
 
-/// What `cargo xtask test` gives it.
-pub const SAMPLE: &str = "--sample";
+const SAMPLE: &str = "--sample";
+/// What the first gate runs of it.
+pub const ONE_BOARD: Share = Share::Part(
+    &[SAMPLE, "--board", REFERENCE],
+    "two of three injections, the map of the cogging, the other four boards, and with them whether every fault code is latched",
+);
+/// What the full gate runs of it.
+pub const SAMPLED: Share = Share::Part(
+    &[SAMPLE],
+    "two of three injections and the map of the cogging; most checks of the boards that are not the reference",
+);
 
 pub fn run(args: &[String]) -> Outcome {
-    match args {
-        [] => with_a_press(args),
-        [option] if option == SAMPLE => with_a_press(args),
-        [option] if option == "--scorecard" => board_scorecard::run(true),
-        [option, deed] if option == "--scorecard" && deed == "press" => board_scorecard::run(false),
-        [option, _] if option == "--only" => emulator::call("fil", args),
-        [option, rest @ ..] if option == "--sabotage" => sabotage::run(rest),
-        _ => Outcome::Usage(
-            "cargo xtask fil [--sample | --only TEXT] | --scorecard [press] | --sabotage [--only TEXT]".into(),
-        ),
+    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let (words, boards) = match words.as_slice() {
+        [words @ .., "--board", name] if BOARDS.contains(name) => (words, vec![*name]),
+        words => (words, BOARDS.to_vec()),
+    };
+    match words {
+        [] | [SAMPLE] => with_a_press(words, &boards),
+        ["--only", _] => emulator::call("fil", &boards, words),
+        ["--scorecard"] => board_scorecard::run(true),
+        ["--scorecard", "press"] => board_scorecard::run(false),
+        ["--sabotage", rest @ ..] => sabotage::run(rest),
+        _ => Outcome::Usage(format!(
+            "cargo xtask fil [--sample | --only TEXT] [--board {}] | --scorecard [press] | --sabotage [--only TEXT]",
+            firmware::BOARDS.join("|")
+        )),
     }
 }
 
 /// The emulator's tests, everything or a sample, a press.
-fn with_a_press(args: &[String]) -> Outcome {
+fn with_a_press(words: &[&str], boards: &[&str]) -> Outcome {
     match emulator::test() {
         Outcome::Ok(_) => {}
         other => return other,
     }
-    match emulator::call("fil", args) {
+    match emulator::call("fil", boards, words) {
         Outcome::Ok(rows) => match board_scorecard::run(false) {
             Outcome::Ok(card) => {
                 Outcome::Ok(format!("{rows}; a press on the reference board: {card}"))

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::outcome::Outcome;
+use crate::step::Share;
 use crate::toolchain::{self, BOARD};
 use crate::{inspect, shell};
 
@@ -19,6 +20,14 @@ pub const BOARDS: [&str; 5] = [
     "nucleo-g431rb-ihm16m1",
     "b-g431b-esc1",
 ];
+
+/// The board of which the first gate runs program and faults.
+pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
+/// What the first gate runs of `cargo xtask firmware`.
+pub const ONE_BOARD: Share = Share::Part(
+    &["--board", REFERENCE],
+    "the programs of the other four boards",
+);
 
 /// What `cargo xtask firmware` takes.
 const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|nucleo-g474re-simplefoc-mini|nucleo-g431rb-ihm16m1|b-g431b-esc1]";

@@ -9,6 +9,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::outcome::Outcome;
+use crate::step::Gates;
 use crate::{inspect, shell, toolchain};
 
 /// A crate and the example that stands for firmware.
@@ -36,14 +37,17 @@ const SUBJECTS: [Subject; 2] = [
     },
 ];
 
-/// What `cargo xtask test --quick` gives it.
-pub const QUICK: &str = "--source";
-pub const LEFT_OUT: &str = "the look at the code, for this machine and the microcontroller";
+/// What all gates but the full one give it.
+const SOURCE: &str = "--source";
+pub const GATES: Gates = Gates::part(
+    &[SOURCE],
+    "the look at the code, for this machine and the microcontroller",
+);
 
 pub fn run(args: &[String]) -> Outcome {
     let looks: &[fn(&Subject) -> Outcome] = match args {
         [] => &[in_source, in_host_code, in_thumb_code],
-        [only] if only == QUICK => &[in_source],
+        [only] if only == SOURCE => &[in_source],
         _ => return Outcome::Usage("cargo xtask float-free [--source]".into()),
     };
     let (mut notes, mut failures) = (Vec::new(), Vec::new());

@@ -1,20 +1,29 @@
-//! `cargo xtask lint`: clippy on every crate and target, warnings denied.
+//! `cargo xtask lint [--workspace]`: clippy on every crate and target, warnings denied.
 
 use crate::outcome::Outcome;
+use crate::step::Gates;
 use crate::{packages, shell};
 
-pub fn run(_: &[String]) -> Outcome {
+/// Without what only a probe needs, which is more crates than all the others together.
+const WORKSPACE: &str = "--workspace";
+pub const GATES: Gates = Gates::part(&[WORKSPACE], "the probe's crate with its feature");
+
+pub fn run(args: &[String]) -> Outcome {
+    let is_whole = match args {
+        [] => true,
+        [option] if option == WORKSPACE => false,
+        _ => return Outcome::Usage("cargo xtask lint [--workspace]".into()),
+    };
     if let Some(missing) = packages::missing_component("clippy") {
         return missing;
     }
-    // Two once more by themselves. The control crate: in the workspace it is built with `float`, which firmware leaves out. What a probe
-    // needs: without its feature it is empty. The program with that feature is looked at by `cargo xtask probe`.
-    let packages: [&[&str]; 3] = [
-        &["--workspace"],
-        &["--package", "touchstone-control"],
-        &["--package", "touchstone-probe", "--features", "probe-rs"],
-    ];
-    shell::run_all(packages.map(|packages| {
+    // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.
+    let mut packages: Vec<&[&str]> = vec![&["--workspace"], &["--package", "touchstone-control"]];
+    if is_whole {
+        // Without its feature it is empty. The program with that feature is looked at by `cargo xtask probe`.
+        packages.push(&["--package", "touchstone-probe", "--features", "probe-rs"]);
+    }
+    shell::run_all(packages.into_iter().map(|packages| {
         let mut command = shell::cargo_locked("clippy");
         command
             .args(packages)

@@ -41,156 +41,156 @@ mod wasm;
 
 use std::process::ExitCode;
 
-use step::{InTest, Quick, Step};
+use step::{Gate, Gates, Share, Step};
 
 /// Every command. A new one is a `mod` above and a row here.
 const STEPS: &[Step] = &[
     Step {
         name: "test",
-        about: "all of the marked steps below, in order, with times and a summary; exit code 1 if one failed; `test --quick`: what \
-                is daily work",
-        in_test: InTest::No,
-        quick: Quick::LeftOut,
+        about: "the steps marked `*` below, in order, with times and a summary of what ran and what was left out; exit code 1 if one \
+                failed; `test --quick`: daily work; `test --full`: those marked `+` as well, for a night",
+        gates: Gates::NONE,
         run: |args| test::run(STEPS, args),
     },
     Step {
         name: "setup",
-        about: "what is installed, what is missing, what it is for and how to get it",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        about: "what is installed, what is missing, what it is for and how to get it: `setup [--install [--full]]`",
+        gates: Gates {
+            quick: Share::LeftOut,
+            test: Share::Whole,
+            full: Share::Whole,
+        },
         run: setup::run,
     },
     Step {
         name: "fmt",
         about: "the code is formatted (`fmt --write` formats it)",
-        in_test: InTest::Whole,
-        quick: Quick::Whole,
+        gates: Gates::ALL,
         run: fmt::run,
     },
     Step {
         name: "lint",
-        about: "clippy on everything, warnings denied",
-        in_test: InTest::Whole,
-        quick: Quick::Whole,
+        about: "clippy on everything, warnings denied (`lint --workspace`: without the probe's crate, whose dependencies nothing else needs)",
+        gates: lint::GATES,
         run: lint::run,
     },
     Step {
         name: "unit",
         about: "all tests of all crates, documentation examples included",
-        in_test: InTest::Whole,
-        quick: Quick::Part(unit::QUICK, unit::LEFT_OUT),
+        gates: unit::GATES,
         run: unit::run,
     },
     Step {
         name: "schema",
         about: "results obey the documented JSON schema, under Python's validator",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates::FULL_ONLY,
         run: schema::run,
     },
     Step {
         name: "doc",
         about: "the documentation builds without a warning",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates::FULL_ONLY,
         run: doc::run,
     },
     Step {
         name: "float-free",
         about: "control and drive, as firmware builds them, have no float in their source, and neither float nor panic in their code",
-        in_test: InTest::Whole,
-        quick: Quick::Part(float_free::QUICK, float_free::LEFT_OUT),
+        gates: float_free::GATES,
         run: float_free::run,
     },
     Step {
         name: "wasm",
         about: "control and the simulator's crates that a browser needs compile for wasm32-unknown-unknown; the live page's module is what \
                 its source gives",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates::FULL_ONLY,
         run: wasm::run,
     },
     Step {
         name: "live",
         about: "makes the live page's WebAssembly anew, `host-sim/live/module`: after every change of what it is made of",
-        in_test: InTest::No,
-        quick: Quick::LeftOut,
+        gates: Gates::NONE,
         run: live::run,
     },
     Step {
         name: "page",
         about: "the live pages in Chromium and Firefox without a window: every control and preset, frames and ticks in real time, a record \
-                that replays to the bit, a board's page before simulated knob and emulated firmware: `page [SECONDS [FOLDER FOR PICTURES]]`",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+                that replays to the bit, a board's page before simulated knob and emulated firmware: `page [--short | SECONDS [FOLDER FOR PICTURES]]`",
+        gates: Gates {
+            quick: Share::LeftOut,
+            test: page::SHORT_RUN,
+            full: Share::Whole,
+        },
         run: page::run,
     },
     Step {
         name: "thumb",
         about: "every law on an emulated Cortex-M4F: its bits are this machine's; instructions per tick, size, no panic",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates {
+            quick: Share::LeftOut,
+            test: Share::Whole,
+            full: Share::Whole,
+        },
         run: thumb::run,
     },
     Step {
         name: "firmware",
         about: "all boards' programs: sizes, stack, no panic, heap or float in their interrupts: `firmware [--board BOARD]`",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates {
+            quick: Share::LeftOut,
+            test: firmware::ONE_BOARD,
+            full: Share::Whole,
+        },
         run: firmware::run,
     },
     Step {
         name: "fil",
-        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--sample | --only TEXT]`; parts of \
+        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--sample | --only TEXT] [--board BOARD]`; parts of \
                 their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`; a board's scorecard beside the desktop's: \
                 `fil --scorecard [press]`",
-        in_test: InTest::Sample(fil::SAMPLE),
-        quick: Quick::LeftOut,
+        gates: Gates {
+            quick: Share::LeftOut,
+            test: fil::ONE_BOARD,
+            full: fil::SAMPLED,
+        },
         run: fil::run,
     },
     Step {
         name: "traces",
         about: "what is expected at a first power-up, as pictures of the build guide made by the emulator: the same as those that are kept; \
                 `traces --write` keeps them",
-        in_test: InTest::No,
-        quick: Quick::LeftOut,
+        gates: Gates::NONE,
         run: traces::run,
     },
     Step {
         name: "cycles",
         about: "instructions and table cycles of law, control interrupt and current loop in that program; its stack",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates::FULL_ONLY,
         run: cycles::run,
     },
     Step {
         name: "bench",
         about: "instructions per tick of an example, counted by valgrind: `bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`; of every effect of a scene alone and in \
                 pairs: `bench --ladder [--write]`",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates::FULL_ONLY,
         run: bench::run,
     },
     Step {
         name: "probe",
         about: "boards behind a probe by the crate probe-rs, which `dist` builds with and nothing else: clippy, and tests on a chip in software",
-        in_test: InTest::No,
-        quick: Quick::LeftOut,
+        gates: Gates::NONE,
         run: probe::run,
     },
     Step {
         name: "dist",
         about: "an archive with which a maker needs no compiler, in `target/dist`: program, every board's firmware, guide, licences, \
                 checksums; unpacked and tried",
-        in_test: InTest::No,
-        quick: Quick::LeftOut,
+        gates: Gates::NONE,
         run: dist::run,
     },
     Step {
         name: "prove",
         about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests] [--shard I/N]`, `--mutants --theorems`, `--mutants --systematic`",
-        in_test: InTest::Whole,
-        quick: Quick::LeftOut,
+        gates: Gates::FULL_ONLY,
         run: prove::run,
     },
 ];
@@ -198,11 +198,18 @@ const STEPS: &[Step] = &[
 fn help() -> String {
     let mut text = String::from("Usage: cargo xtask COMMAND\n\n");
     for step in STEPS {
-        let mark = if step.in_test == InTest::No { ' ' } else { '*' };
+        let mark = match step.gates {
+            gates if gates.test != Share::LeftOut => '*',
+            gates if gates.full != Share::LeftOut => '+',
+            _ => ' ',
+        };
         text += &format!("{mark} {:<11}{}\n", step.name, step.about);
     }
-    text += "\n* is a step of `cargo xtask test`. Exit code: 0 done, 1 failed, 2 wrong usage, 77 not run.\n";
-    text + "\n`cargo xtask test --quick` leaves out:\n" + &test::left_out(STEPS)
+    text += "\n* is a step of `cargo xtask test`, + of `cargo xtask test --full` alone. Exit code: 0 done, 1 failed, 2 wrong usage, 77 not run.\n";
+    text += "\n`cargo xtask test` leaves out:\n";
+    text += &test::left_out(STEPS, Gate::Test);
+    text += "\n`cargo xtask test --quick` leaves out:\n";
+    text + &test::left_out(STEPS, Gate::Quick)
 }
 
 fn main() -> ExitCode {

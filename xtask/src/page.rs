@@ -1,20 +1,27 @@
-//! `cargo xtask page`: the live pages and the board's in real browsers, driven by a script.
+//! `cargo xtask page [--short | SECONDS [FOLDER]]`: the live pages and the board's in real browsers, driven by a script.
 
 use std::path::PathBuf;
 
 use crate::outcome::Outcome;
+use crate::step::Share;
 use crate::{emulator, shell};
 
 /// The board whose firmware is emulated before the page.
 const BOARD: &str = "nucleo-g474re";
 
+/// One browser, no firmware, few seconds of real time.
+const SHORT: &str = "--short";
+/// What the first gate runs of it.
+pub const SHORT_RUN: Share = Share::Part(
+    &[SHORT],
+    "the second browser; the emulated firmware's board path; 15 of 20 s of real time",
+);
+
 pub fn run(args: &[String]) -> Outcome {
-    if args.len() > 2
-        || args
-            .first()
-            .is_some_and(|seconds| seconds.parse::<f64>().is_err())
-    {
-        return Outcome::Usage("cargo xtask page [SECONDS [FOLDER]]".into());
+    let is_short = args == [SHORT];
+    let seconds = args.first().map(|seconds| seconds.parse::<f64>());
+    if !is_short && (args.len() > 2 || seconds.is_some_and(|seconds| seconds.is_err())) {
+        return Outcome::Usage("cargo xtask page [--short | SECONDS [FOLDER]]".into());
     }
     if shell::capture(shell::program("python3").arg("--version")).is_none() {
         return Outcome::NotRun("no python3".into());
@@ -29,10 +36,15 @@ pub fn run(args: &[String]) -> Outcome {
     );
     let mut script = shell::program("python3");
     // Without an emulator the pages are still driven, before the simulated knob.
-    let (emulated, firmware) = match emulator::firmware_and_emulator(&[BOARD]) {
-        Ok((emulated, programs)) => (emulated, programs.into_iter().next().unwrap_or_default()),
-        Err(Outcome::NotRun(_)) => (PathBuf::from("-"), PathBuf::from("-")),
-        Err(outcome) => return outcome,
+    let nowhere = || (PathBuf::from("-"), PathBuf::from("-"));
+    let (emulated, firmware) = if is_short {
+        nowhere()
+    } else {
+        match emulator::firmware_and_emulator(&[BOARD]) {
+            Ok((emulated, programs)) => (emulated, programs.into_iter().next().unwrap_or_default()),
+            Err(Outcome::NotRun(_)) => nowhere(),
+            Err(outcome) => return outcome,
+        }
     };
     script
         .arg("tests/page/drive.py")

@@ -32,10 +32,10 @@ struct Built<'s> {
     seconds: f64,
 }
 
-pub fn run(args: &[String]) -> Outcome {
-    let only = match args {
+pub fn run(words: &[&str]) -> Outcome {
+    let only = match words {
         [] => "",
-        [option, text] if option == "--only" => text,
+        ["--only", text] => *text,
         _ => return Outcome::Usage(USAGE.into()),
     };
     let mut all = match changes::list(LIST) {

@@ -1,18 +1,29 @@
-//! `cargo xtask setup [--install]`: what is installed, what is missing, what it is for and how to get it.
+//! `cargo xtask setup [--install [--full]]`: what is installed, what is missing, what it is for and how to get it.
 //!
 //! rustfmt and clippy, which every test run needs, are fetched by rustup without asking, and so is valgrind, by apt-get as
-//! root, when something is to be counted; the rest only with `--install`.
+//! root, when something is to be counted; the rest only with `--install`: what `cargo xtask test` needs, and with `--full` what its full run
+//! needs as well.
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
 use crate::prove::{allocator, coq};
 use crate::{emulator, shell, toolchain};
 
+/// Which gate needs it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Need {
+    /// Without it the tests say nothing.
+    Required,
+    /// A step of `cargo xtask test` is not run without it.
+    Test,
+    /// A step of `cargo xtask test --full` alone.
+    Full,
+}
+
 /// Something that a command needs.
 struct Tool {
     name: &'static str,
-    /// Without it the tests say nothing.
-    required: bool,
+    need: Need,
     purpose: &'static str,
     /// Its version; `None` if it is not there.
     version: fn() -> Option<String>,
@@ -25,7 +36,7 @@ struct Tool {
 const TOOLS: &[Tool] = &[
     Tool {
         name: "rustc",
-        required: true,
+        need: Need::Required,
         purpose: "everything",
         version: rustc,
         hint: "rustup toolchain install stable (1.95 or newer)",
@@ -33,7 +44,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "rustfmt",
-        required: true,
+        need: Need::Required,
         purpose: "fmt",
         version: || component("rustfmt"),
         hint: "rustup component add rustfmt",
@@ -41,7 +52,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "clippy",
-        required: true,
+        need: Need::Required,
         purpose: "lint",
         version: || component("clippy"),
         hint: "rustup component add clippy",
@@ -49,7 +60,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "valgrind",
-        required: false,
+        need: Need::Full,
         purpose: "bench: counts instructions",
         version: valgrind,
         hint: "apt-get install valgrind",
@@ -57,7 +68,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "thumb",
-        required: false,
+        need: Need::Test,
         purpose: "float-free: looks at the microcontroller's code",
         version: || toolchain::find(toolchain::SOFT_FLOAT).map(|found| found.to_string()),
         hint: "rustup target add thumbv7em-none-eabi",
@@ -66,7 +77,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "python3",
-        required: false,
+        need: Need::Test,
         purpose: "prove: the integer obligations; page: the browser's script",
         version: || first_line(&["python3", "--version"]),
         hint: "apt-get install python3",
@@ -74,7 +85,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "chromium",
-        required: false,
+        need: Need::Test,
         purpose: "page: drives the live page; looking at the report",
         version: chromium,
         hint: "apt-get install chromium",
@@ -82,7 +93,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "firefox",
-        required: false,
+        need: Need::Full,
         purpose: "page: the same in another browser",
         version: firefox,
         hint: "apt-get install firefox-esr",
@@ -90,7 +101,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "venv",
-        required: false,
+        need: Need::Full,
         purpose: "prove: the solvers' Python wheels",
         version: || {
             first_line(&[
@@ -104,7 +115,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "clang",
-        required: false,
+        need: Need::Test,
         purpose: "fil, cycles: builds the emulator, with libclang and cmake",
         version: || {
             let version = first_line(&["clang", "--version"]);
@@ -115,7 +126,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "coq",
-        required: false,
+        need: Need::Full,
         purpose: "prove: the theorems over traces",
         version: || first_line(&["coqc", "--version"]),
         // 250 MB to fetch, 1 GB on disk.
@@ -124,7 +135,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "zarith",
-        required: false,
+        need: Need::Full,
         purpose: "prove: the specification beside the code's ticks",
         version: coq::integers,
         hint: "apt-get install libzarith-ocaml-dev",
@@ -132,7 +143,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "kani",
-        required: false,
+        need: Need::Full,
         purpose: "prove: the harnesses",
         version: || first_line(&["cargo", "kani", "--version"]),
         hint: "cargo install --locked kani-verifier, then cargo kani setup",
@@ -140,7 +151,7 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "tcmalloc",
-        required: false,
+        need: Need::Full,
         purpose: "prove: the harnesses in less time",
         version: || allocator::found().map(|file| file.display().to_string()),
         hint: "apt-get install libtcmalloc-minimal4",
@@ -169,13 +180,17 @@ fn firefox() -> Option<String> {
 pub fn run(args: &[String]) -> Outcome {
     match args {
         [] => {}
-        [install] if install == "--install" => {
+        [install, rest @ ..]
+            if install == "--install" && (rest.is_empty() || rest == ["--full"]) =>
+        {
+            let is_full = !rest.is_empty();
             // rustup first: it fetches the target itself where it has a network.
             if toolchain::find(toolchain::SOFT_FLOAT).is_none() {
                 shell::run(shell::program("rustup").args(["target", "add", toolchain::SOFT_FLOAT]));
             }
             let packages: Vec<_> = TOOLS
                 .iter()
+                .filter(|tool| is_full || tool.need != Need::Full)
                 .filter(|tool| (tool.version)().is_none())
                 .flat_map(|tool| tool.packages.iter().copied())
                 .collect();
@@ -183,7 +198,7 @@ pub fn run(args: &[String]) -> Outcome {
                 apt_get(&packages);
             }
         }
-        _ => return Outcome::Usage("cargo xtask setup [--install]".into()),
+        _ => return Outcome::Usage("cargo xtask setup [--install [--full]]".into()),
     }
     let _ = missing_component("rustfmt");
     let _ = missing_component("clippy");
@@ -197,7 +212,7 @@ pub fn run(args: &[String]) -> Outcome {
                     tool.name, tool.purpose, tool.hint
                 );
                 missing.push(tool.name);
-                if tool.required {
+                if tool.need == Need::Required {
                     required.push(tool.name);
                 }
             }

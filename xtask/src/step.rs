@@ -6,52 +6,100 @@ use crate::outcome::Outcome;
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// What `cargo xtask test` runs of it, in the order of the table.
-    pub in_test: InTest,
-    pub quick: Quick,
+    /// What each gate runs of it, in the order of the table.
+    pub gates: Gates,
     pub run: fn(&[String]) -> Outcome,
 }
 
-/// What `cargo xtask test` does of a step.
+/// The gates: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InTest {
-    /// Nothing.
-    No,
-    /// All of it.
-    Whole,
-    /// With this argument a sample of it.
-    Sample(&'static str),
+pub enum Gate {
+    /// Daily work.
+    Quick,
+    /// What a person waits for, and CI.
+    Test,
+    /// What a night runs.
+    Full,
 }
 
-impl InTest {
-    /// The arguments, where it is run.
-    pub fn args(self) -> Option<Vec<String>> {
-        match self {
-            InTest::No => None,
-            InTest::Whole => Some(Vec::new()),
-            InTest::Sample(option) => Some(vec![option.to_owned()]),
-        }
-    }
+/// What each gate runs of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gates {
+    pub quick: Share,
+    pub test: Share,
+    pub full: Share,
 }
 
-/// What `cargo xtask test --quick` does of a step.
+/// What a gate runs of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quick {
+pub enum Share {
     /// All of it.
     Whole,
-    /// With this argument; what is then left out.
-    Part(&'static str, &'static str),
+    /// With these arguments; what is then left out, for people.
+    Part(&'static [&'static str], &'static str),
     /// Nothing.
     LeftOut,
 }
 
-impl Quick {
+impl Gates {
+    /// A command that no gate runs.
+    pub const NONE: Self = Self {
+        quick: Share::LeftOut,
+        test: Share::LeftOut,
+        full: Share::LeftOut,
+    };
+    /// A step that every gate runs whole.
+    pub const ALL: Self = Self {
+        quick: Share::Whole,
+        test: Share::Whole,
+        full: Share::Whole,
+    };
+    /// A step of the night alone.
+    pub const FULL_ONLY: Self = Self {
+        full: Share::Whole,
+        ..Self::NONE
+    };
+    /// A step of which daily work and the first gate run the same part.
+    pub const fn part(args: &'static [&'static str], left_out: &'static str) -> Self {
+        let part = Share::Part(args, left_out);
+        Self {
+            quick: part,
+            test: part,
+            full: Share::Whole,
+        }
+    }
+
+    /// What a gate runs.
+    pub const fn of(self, gate: Gate) -> Share {
+        match gate {
+            Gate::Quick => self.quick,
+            Gate::Test => self.test,
+            Gate::Full => self.full,
+        }
+    }
+
+    /// Whether any gate runs any of it.
+    pub fn is_tested(self) -> bool {
+        self != Self::NONE
+    }
+}
+
+impl Share {
+    /// The arguments, where it is run.
+    pub fn args(self) -> Option<Vec<String>> {
+        match self {
+            Share::LeftOut => None,
+            Share::Whole => Some(Vec::new()),
+            Share::Part(args, _) => Some(args.iter().map(|arg| (*arg).to_owned()).collect()),
+        }
+    }
+
     /// What is left out of a step, for people; `None`: nothing.
     pub fn left_out(self) -> Option<&'static str> {
         match self {
-            Quick::Whole => None,
-            Quick::Part(_, what) => Some(what),
-            Quick::LeftOut => Some("all of it"),
+            Share::Whole => None,
+            Share::Part(_, what) => Some(what),
+            Share::LeftOut => Some("all of it"),
         }
     }
 }

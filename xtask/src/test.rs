@@ -1,10 +1,10 @@
-//! `cargo xtask test [--quick]`: every step of the table in order, each to its end, then a summary.
+//! `cargo xtask test [--quick | --full]`: the steps of a gate in the table's order, each to its end, then a summary.
 
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use crate::outcome::Outcome;
-use crate::step::{InTest, Quick, Step};
+use crate::step::{Gate, Step};
 
 /// One finished step.
 struct Done {
@@ -13,35 +13,32 @@ struct Done {
     took: Duration,
 }
 
+/// The gates by their options.
+const GATES: [(&[&str], Gate); 3] = [
+    (&[], Gate::Test),
+    (&["--quick"], Gate::Quick),
+    (&["--full"], Gate::Full),
+];
+
 pub fn run(all: &[Step], args: &[String]) -> Outcome {
-    let mut steps: Vec<(&Step, Vec<String>)> = all
-        .iter()
-        .filter_map(|step| step.in_test.args().map(|args| (step, args)))
-        .collect();
-    let is_quick = match args {
-        [] => false,
-        [option] if option == "--quick" => true,
-        _ => {
-            let names: Vec<_> = steps.iter().map(|(step, _)| step.name).collect();
-            return Outcome::Usage(format!(
-                "cargo xtask test [--quick]; single steps are commands: {}",
-                names.join(", ")
-            ));
-        }
+    let Some((_, gate)) = GATES.iter().find(|(words, _)| args == *words) else {
+        let tested = all.iter().filter(|step| step.gates.is_tested());
+        let names: Vec<_> = tested.map(|step| step.name).collect();
+        return Outcome::Usage(format!(
+            "cargo xtask test [--quick | --full]; single steps are commands: {}",
+            names.join(", ")
+        ));
     };
-    if is_quick {
-        steps.retain(|(step, _)| step.quick != Quick::LeftOut);
-    }
+    let steps: Vec<(&Step, Vec<String>)> = all
+        .iter()
+        .filter_map(|step| step.gates.of(*gate).args().map(|args| (step, args)))
+        .collect();
     let start = Instant::now();
     let mut done = Vec::new();
-    for (index, (step, whole)) in steps.iter().enumerate() {
+    for (index, (step, args)) in steps.iter().enumerate() {
         println!("\n==> [{}/{}] {}", index + 1, steps.len(), step.name);
-        let args = match step.quick {
-            Quick::Part(option, _) if is_quick => vec![option.to_owned()],
-            _ => whole.clone(),
-        };
         let begun = Instant::now();
-        let outcome = (step.run)(&args);
+        let outcome = (step.run)(args);
         let took = begun.elapsed();
         println!("<== {} {}: {outcome}", step.name, seconds(took));
         done.push(Done {
@@ -51,17 +48,27 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
         });
     }
     println!("\n{}", table(&done));
-    if is_quick {
-        println!("left out by --quick:\n{}", left_out(all));
+    let rest = left_out(all, *gate);
+    if !rest.is_empty() {
+        println!("left out ({}):\n{rest}", whole(*gate));
     }
     verdict(&done, start.elapsed())
 }
 
-/// What `--quick` leaves out of the steps, a line each.
-pub fn left_out(all: &[Step]) -> String {
+/// Which command runs what a gate leaves out.
+fn whole(gate: Gate) -> &'static str {
+    match gate {
+        Gate::Quick => "`cargo xtask test` runs more, `cargo xtask test --full` nearly all",
+        Gate::Test => "`cargo xtask test --full` runs nearly all of it",
+        Gate::Full => "each step's own command runs it",
+    }
+}
+
+/// What a gate leaves out of the steps, a line each.
+pub fn left_out(all: &[Step], gate: Gate) -> String {
     let mut text = String::new();
-    for step in all.iter().filter(|step| step.in_test != InTest::No) {
-        if let Some(what) = step.quick.left_out() {
+    for step in all.iter().filter(|step| step.gates.is_tested()) {
+        if let Some(what) = step.gates.of(gate).left_out() {
             let _ = writeln!(text, "  {:<11}{what}", step.name);
         }
     }
@@ -112,6 +119,7 @@ fn verdict(done: &[Done], took: Duration) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::step::{Gates, Share};
 
     fn done(outcomes: &[Outcome]) -> Vec<Done> {
         let names = ["first", "second", "third"];
@@ -126,27 +134,50 @@ mod tests {
             .collect()
     }
 
-    /// Nothing is left out without a word.
+    /// No gate leaves anything out without a word.
     #[test]
-    fn what_is_quick_names_what_it_leaves_out() {
-        let step = |name, quick| Step {
+    fn a_gate_names_what_it_leaves_out() {
+        let step = |name, gates| Step {
             name,
             about: "",
-            in_test: InTest::Whole,
-            quick,
+            gates,
             run: |args| Outcome::Ok(args.join(" ")),
         };
         let steps = [
-            step("whole", Quick::Whole),
-            step("part", Quick::Part("--quick", "the slow half")),
-            step("none", Quick::LeftOut),
+            step("whole", Gates::ALL),
+            step("part", Gates::part(&["--some"], "the slow half")),
+            step("night", Gates::FULL_ONLY),
+            step("never", Gates::NONE),
         ];
-        assert_eq!(
-            left_out(&steps),
-            "  part       the slow half\n  none       all of it\n"
-        );
-        assert_eq!(run(&steps, &["--quick".into()]).word(), "ok");
+        let of_test = "  part       the slow half\n  night      all of it\n";
+        assert_eq!(left_out(&steps, Gate::Test), of_test);
+        assert_eq!(left_out(&steps, Gate::Quick), of_test);
+        assert_eq!(left_out(&steps, Gate::Full), "");
+        for (words, _) in GATES {
+            let words: Vec<_> = words.iter().map(|word| (*word).to_owned()).collect();
+            assert_eq!(run(&steps, &words).word(), "ok");
+        }
         assert_eq!(run(&steps, &["--quik".into()]).word(), "usage");
+        assert_eq!(
+            run(&steps, &["--quick".into(), "--full".into()]).word(),
+            "usage"
+        );
+    }
+
+    /// What the first gate leaves out, the night runs; a part has arguments.
+    #[test]
+    fn the_full_gate_has_every_step_of_the_others() {
+        for step in crate::STEPS {
+            let gates = step.gates;
+            let runs = |gate| gates.of(gate) != Share::LeftOut;
+            assert!(runs(Gate::Full) || !runs(Gate::Test), "{}", step.name);
+            assert!(runs(Gate::Test) || !runs(Gate::Quick), "{}", step.name);
+            for gate in [Gate::Quick, Gate::Test, Gate::Full] {
+                if let Share::Part(args, what) = gates.of(gate) {
+                    assert!(!args.is_empty() && !what.is_empty(), "{}", step.name);
+                }
+            }
+        }
     }
 
     #[test]
