@@ -1,0 +1,312 @@
+/* Touchstone: an energy guard for any force, and hard virtual walls, in fixed point.
+ *
+ * Angles, forces and energies are integers: ts_position and ts_force hold rad and N*m times 2^24, ts_energy joules
+ * times 2^48. Values of settings are ts_si, SI units times 2^32. With m and N in place of rad and N*m the same
+ * numbers serve a linear device. No function allocates, keeps a global, or needs a floating-point unit.
+ *
+ * Threads: each object belongs to one thread or interrupt at a time. Two objects share nothing.
+ * Objects hold no pointers, so they may be copied and moved.
+ */
+
+
+#ifndef TOUCHSTONE_H
+#define TOUCHSTONE_H
+
+/* Made by cbindgen from bindings/c/src. Change the source, then run: TOUCHSTONE_WRITE_HEADER=1 cargo test -p touchstone-c --test header */
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* A constant in SI units as a ts_si, computed by the compiler: TS_SI(0.0005) */
+#define TS_SI(value) ((int64_t)((value) * 4294967296.0))
+
+
+/*
+ Words of a guard's memory.
+ */
+#define TS_GUARD_WORDS 24
+
+/*
+ Words of the settings' memory.
+ */
+#define TS_SETTINGS_WORDS 64
+
+/*
+ Words of a wall's memory.
+ */
+#define TS_WALL_WORDS 160
+
+/*
+ What a call answers. `TS_OK` is 0; after any other answer the output is 0, so that a firmware that ignores it drives no motor.
+ */
+typedef enum {
+  /*
+   Done.
+   */
+  TS_OK = 0,
+  /*
+   A pointer is null.
+   */
+  TS_NULL_POINTER = 1,
+  /*
+   The object was never initialised, or its memory was overwritten. Call its `init` function.
+   */
+  TS_NOT_INITIALISED = 2,
+  /*
+   A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
+   */
+  TS_OUT_OF_RANGE = 3,
+  /*
+   No setting has this name.
+   */
+  TS_UNKNOWN_SETTING = 4,
+  /*
+   The text is no value of this setting.
+   */
+  TS_BAD_VALUE = 5,
+  /*
+   The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until the guard or wall is resumed:
+   switch the motor off.
+   */
+  TS_OVERSPEED = 6,
+} ts_status;
+
+/*
+ The value of a setting in its SI unit, times 2^32.
+ */
+typedef int64_t ts_si;
+
+/*
+ What the guard must know of the device, and what it promises. Start from `ts_guard_defaults`.
+ */
+typedef struct {
+  /*
+   Ticks a second, 1 to 100,000.
+   */
+  uint32_t rate_hz;
+  /*
+   Largest force ever commanded, N·m (N).
+   */
+  ts_si force_limit;
+  /*
+   A count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
+   */
+  ts_si count;
+  /*
+   Damping of the device alone, without a hand, as measured, N·m·s/rad (N·s/m).
+   */
+  ts_si damping;
+  /*
+   Share of that damping that is sure to be there, 0 to 1.
+   */
+  ts_si share_of_damping;
+  /*
+   Energy that a hand may get out at once, J, at most 16.
+   */
+  ts_si capacity;
+  /*
+   Power that a hand may get out again and again, W, at most 1.
+   */
+  ts_si refill;
+  /*
+   Speed up to which every displacement is answered for, rad/s (m/s); above it the force goes off and stays off.
+   */
+  ts_si overspeed;
+  /*
+   Time from a sample until its force begins to act, s, at most a tick.
+   */
+  ts_si delay;
+  /*
+   Time from there until the force is there, as the mean of the current loop's step response, s; with the delay at most a tick.
+   */
+  ts_si lag;
+  /*
+   1 where the position is also read when the force changes, for `ts_guard_tick_with_change`; else 0.
+   */
+  uint32_t change_is_measured;
+} ts_guard_config;
+
+/*
+ A guard: coefficients and memory. Initialise it by `ts_guard_init`.
+ */
+typedef struct {
+  uint64_t memory[TS_GUARD_WORDS];
+} ts_guard;
+
+/*
+ A position or displacement, rad (m) times 2^24.
+ */
+typedef int32_t ts_position;
+
+/*
+ A torque or force, N·m (N) times 2^24.
+ */
+typedef int32_t ts_force;
+
+/*
+ An energy, J times 2^48.
+ */
+typedef int64_t ts_energy;
+
+/*
+ The settings of a wall. Initialise them by `ts_settings_init`.
+ */
+typedef struct {
+  uint64_t memory[TS_SETTINGS_WORDS];
+} ts_settings;
+
+/*
+ A wall: coefficients and memory of estimator, law and guard. Initialise it by `ts_wall_init`.
+ */
+typedef struct {
+  uint64_t memory[TS_WALL_WORDS];
+} ts_wall;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device:
+ rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+ */
+ts_status ts_guard_defaults(ts_guard_config *config);
+
+/*
+ A guard at power-up, with a full account. Call it once: a full account is a promise spent once.
+
+ Answers `TS_OUT_OF_RANGE` where a setting is refused; the guard then counts as not initialised, and allows no force.
+ */
+ts_status ts_guard_init(ts_guard *guard,
+                        const ts_guard_config *config);
+
+/*
+ Whether a configuration is accepted, and why not, in one line with the setting's name and range. `message` may be null.
+ */
+ts_status ts_guard_check(const ts_guard_config *config,
+                         char *message,
+                         size_t length);
+
+/*
+ One control period. `moved` is how far the device moved since the last tick, `wanted` the force of your law, `*allowed` what it may be, with the sign of
+ a force that resists a positive `moved` positive. At most `capacity + refill * time` ever reaches the hand beyond what it put in.
+ */
+ts_status ts_guard_tick(ts_guard *guard,
+                        ts_position moved,
+                        ts_force wanted,
+                        ts_force *allowed);
+
+/*
+ The same where the encoder was also read when the last force took effect: `before_change` is the part of `moved` that came before.
+ */
+ts_status ts_guard_tick_with_change(ts_guard *guard,
+                                    ts_position moved,
+                                    ts_position before_change,
+                                    ts_force wanted,
+                                    ts_force *allowed);
+
+/*
+ Tells the guard that less than it allowed was commanded in the end. A larger force counts as the allowed one.
+ */
+ts_status ts_guard_commanded(ts_guard *guard, ts_force force);
+
+/*
+ Tells the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
+ */
+ts_status ts_guard_switched_off(ts_guard *guard);
+
+/*
+ Takes a switched-off or tripped guard up again, with the account that it had: arming again is no reason for a full one.
+ */
+ts_status ts_guard_resume(ts_guard *guard);
+
+/*
+ What the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made up for it.
+ */
+ts_status ts_guard_account(ts_guard *guard,
+                           ts_energy *account);
+
+/*
+ The defaults: the wall of Touchstone's simulated knob. Set at least what is otherwise on your device.
+ */
+ts_status ts_settings_init(ts_settings *settings);
+
+/*
+ Sets one by its path and a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`, `"spring-damper"`.
+ Ranges are checked by `ts_settings_check` and `ts_wall_init`, when all are set.
+ */
+ts_status ts_settings_set(ts_settings *settings,
+                          const char *path,
+                          const char *value);
+
+/*
+ Tells estimator and guard the encoder: counts of a whole turn, all edges counted, at least 1.
+ */
+ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
+
+/*
+ Whether all are accepted together, and if not why, in one line with the setting's name and range. `message` may be null.
+ */
+ts_status ts_settings_check(ts_settings *settings,
+                            char *message,
+                            size_t length);
+
+/*
+ A status in words, for a log. Never null.
+ */
+const char *ts_status_text(int32_t status);
+
+/*
+ A wall at power-up. Answers `TS_OUT_OF_RANGE` where the settings are refused; the wall then counts as not initialised, and gives no force.
+ */
+ts_status ts_wall_init(ts_wall *wall,
+                       ts_settings *settings);
+
+/*
+ One control period: how deep the device is in the wall, positive inside, to the force that pushes it out. Command the motor with its
+ negative along the angle, and hold it until the next tick.
+ */
+ts_status ts_wall_tick(ts_wall *wall,
+                       ts_position penetration,
+                       ts_force *force);
+
+/*
+ Tells estimator and guard what was commanded in the end, where that is less than the wall's force.
+ */
+ts_status ts_wall_commanded(ts_wall *wall, ts_force force);
+
+/*
+ Tells the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
+ */
+ts_status ts_wall_switched_off(ts_wall *wall);
+
+/*
+ Takes the wall up again for the next arming, with its settings or changed ones: all memory is new but the guard's account.
+ */
+ts_status ts_wall_resume(ts_wall *wall,
+                         ts_settings *settings);
+
+/*
+ The penetration of an encoder's count into a wall that stands at `surface`, rad: `2 pi count / counts_per_rev - surface`,
+ saturating. 0 for an encoder without counts.
+ */
+ts_position ts_penetration(int64_t count,
+                           uint32_t counts_per_rev,
+                           ts_si surface);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* TOUCHSTONE_H */
+
+#ifndef TS_NO_FLOAT
+/* Conversions for firmware with a floating-point unit. Values outside -127 to 127 saturate; not-a-number gives 0. */
+static inline int32_t ts_from_float(float si) {
+  if (!(si == si)) return 0;
+  if (si > 127.0f) si = 127.0f;
+  if (si < -127.0f) si = -127.0f;
+  return (int32_t)(si * 16777216.0f);
+}
+static inline float ts_to_float(int32_t digits) { return (float)digits / 16777216.0f; }
+#endif

@@ -1,0 +1,121 @@
+//! Where memory that C owns becomes a Rust value: the only place that reads or writes through a pointer.
+//!
+//! An object of C is an array of 64-bit words. `init` writes a mark and the value into it; every other call looks for the mark first,
+//! so that zeroed or foreign memory is refused. The mark cannot tell memory that was partly overwritten.
+#![allow(unsafe_code)]
+
+use crate::status::ts_status;
+use core::ffi::{CStr, c_char};
+
+/// What stands in an object's memory: the mark of its type, then the value.
+#[repr(C)]
+pub struct Marked<T> {
+    mark: u64,
+    value: T,
+}
+
+/// An object of C that holds a Rust value of one type.
+///
+/// # Safety
+/// The object is at least as large and as strictly aligned as `Marked<Self::Value>`: `assert_room!` checks it.
+pub unsafe trait Object: Sized {
+    /// What it holds.
+    type Value: Copy;
+    /// Its mark: different for each type.
+    const MARK: u64;
+}
+
+/// Stops the compiler where an object of C is too small for its value.
+macro_rules! assert_room {
+    ($object:ty) => {
+        const _: () = {
+            type Inside = $crate::memory::Marked<<$object as $crate::memory::Object>::Value>;
+            assert!(core::mem::size_of::<Inside>() <= core::mem::size_of::<$object>());
+            assert!(core::mem::align_of::<Inside>() <= core::mem::align_of::<$object>());
+        };
+    };
+}
+pub(crate) use assert_room;
+
+/// Puts a value into an object.
+pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_status {
+    if object.is_null() {
+        return ts_status::TS_NULL_POINTER;
+    }
+    let marked = Marked {
+        mark: O::MARK,
+        value,
+    };
+    // SAFETY: not null, and by the trait's contract large and aligned enough; the caller of the C function owns it.
+    unsafe { object.cast::<Marked<O::Value>>().write(marked) };
+    ts_status::TS_OK
+}
+
+/// Takes an object's mark away, so that it counts as not initialised until its new value is made.
+pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
+    if object.is_null() {
+        return Err(ts_status::TS_NULL_POINTER);
+    }
+    // SAFETY: as in `initialise`; the mark is the first word.
+    unsafe { object.cast::<u64>().write(0) };
+    Ok(())
+}
+
+/// The value in an object.
+pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, ts_status> {
+    if object.is_null() {
+        return Err(ts_status::TS_NULL_POINTER);
+    }
+    // SAFETY: not null, aligned by the trait's contract; every bit pattern is a word.
+    let mark = unsafe { object.cast::<u64>().read() };
+    if mark != O::MARK {
+        return Err(ts_status::TS_NOT_INITIALISED);
+    }
+    // SAFETY: the mark says that `initialise` wrote the value; the caller of the C function has the object for itself while the call lasts.
+    Ok(unsafe { &mut (*object.cast::<Marked<O::Value>>()).value })
+}
+
+/// Writes an output.
+pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
+    if place.is_null() {
+        return ts_status::TS_NULL_POINTER;
+    }
+    // SAFETY: not null; the caller of the C function owns a `T` there.
+    unsafe { place.write(value) };
+    ts_status::TS_OK
+}
+
+/// Reads an input structure.
+pub(crate) fn get<T: Copy>(place: *const T) -> Result<T, ts_status> {
+    if place.is_null() {
+        return Err(ts_status::TS_NULL_POINTER);
+    }
+    // SAFETY: not null; the caller of the C function has a whole `T` there.
+    Ok(unsafe { place.read() })
+}
+
+/// A C string that is UTF-8.
+pub(crate) fn text<'a>(text: *const c_char) -> Result<&'a str, ts_status> {
+    if text.is_null() {
+        return Err(ts_status::TS_NULL_POINTER);
+    }
+    // SAFETY: not null; the caller of the C function ends it with a zero byte.
+    let text = unsafe { CStr::from_ptr(text) };
+    text.to_str().map_err(|_| ts_status::TS_BAD_VALUE)
+}
+
+/// A buffer of C for a text; empty where there is none.
+pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
+    if place.is_null() || length == 0 {
+        return &mut [];
+    }
+    // SAFETY: not null; the caller of the C function owns `length` bytes there.
+    unsafe { core::slice::from_raw_parts_mut(place.cast::<u8>(), length) }
+}
+
+/// Ends a text with a zero byte.
+pub(crate) fn terminate(buffer: &mut [u8], at: usize) {
+    if let Some(end) = buffer.get_mut(at) {
+        *end = 0;
+    }
+}

@@ -1,0 +1,137 @@
+//! All settings of a wall by name, as scenes and boards have them.
+
+use crate::memory::{self, Object, assert_room};
+use crate::status::{Words, ts_status};
+use core::ffi::c_char;
+use core::fmt::Write as _;
+use touchstone_control::{Controller, Field, Fixed32, PositionSettings, Settings};
+
+/// Words of the settings' memory.
+pub const TS_SETTINGS_WORDS: usize = 64;
+
+/// The settings of a wall. Initialise them by `ts_settings_init`.
+#[repr(C)]
+#[allow(non_camel_case_types)]
+pub struct ts_settings {
+    memory: [u64; TS_SETTINGS_WORDS],
+}
+
+// SAFETY: `assert_room!` below checks size and alignment.
+#[allow(unsafe_code)]
+unsafe impl Object for ts_settings {
+    type Value = Settings;
+    const MARK: u64 = 0x7473_7365_7474_6967;
+}
+assert_room!(ts_settings);
+
+/// A value of its kind from a text; `None` where it is none.
+macro_rules! parse {
+    ($text:ident: choice ($choice:ident)) => {
+        touchstone_control::Choice::of_word($text)
+    };
+    ($text:ident: choice_of_law ($choice:ident)) => {
+        touchstone_control::Choice::of_word($text)
+    };
+    ($text:ident: $kind:ident $range:tt) => {
+        $text.parse().ok()
+    };
+}
+
+/// Writes the row with that path.
+macro_rules! set {
+    ($settings:ident $path:ident $text:ident:
+        timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
+        $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
+    ) => {
+        set! { @rows $settings ($path $text) $($timing)* $($wall)* $($law)* }
+        $(
+            let group = &mut $settings.$group;
+            set! { @rows group ($path $text) $($rows)* }
+        )+
+    };
+    (@rows $place:ident ($path:ident $text:ident)
+        $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+) => {
+        $(
+            if $path == Field::$variant.path() {
+                return match parse!($text: $kind $range) {
+                    None => ts_status::TS_BAD_VALUE,
+                    Some(value) => {
+                        $place.$field = value;
+                        ts_status::TS_OK
+                    }
+                };
+            }
+        )+
+    };
+}
+
+fn set(settings: &mut Settings, path: &str, text: &str) -> ts_status {
+    touchstone_control::law_settings!(set settings path text:);
+    ts_status::TS_UNKNOWN_SETTING
+}
+
+/// The defaults: the wall of Touchstone's simulated knob. Set at least what is otherwise on your device.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)]
+pub extern "C" fn ts_settings_init(settings: *mut ts_settings) -> ts_status {
+    memory::initialise(settings, Settings::default())
+}
+
+/// Sets one by its path and a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`, `"spring-damper"`.
+/// Ranges are checked by `ts_settings_check` and `ts_wall_init`, when all are set.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)]
+pub extern "C" fn ts_settings_set(
+    settings: *mut ts_settings,
+    path: *const c_char,
+    value: *const c_char,
+) -> ts_status {
+    match (
+        memory::value(settings),
+        memory::text(path),
+        memory::text(value),
+    ) {
+        (Ok(settings), Ok(path), Ok(value)) => set(settings, path, value),
+        (Err(status), ..) | (_, Err(status), _) | (.., Err(status)) => status,
+    }
+}
+
+/// Tells estimator and guard the encoder: counts of a whole turn, all edges counted, at least 1.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)]
+pub extern "C" fn ts_settings_set_counts_per_rev(
+    settings: *mut ts_settings,
+    counts_per_rev: u32,
+) -> ts_status {
+    match memory::value(settings) {
+        Err(status) => status,
+        Ok(_) if counts_per_rev == 0 => ts_status::TS_BAD_VALUE,
+        Ok(settings) => {
+            settings.position = PositionSettings::of_counts_per_rev(counts_per_rev);
+            ts_status::TS_OK
+        }
+    }
+}
+
+/// Whether all are accepted together, and if not why, in one line with the setting's name and range. `message` may be null.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)]
+pub extern "C" fn ts_settings_check(
+    settings: *mut ts_settings,
+    message: *mut c_char,
+    length: usize,
+) -> ts_status {
+    let mut words = Words::new(memory::buffer(message, length));
+    let settings = match memory::value(settings) {
+        Ok(settings) => settings,
+        Err(status) => return status,
+    };
+    match Controller::<Fixed32>::new(settings) {
+        Ok(_) => ts_status::TS_OK,
+        Err(problem) => {
+            // A buffer cuts a text; it never fails.
+            let _ = write!(words, "{problem}");
+            ts_status::TS_OUT_OF_RANGE
+        }
+    }
+}

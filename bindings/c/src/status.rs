@@ -1,0 +1,74 @@
+//! What a call answers.
+
+use crate::memory;
+use core::ffi::c_char;
+
+/// What a call answers. `TS_OK` is 0; after any other answer the output is 0, so that a firmware that ignores it drives no motor.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+pub enum ts_status {
+    /// Done.
+    TS_OK = 0,
+    /// A pointer is null.
+    TS_NULL_POINTER = 1,
+    /// The object was never initialised, or its memory was overwritten. Call its `init` function.
+    TS_NOT_INITIALISED = 2,
+    /// A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
+    TS_OUT_OF_RANGE = 3,
+    /// No setting has this name.
+    TS_UNKNOWN_SETTING = 4,
+    /// The text is no value of this setting.
+    TS_BAD_VALUE = 5,
+    /// The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until the guard or wall is resumed:
+    /// switch the motor off.
+    TS_OVERSPEED = 6,
+}
+
+/// A status in words, for a log. Never null.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)]
+pub extern "C" fn ts_status_text(status: i32) -> *const c_char {
+    let text: &core::ffi::CStr = match status {
+        0 => c"done",
+        1 => c"a pointer is null",
+        2 => c"the object was never initialised, or its memory was overwritten: call its init function",
+        3 => c"a setting is out of its range: ts_guard_check or ts_settings_check names it",
+        4 => c"no setting has this name: docs list them, or `touchstone config schema`",
+        5 => c"the text is no value of this setting",
+        6 => c"the device moved faster than the guard's overspeed: switch the motor off",
+        _ => c"no status of this library",
+    };
+    text.as_ptr()
+}
+
+/// Writes an error in words to a C buffer, cut to its length, and ends it with a zero byte.
+pub(crate) struct Words<'a> {
+    buffer: &'a mut [u8],
+    used: usize,
+}
+
+impl<'a> Words<'a> {
+    /// An empty text in a buffer; the last byte stays for the zero.
+    pub(crate) fn new(buffer: &'a mut [u8]) -> Self {
+        memory::terminate(buffer, 0);
+        Self { buffer, used: 0 }
+    }
+}
+
+impl core::fmt::Write for Words<'_> {
+    fn write_str(&mut self, text: &str) -> core::fmt::Result {
+        for byte in text.bytes() {
+            // One byte stays for the zero.
+            if self.used.saturating_add(1) >= self.buffer.len() {
+                break;
+            }
+            if let Some(place) = self.buffer.get_mut(self.used) {
+                *place = byte;
+                self.used = self.used.saturating_add(1);
+            }
+        }
+        memory::terminate(self.buffer, self.used);
+        Ok(())
+    }
+}
