@@ -53,6 +53,7 @@ pub mod filter;
 pub mod guard;
 pub mod law;
 pub mod magnitude;
+pub mod named;
 pub mod number;
 pub mod observer;
 pub mod quantity;
@@ -74,6 +75,7 @@ pub use encoder::CountScale;
 pub use environment::Environment;
 pub use estimator::Estimator;
 pub use guard::{Guard, GuardState, Guarded, GuardedDevice};
+pub use named::NotSet;
 #[cfg(feature = "float")]
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};

@@ -4,7 +4,7 @@ use crate::memory::{self, Object, assert_room};
 use crate::status::{Words, ts_status};
 use core::ffi::c_char;
 use core::fmt::Write as _;
-use touchstone_control::{Controller, Field, Fixed32, PositionSettings, Settings};
+use touchstone_control::{Controller, Fixed32, NotSet, PositionSettings, Settings};
 
 /// Words of the settings' memory.
 pub const TS_SETTINGS_WORDS: usize = 64;
@@ -23,52 +23,6 @@ unsafe impl Object for ts_settings {
     const MARK: u64 = 0x7473_7365_7474_6967;
 }
 assert_room!(ts_settings);
-
-/// A value of its kind from a text; `None` where it is none.
-macro_rules! parse {
-    ($text:ident: choice ($choice:ident)) => {
-        touchstone_control::Choice::of_word($text)
-    };
-    ($text:ident: choice_of_law ($choice:ident)) => {
-        touchstone_control::Choice::of_word($text)
-    };
-    ($text:ident: $kind:ident $range:tt) => {
-        $text.parse().ok()
-    };
-}
-
-/// Writes the row with that path.
-macro_rules! set {
-    ($settings:ident $path:ident $text:ident:
-        timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
-        $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
-    ) => {
-        set! { @rows $settings ($path $text) $($timing)* $($wall)* $($law)* }
-        $(
-            let group = &mut $settings.$group;
-            set! { @rows group ($path $text) $($rows)* }
-        )+
-    };
-    (@rows $place:ident ($path:ident $text:ident)
-        $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+) => {
-        $(
-            if $path == Field::$variant.path() {
-                return match parse!($text: $kind $range) {
-                    None => ts_status::TS_BAD_VALUE,
-                    Some(value) => {
-                        $place.$field = value;
-                        ts_status::TS_OK
-                    }
-                };
-            }
-        )+
-    };
-}
-
-fn set(settings: &mut Settings, path: &str, text: &str) -> ts_status {
-    touchstone_control::law_settings!(set settings path text:);
-    ts_status::TS_UNKNOWN_SETTING
-}
 
 /// The defaults: the wall of Touchstone's simulated knob. Set at least what is otherwise on your device.
 #[unsafe(no_mangle)]
@@ -91,7 +45,11 @@ pub extern "C" fn ts_settings_set(
         memory::text(path),
         memory::text(value),
     ) {
-        (Ok(settings), Ok(path), Ok(value)) => set(settings, path, value),
+        (Ok(settings), Ok(path), Ok(value)) => match settings.set(path, value) {
+            Ok(()) => ts_status::TS_OK,
+            Err(NotSet::UnknownPath) => ts_status::TS_UNKNOWN_SETTING,
+            Err(NotSet::NoValue) => ts_status::TS_BAD_VALUE,
+        },
         (Err(status), ..) | (_, Err(status), _) | (.., Err(status)) => status,
     }
 }
