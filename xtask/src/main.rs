@@ -38,6 +38,7 @@ mod toolchain;
 mod traces;
 mod unit;
 mod wasm;
+mod wheel;
 
 use std::process::ExitCode;
 
@@ -186,6 +187,12 @@ const STEPS: &[Step] = &[
                 checksums; unpacked and tried",
         gates: Gates::NONE,
         run: dist::run,
+    },
+    Step {
+        name: "wheel",
+        about: "the Python package with the program in it, `target/wheel`: built by maturin, installed, its tests run",
+        gates: Gates::FULL_ONLY,
+        run: wheel::run,
     },
     Step {
         name: "prove",

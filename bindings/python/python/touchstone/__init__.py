@@ -1,0 +1,30 @@
+"""Hard virtual walls, and an energy guard for any force.
+
+``Guard`` bounds what a hand can get out of a device, whatever force stands before it; ``Wall`` is a whole wall, tick by tick, with the
+bits of the firmware. ``run``, ``scorecard``, ``tune`` and ``certify`` ask the simulator, which is the program ``touchstone`` of the same package.
+
+    >>> import touchstone
+    >>> wall = touchstone.Wall({"wall.k_desired_n_m_per_rad": 5})
+    >>> round(wall.tick(0.01), 4)  # 10 mrad inside: 50 mN·m outwards
+    0.05
+"""
+
+from ._native import Guard, __version__
+from ._program import Failed, Mistake, NotMet, Run, certify, program, run, scenes, scorecard, tune
+from ._wall import Wall
+
+__all__ = [
+    "Failed",
+    "Guard",
+    "Mistake",
+    "NotMet",
+    "Run",
+    "Wall",
+    "__version__",
+    "certify",
+    "program",
+    "run",
+    "scenes",
+    "scorecard",
+    "tune",
+]

@@ -1,0 +1,17 @@
+"""The wall with its settings as a dict."""
+
+from . import _native
+from ._text import text
+
+
+class Wall(_native.Wall):
+    """A whole wall: estimator, law and guard, in the fixed point of the firmware and to its bits.
+
+    ``settings`` maps paths of scenes to values: ``{"wall.k_desired_n_m_per_rad": 5, "law.kind": "tdpa"}``; ``touchstone config schema``
+    lists them. What is left out is as in the simulated knob that ships: tell the wall your own rate, inertia, damping, delay and encoder.
+    ``preset="thesis"`` starts from the settings of the thesis. Raises ``ValueError`` that names the setting and its range.
+    """
+
+    def __new__(cls, settings=None, *, counts_per_rev=40_000, surface_rad=0.0, preset="shipped"):
+        rows = [(path, text(value)) for path, value in (settings or {}).items()]
+        return super().__new__(cls, rows, counts_per_rev=counts_per_rev, surface_rad=surface_rad, preset=preset)

@@ -1,0 +1,312 @@
+//! The guard and the walls for Python, tick by tick and over whole arrays.
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use touchstone_control::{
+    ChangeOfForce, Choice as _, Controller, CountScale, Fixed32, Force, Guard, GuardSettings,
+    Guarded, GuardedDevice, NotSet, Number, Position, PositionSettings, Settings, Si,
+};
+
+/// A number of Python as a value of the settings.
+fn si(name: &str, value: f64) -> PyResult<Si> {
+    Si::checked_from_num(value).ok_or_else(|| {
+        PyValueError::new_err(format!("{name} = {value}: give a finite number below 2e9"))
+    })
+}
+
+/// A position, rad (m), to the nearest step; beyond ±128 it saturates.
+fn position(value: f64) -> PyResult<Position<Fixed32>> {
+    Ok(Position(Fixed32::saturating_signal(finite(
+        "a position",
+        value,
+    )?)))
+}
+
+/// A force, N·m (N), to the nearest step; beyond ±128 it saturates.
+fn force(value: f64) -> PyResult<Force<Fixed32>> {
+    Ok(Force(Fixed32::saturating_signal(finite("a force", value)?)))
+}
+
+fn finite(what: &str, value: f64) -> PyResult<Si> {
+    if value.is_nan() {
+        return Err(PyValueError::new_err(format!("{what} is not a number")));
+    }
+    Ok(Si::saturating_from_num(value))
+}
+
+/// Exact: the formats of positions and forces have 24 bits after the point.
+fn number(value: impl Into<Si>) -> f64 {
+    value.into().to_num()
+}
+
+/// A bound on what a hand can get out of a device, whatever force stands before it.
+///
+/// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in, if the device has the stated damping, encoder and delay, and its
+/// motor gives the torque that it is told. Units are rad and N·m; with m and N the same numbers serve a linear device.
+#[pyclass(name = "Guard", module = "touchstone")]
+struct PyGuard {
+    inner: Guarded<Fixed32>,
+}
+
+#[pymethods]
+impl PyGuard {
+    #[new]
+    #[pyo3(signature = (*, rate_hz, force_limit_n_m, count_rad, damping_n_m_s_per_rad, share_of_damping=None, capacity_j=None, refill_w=None,
+        overspeed_rad_per_s=None, delay_s=0.0, lag_s=0.0, change_is_measured=false))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        rate_hz: u32,
+        force_limit_n_m: f64,
+        count_rad: f64,
+        damping_n_m_s_per_rad: f64,
+        share_of_damping: Option<f64>,
+        capacity_j: Option<f64>,
+        refill_w: Option<f64>,
+        overspeed_rad_per_s: Option<f64>,
+        delay_s: f64,
+        lag_s: f64,
+        change_is_measured: bool,
+    ) -> PyResult<Self> {
+        let shipped = GuardSettings::default();
+        let or = |name, value: Option<f64>, default| value.map_or(Ok(default), |it| si(name, it));
+        let settings = GuardSettings {
+            on: true,
+            capacity: or("capacity_j", capacity_j, shipped.capacity)?,
+            refill: or("refill_w", refill_w, shipped.refill)?,
+            damping: si("damping_n_m_s_per_rad", damping_n_m_s_per_rad)?,
+            share_of_damping: or(
+                "share_of_damping",
+                share_of_damping,
+                shipped.share_of_damping,
+            )?,
+            overspeed: or(
+                "overspeed_rad_per_s",
+                overspeed_rad_per_s,
+                shipped.overspeed,
+            )?,
+            delay: si("delay_s", delay_s)?,
+            lag: si("lag_s", lag_s)?,
+            change: if change_is_measured {
+                ChangeOfForce::Measured
+            } else {
+                ChangeOfForce::Estimated
+            },
+        };
+        let device = GuardedDevice {
+            rate_hz,
+            force_limit: si("force_limit_n_m", force_limit_n_m)?,
+            count: si("count_rad", count_rad)?,
+        };
+        let guard = Guard::new(&settings, &device)
+            .map_err(|problem| PyValueError::new_err(problem.to_string()))?;
+        Ok(Self {
+            inner: Guarded::new(guard),
+        })
+    }
+
+    /// One control period: how far the device moved since the last tick and the wanted force, to the force that it may have.
+    ///
+    /// A force that resists a positive motion is positive. `before_change` is the part of `moved` before the last force took effect, where the encoder
+    /// was read then too.
+    #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
+    fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
+        let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
+        let allowed = self.inner.moved(moved, before, force(wanted_n_m)?);
+        Ok(number(allowed.0))
+    }
+
+    /// Many control periods at once.
+    fn ticks<'py>(
+        &mut self,
+        py: Python<'py>,
+        moved_rad: PyReadonlyArray1<'py, f64>,
+        wanted_n_m: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (moved, wanted) = (moved_rad.as_slice()?, wanted_n_m.as_slice()?);
+        if moved.len() != wanted.len() {
+            return Err(PyValueError::new_err(format!(
+                "{} displacements and {} forces: give as many of each",
+                moved.len(),
+                wanted.len()
+            )));
+        }
+        // All are looked at first, so that a refused call changes nothing.
+        let pairs: Vec<_> = moved
+            .iter()
+            .zip(wanted)
+            .map(|(moved, wanted)| Ok((position(*moved)?, force(*wanted)?)))
+            .collect::<PyResult<_>>()?;
+        let guard = &mut self.inner;
+        let allowed: Vec<f64> = py.detach(|| {
+            pairs
+                .into_iter()
+                .map(|(moved, wanted)| number(guard.moved(moved, Position::zero(), wanted).0))
+                .collect()
+        });
+        Ok(PyArray1::from_vec(py, allowed))
+    }
+
+    /// Tells the guard that less than it allowed was commanded in the end.
+    fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
+        self.inner.commanded(force(force_n_m)?);
+        Ok(())
+    }
+
+    /// Tells the guard that the motor was switched off, and that no tick follows until `resume`.
+    fn switched_off(&mut self) {
+        self.inner.switched_off();
+    }
+
+    /// Takes a switched-off or tripped guard up again, with the account that it had.
+    fn resume(&mut self) {
+        self.inner = Guarded::new(self.inner.guard).resumed(&self.inner);
+    }
+
+    /// What the hand may still get out, J.
+    #[getter]
+    fn account_j(&self) -> f64 {
+        self.inner.account().0.to_num()
+    }
+
+    /// Whether the device was faster than the guard's overspeed: no force until `resume`.
+    #[getter]
+    fn tripped(&self) -> bool {
+        self.inner.tripped
+    }
+}
+
+/// A whole wall: estimator, law and guard, in the fixed point of the firmware and to its bits.
+#[pyclass(name = "Wall", module = "touchstone", subclass)]
+struct PyWall {
+    inner: Controller<Fixed32>,
+    settings: Settings,
+    scale: CountScale,
+}
+
+#[pymethods]
+impl PyWall {
+    #[new]
+    #[pyo3(signature = (settings=None, *, counts_per_rev=40_000, surface_rad=0.0, preset="shipped"))]
+    fn new(
+        settings: Option<Vec<(String, String)>>,
+        counts_per_rev: u32,
+        surface_rad: f64,
+        preset: &str,
+    ) -> PyResult<Self> {
+        let mut made = match preset {
+            "shipped" => Settings::default(),
+            "thesis" => Settings::thesis(),
+            _ => {
+                return Err(PyValueError::new_err(format!(
+                    "preset = {preset:?}: give \"shipped\" or \"thesis\""
+                )));
+            }
+        };
+        for (path, text) in settings.unwrap_or_default() {
+            made.set(&path, &text).map_err(|why| {
+                PyValueError::new_err(match why {
+                    NotSet::UnknownPath => {
+                        format!("{path}: no such setting; `touchstone config schema` lists them")
+                    }
+                    NotSet::NoValue => format!("{path} = {text}: no value of this setting"),
+                })
+            })?;
+        }
+        let scale = CountScale::new(counts_per_rev, si("surface_rad", surface_rad)?)
+            .ok_or_else(|| PyValueError::new_err("counts_per_rev = 0: give at least 1"))?;
+        made.position = PositionSettings::of_counts_per_rev(counts_per_rev);
+        let inner =
+            Controller::new(&made).map_err(|problem| PyValueError::new_err(problem.to_string()))?;
+        Ok(Self {
+            inner,
+            settings: made,
+            scale,
+        })
+    }
+
+    /// One control period: the penetration, positive inside, to the force that pushes out.
+    fn tick(&mut self, penetration_rad: f64) -> PyResult<f64> {
+        Ok(number(self.inner.tick(position(penetration_rad)?).0))
+    }
+
+    /// One control period of an encoder's count: the torque along the angle, to be commanded until the next tick.
+    fn tick_count(&mut self, count: i64) -> f64 {
+        let penetration = self.scale.penetration(count);
+        -number(self.inner.tick(penetration).0)
+    }
+
+    /// Many control periods at once, of penetrations.
+    fn ticks<'py>(
+        &mut self,
+        py: Python<'py>,
+        penetration_rad: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let places: Vec<_> = penetration_rad
+            .as_slice()?
+            .iter()
+            .map(|place| position(*place))
+            .collect::<PyResult<_>>()?;
+        let wall = &mut self.inner;
+        let forces: Vec<f64> = py.detach(|| {
+            places
+                .into_iter()
+                .map(|place| number(wall.tick(place).0))
+                .collect()
+        });
+        Ok(PyArray1::from_vec(py, forces))
+    }
+
+    /// Tells estimator and guard that less than the wall's force was commanded in the end.
+    fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
+        self.inner.commanded(force(force_n_m)?);
+        Ok(())
+    }
+
+    /// Tells the wall that the motor was switched off, and that no tick follows until `resume`.
+    fn switched_off(&mut self) {
+        self.inner.switched_off();
+    }
+
+    /// Takes the wall up again: all memory is new but the guard's account.
+    fn resume(&mut self) -> PyResult<()> {
+        let fresh = Controller::new(&self.settings)
+            .map_err(|problem| PyRuntimeError::new_err(problem.to_string()))?;
+        self.inner.resume(&fresh);
+        Ok(())
+    }
+
+    /// What the hand may still get out, J; `None` where the guard is off.
+    #[getter]
+    fn account_j(&self) -> Option<f64> {
+        self.inner
+            .guard
+            .as_ref()
+            .map(|guard| guard.account().0.to_num())
+    }
+
+    /// Whether the guard has switched the force off for overspeed.
+    #[getter]
+    fn tripped(&self) -> bool {
+        self.inner.tripped()
+    }
+
+    /// The law's name.
+    #[getter]
+    fn law(&self) -> &'static str {
+        self.settings.law.word()
+    }
+
+    /// Which passivity bounds the settings exceed, in words.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.settings.warnings().map(|it| it.to_string()).collect()
+    }
+}
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyGuard>()?;
+    module.add_class::<PyWall>()?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))
+}

@@ -1,0 +1,104 @@
+//! `cargo xtask wheel`: the Python package with the program in it, `target/wheel/*.whl`; installed beside nothing else, and its tests run.
+
+use std::path::{Path, PathBuf};
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+const USAGE: &str = "cargo xtask wheel";
+/// What builds the wheel, and what its tests need beside it.
+const TOOLS: [&str; 3] = ["maturin>=1.9,<2", "pytest>=7", "numpy>=1.22"];
+
+pub fn run(args: &[String]) -> Outcome {
+    if !args.is_empty() {
+        return Outcome::Usage(USAGE.into());
+    }
+    made().unwrap_or_else(|outcome| outcome)
+}
+
+fn made() -> Result<Outcome, Outcome> {
+    let folder = shell::target("wheel");
+    let python = tools(&folder)?;
+    let package = shell::root().join("bindings/python");
+    program(&package)?;
+    let out = folder.join("built");
+    // What an older wheel was called, this one may not be.
+    if out.exists() {
+        done(std::fs::remove_dir_all(&out), &out)?;
+    }
+    let mut maturin = shell::program(python.with_file_name("maturin"));
+    maturin.args(["build", "--release", "--out"]).arg(&out);
+    maturin.arg("--target-dir").arg(folder.join("build"));
+    shell::run(maturin.current_dir(&package)).went_well()?;
+    let wheel = wheel_in(&out)?;
+
+    let mut pip = shell::program(&python);
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--force-reinstall",
+        "--no-deps",
+    ]);
+    shell::run(pip.arg(&wheel)).went_well()?;
+    // From elsewhere, so that the installed package is what is imported.
+    let mut tests = shell::program(&python);
+    tests.args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
+    tests.arg(package.join("tests"));
+    tests.env_remove("TOUCHSTONE_PROGRAM");
+    shell::run(tests.current_dir(&folder)).went_well()?;
+    Ok(Outcome::Ok(format!(
+        "{}, its tests passed",
+        wheel.display()
+    )))
+}
+
+/// A Python of the project's own with the tools; its path.
+fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
+    let place = folder.join("venv");
+    let python = place.join("bin/python3");
+    let complete = folder.join("venv-complete");
+    if complete.exists() {
+        return Ok(python);
+    }
+    done(std::fs::create_dir_all(folder), folder)?;
+    let missing = |_| {
+        Outcome::NotRun(
+            "no Python with maturin, pytest and numpy; `apt-get install python3-venv`, network"
+                .into(),
+        )
+    };
+    let mut venv = shell::program("python3");
+    venv.args(["-m", "venv", "--clear"]).arg(&place);
+    shell::run(&mut venv).went_well().map_err(missing)?;
+    let mut pip = shell::program(&python);
+    pip.args(["-m", "pip", "install", "--quiet"]).args(TOOLS);
+    shell::run(&mut pip).went_well().map_err(missing)?;
+    done(std::fs::write(&complete, ""), &complete)?;
+    Ok(python)
+}
+
+/// Builds the program as it is handed out, and puts it where maturin takes it from.
+fn program(package: &Path) -> Result<(), Outcome> {
+    let mut cargo = shell::cargo_locked("build");
+    cargo.args(["--profile", "dist", "--package", "touchstone"]);
+    shell::run(&mut cargo).went_well()?;
+    let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
+    let scripts = package.join("data/scripts");
+    done(std::fs::create_dir_all(&scripts), &scripts)?;
+    let copied = std::fs::copy(shell::target("dist").join(&name), scripts.join(&name));
+    done(copied.map(|_| ()), &scripts)
+}
+
+fn wheel_in(folder: &Path) -> Result<PathBuf, Outcome> {
+    let files = std::fs::read_dir(folder).map(|files| files.flatten().map(|file| file.path()));
+    let wheel = files.ok().and_then(|mut files| {
+        files.find(|file| file.extension().is_some_and(|ending| ending == "whl"))
+    });
+    wheel.ok_or_else(|| Outcome::Failed(format!("{}: maturin left no wheel", folder.display())))
+}
+
+fn done(result: std::io::Result<()>, path: &Path) -> Result<(), Outcome> {
+    result.map_err(|why| Outcome::Failed(format!("{}: {why}", path.display())))
+}
