@@ -9,13 +9,26 @@ bits of the firmware. ``run``, ``scorecard``, ``tune`` and ``certify`` ask the s
     0.05
 """
 
+from ._device import GuardedDevice
 from ._native import Guard, __version__
-from ._program import Failed, Mistake, NotMet, Run, certify, program, run, scenes, scorecard, tune
+from ._program import (
+    Failed,
+    Mistake,
+    NotMet,
+    Run,
+    certify,
+    program,
+    run,
+    scenes,
+    scorecard,
+    tune,
+)
 from ._wall import Wall
 
 __all__ = [
     "Failed",
     "Guard",
+    "GuardedDevice",
     "Mistake",
     "NotMet",
     "Run",

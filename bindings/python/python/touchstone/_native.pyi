@@ -1,7 +1,8 @@
 import numpy
 import numpy.typing
+from typing_extensions import TypeAlias
 
-Array = numpy.typing.NDArray[numpy.float64]
+Array: TypeAlias = numpy.typing.NDArray[numpy.float64]
 __version__: str
 
 class Guard:

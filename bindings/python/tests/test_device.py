@@ -1,0 +1,106 @@
+"""A device whose follower's forces come late."""
+
+import math
+
+import pytest
+import touchstone
+
+STEP = 1e-3
+
+
+class Handle:
+    """A handle of 1e-3 kg·m² with little damping, thrown and let go."""
+
+    def __init__(self, speed=5.0):
+        self.angle, self.speed, self.torque = 0.0, speed, 0.0
+
+    def read(self):
+        return self.angle
+
+    def write(self, torque):
+        self.torque = torque
+
+    def move(self):
+        for _ in range(10):
+            self.speed += (self.torque - 2e-3 * self.speed) / 1e-3 * STEP / 10
+            self.angle += self.speed * STEP / 10
+
+    @property
+    def energy(self):
+        return 0.5 * 1e-3 * self.speed**2
+
+
+SETTINGS = dict(
+    rate_hz=1000, force_limit_n_m=2.0, count_rad=1e-6, damping_n_m_s_per_rad=2e-3, capacity_j=0.05, refill_w=0.0, overspeed_rad_per_s=50
+)
+
+
+def most_energy(write_of, ticks=3000, late=20):
+    """A follower's spring to the start, 20 ms late: it gains energy with every swing. The largest energy of the handle."""
+    handle = Handle()
+    step = write_of(handle)
+    past = [0.0] * late
+    most = 0.0
+    for _ in range(ticks):
+        past.append(-2.0 * handle.angle)
+        step(past[-late])
+        handle.move()
+        most = max(most, handle.energy)
+    return most
+
+
+def test_a_late_follower_gains_energy_and_the_guard_bounds_it():
+    def direct(handle):
+        return lambda wanted: handle.write(max(-2.0, min(2.0, wanted)))
+
+    def guarded(handle):
+        return touchstone.GuardedDevice(handle.read, handle.write, **SETTINGS).step
+
+    thrown = Handle().energy
+    assert most_energy(direct) > 10 * thrown
+    assert most_energy(guarded) <= thrown + 0.05
+
+
+def test_a_force_that_is_too_old_counts_as_none():
+    handle = Handle(speed=0.0)
+    device = touchstone.GuardedDevice(handle.read, handle.write, stale_after_s=0.01, **SETTINGS)
+    assert device.step(0.5, age_s=0.01) == pytest.approx(0.5, abs=1e-6)
+    assert device.step(0.5, age_s=0.011) == 0.0
+    assert device.step(0.5, age_s=math.nan) == 0.0
+    assert device.stale_steps == 2
+
+
+def test_a_broken_read_leaves_the_motor_off():
+    handle = Handle(speed=0.0)
+
+    def read():
+        if handle.torque:
+            raise OSError("unplugged")
+        return 0.0
+
+    device = touchstone.GuardedDevice(read, handle.write, **SETTINGS)
+    device.step(0.5)
+    assert handle.torque > 0.4
+    with pytest.raises(OSError, match="unplugged"):
+        device.step(0.5)
+    assert handle.torque == 0.0
+    device.resume()
+    assert device.step(0.1) == pytest.approx(0.1, abs=1e-6)
+
+
+def test_a_force_that_is_no_number_leaves_the_motor_off():
+    handle = Handle(speed=0.0)
+    with touchstone.GuardedDevice(handle.read, handle.write, **SETTINGS) as device:
+        device.step(0.3)
+        with pytest.raises(ValueError, match="not a number"):
+            device.step(math.nan)
+        assert handle.torque == 0.0
+
+
+def test_overspeed_writes_no_force():
+    handle = Handle(speed=0.0)
+    device = touchstone.GuardedDevice(handle.read, handle.write, **SETTINGS)
+    device.step(0.3)
+    handle.angle = 1.0
+    assert device.step(0.3) == 0.0
+    assert device.guard.tripped
