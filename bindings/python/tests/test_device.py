@@ -85,6 +85,17 @@ def test_a_broken_read_leaves_the_motor_off():
         device.step(0.5)
     assert handle.torque == 0.0
     device.resume()
+    assert device.guard.account_j <= 0.0
+    assert device.step(0.1) == 0.0, "an account without refill stays empty"
+
+
+def test_switching_off_in_order_keeps_the_account():
+    handle = Handle(speed=0.0)
+    device = touchstone.GuardedDevice(handle.read, handle.write, **SETTINGS)
+    device.step(0.1)
+    device.off()
+    assert handle.torque == 0.0
+    device.resume()
     assert device.step(0.1) == pytest.approx(0.1, abs=1e-6)
 
 

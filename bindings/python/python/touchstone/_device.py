@@ -30,7 +30,8 @@ class GuardedDevice:
     def step(self, wanted, age_s=0.0):
         """One control period: reads, bounds, writes; the force that was written, along the position.
 
-        After overspeed it writes 0 until ``resume``. Where reading or writing fails, the motor is written 0 first and the error goes on.
+        After overspeed it writes 0 until ``resume``. Where reading or writing fails, the motor is written 0, the account is empty, and the
+        error goes on.
         """
         try:
             position = self._read()
@@ -47,11 +48,16 @@ class GuardedDevice:
             self._write(force)
             return force
         except BaseException:
-            self.off()
+            self._end()
             raise
 
     def off(self):
-        """Switches the force off. ``resume`` before the next ``step``."""
+        """Switches the force off, after a last step that accounts for it. ``resume`` before the next ``step``."""
+        self.step(0.0)
+        self._end()
+
+    def _end(self):
+        """Switches the force off at once. Nobody knows how long the last one acted, so the guard empties the account for it."""
         try:
             self._write(0.0)
         finally:
