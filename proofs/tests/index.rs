@@ -1,9 +1,9 @@
-//! `docs/proofs.md` has every harness of the lock, with the equation of its source, and no others; what it quotes is in the source.
+//! `proofs/harnesses.md` has every harness of the lock, with the equation of its source, and no others; what it quotes is in the source.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-const PAGE: &str = "docs/proofs.md";
+const PAGE: &str = "proofs/harnesses.md";
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -65,7 +65,7 @@ fn row(harness: &str, equation: &str, instances: &[String]) -> String {
     let (file, _) = harness.split_once("::").expect("file and name");
     let equation = equation.replace('|', "\\|");
     let instances = instances.join(", ");
-    format!(" | `{equation}` | [`{harness}`](../proofs/src/{file}.rs) | {instances} |")
+    format!(" | `{equation}` | [`{harness}`](src/{file}.rs) | {instances} |")
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn every_harness_has_its_row_and_every_row_its_harness() {
     let (index, _) = index.split_once("<!-- end of index -->").expect("its end");
     let mut rows: Vec<&str> = index
         .lines()
-        .filter(|line| line.starts_with("| ") && line.contains("../proofs/src/"))
+        .filter(|line| line.starts_with("| ") && line.contains("](src/"))
         .collect();
     let (locked, equations) = (locked(), equations());
     assert!(locked.len() > 50, "{} harnesses in the lock", locked.len());
@@ -111,17 +111,14 @@ fn every_property_that_is_tried_on_all_inputs_has_its_row() {
         let parts: Vec<&str> = name.split("::").collect();
         let (file, last) = (parts[0], parts[parts.len() - 1]);
         let equation = &equations[&format!("{file}::{last}")].replace('|', "\\|");
-        let row = format!(" | `{equation}` | [`{name}`](../proofs/src/{file}.rs) |");
+        let row = format!(" | `{equation}` | [`{name}`](src/{file}.rs) |");
         assert!(
             index.lines().any(|line| line.ends_with(&row)),
             "{PAGE} has no row\n| (plain words){row}"
         );
     }
     assert!(names.len() > 30, "{} properties", names.len());
-    let rows = index
-        .lines()
-        .filter(|line| line.contains("../proofs/src/"))
-        .count();
+    let rows = index.lines().filter(|line| line.contains("](src/")).count();
     assert_eq!(
         rows,
         names.len(),
