@@ -1,9 +1,11 @@
 """Ticks of a board's program are their specification, for all inputs: `cargo xtask prove --elf`.
 
-    check.py PROGRAM TRACE                 both readings, then the proofs
-    check.py PROGRAM TRACE --mutants       wrong changes of the program's bytes, each of which must be refuted
-    check.py PROGRAM TRACE --readings      both readings alone, within a minute
-    check.py PROGRAM TRACE [..] --only X   one tick
+    check.py PROGRAM FUNCTIONS TRACE       both readings, then the proofs
+    check.py … --mutants                   wrong changes of the program's bytes, each of which must be refuted
+    check.py … --readings                  both readings alone, within a minute
+    check.py … --only X                    one tick
+
+FUNCTIONS is what `xtask-inspect functions PROGRAM` prints.
 
 The end is 0 if all that was asked is proved, or refuted; 1 else; 2 if nothing is of that name, or not a function of its own in this program.
 """
@@ -25,9 +27,9 @@ DEADLINE_S = 900
 
 
 def main(words):
-    path, trace, *options = words
+    path, functions, trace, *options = words
     only = options[options.index("--only") + 1] if "--only" in options else ""
-    program = Program(path)
+    program = Program(path, functions)
     kinds = [kind for kind in TICKS if only in kind.name]
     if not kinds:
         # Nothing looked at is nothing proved.
@@ -41,7 +43,7 @@ def main(words):
             print(f"{kind.name}: `{kind.what}` is no function of its own in this program, so nothing is said of it: {why}", file=sys.stderr)
             return 2
     if "--mutants" in options:
-        return 0 if all([refutes(tick, path) for tick in ticks]) else 1
+        return 0 if all([refutes(tick, path, functions) for tick in ticks]) else 1
     good = is_read(trace)
     board = beside.Board(program)
     for tick in ticks:
@@ -75,12 +77,12 @@ def proves(tick, program, board):
     return found.proved
 
 
-def refutes(tick, path):
+def refutes(tick, path, functions):
     """Each change by itself; a proof of one is as bad as no answer."""
     good, asked = True, 0
     for at, text, kind, code in wrong.changes(tick, Decoder(tick.program)):
         begun, asked = time.monotonic(), asked + 1
-        program = Program(path)
+        program = Program(path, functions)
         program.patched(at, code)
         changed, decoder = type(tick)(program), Decoder(program)
         found = verdict.check(changed, decoder, deadline_s=DEADLINE_S)

@@ -18,7 +18,9 @@ class NoFunction(LookupError):
 
 
 class Program:
-    def __init__(self, path):
+    def __init__(self, path, functions):
+        """`functions`: a file with a line a function, `address size path`, the path as Rust's source has it: one compiler mangles names
+        in one way, another in another."""
         self.elf = ELFFile(open(path, "rb"))
         self.sections = []
         for section in self.elf.iter_sections():
@@ -27,10 +29,10 @@ class Program:
             writable, executable = section["sh_flags"] & 1, section["sh_flags"] & 4
             if loaded and (not writable or executable):
                 self.sections.append((section["sh_addr"], bytearray(section.data())))
-        self.symbols = {}
-        for symbol in self.elf.get_section_by_name(".symtab").iter_symbols():
-            if symbol["st_info"]["type"] == "STT_FUNC":
-                self.symbols[symbol.name] = symbol["st_value"] & ~1, symbol["st_size"]
+        self.functions = []
+        for line in open(functions, encoding="utf-8"):
+            address, size, path = line.rstrip("\n").split(" ", 2)
+            self.functions.append((path, (int(address, 16), int(size))))
         self._types = None
 
     def found(self, at, size):
@@ -58,8 +60,8 @@ class Program:
         return before
 
     def function(self, pattern):
-        """The one function whose mangled name fits."""
-        fitting = {place for name, place in self.symbols.items() if re.search(pattern, name) and "Thunk" not in name}
+        """The one function whose path fits. A path of the older mangling does not say for which type: two places are two functions."""
+        fitting = {place for path, place in self.functions if re.search(pattern, path)}
         if len(fitting) != 1:
             raise NoFunction(f"{len(fitting)} functions are called {pattern}")
         return fitting.pop()

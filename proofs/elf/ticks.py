@@ -141,7 +141,7 @@ class Tick:
 class OfGuard(Tick):
     name = "guard"
     what = "Guard::tick_with_change"
-    pattern = r"5guardINtB\w*_5Guard.*7Fixed32E16tick_with_change"
+    pattern = r"^<?touchstone_control::guard::Guard<.*::tick_with_change$"
     kind, state_kind = f"Guard<{FIXED32}>", f"GuardState<{FIXED32}>"
     assumes = "coefficients as Guard::new gives them (`valid` of proofs/src/guard.rs), memory in the invariant; any displacements, any wanted force"
 
@@ -202,7 +202,7 @@ class OfGuard(Tick):
 class OfSfa(Tick):
     name = "sfa"
     what = "Sfa::tick"
-    pattern = r"3law3sfaINtB\w*_3SfaNt.*7Fixed32.*_E4tick"
+    pattern = r"^<touchstone_control::law::sfa::Sfa<.* as touchstone_control::law::Law(<.*>)?>::tick$"
     kind, state_kind = f"Sfa<{FIXED32}>", f"SfaState<{FIXED32}>"
     assumes = "gains, ratios not negative, a limit above 0 (`validate`), memory in the invariant; any sample"
 
@@ -248,7 +248,7 @@ class OfSfa(Tick):
 class OfMotor(Tick):
     name = "motor"
     what = "ThreePhase::command"
-    pattern = r"7commandNt\w*_10ThreePhaseNt\w*_5Drive7command"
+    pattern = r"^<touchstone_drive::command::ThreePhase as touchstone_drive::command::Drive>::command$"
     kind, state_kind = "ThreePhase", "Rotor"
     assumes = "a current limit that is not negative (`MotorSettings`); any torque constants, torque, angle, derating and map"
 

@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 use crate::toolchain::Compiler;
 use crate::{shell, toolchain};
 
-const TARGET: &str = "wasm32-unknown-unknown";
+const TARGET: &str = toolchain::WASM;
 const NAME: &str = "touchstone_live.wasm";
 
 fn folder() -> PathBuf {
@@ -24,8 +24,8 @@ fn about(compiler: &Compiler, bytes: &[u8]) -> Option<String> {
             .arg(folder().join(NAME)),
     )?;
     Some(format!(
-        "made by    cargo xtask live\ncompiler   rustc {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\ngit blob   {hash}\n",
-        compiler.version,
+        "made by    cargo xtask live\ncompiler   {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\ngit blob   {hash}\n",
+        compiler.identity,
         compiler.library(),
         bytes.len()
     ))
@@ -112,11 +112,12 @@ pub fn why_not_compared(compiler: &Compiler) -> Option<String> {
     let told = std::fs::read_to_string(folder().join("MADE.txt")).unwrap_or_default();
     let made_with = told
         .lines()
-        .find_map(|line| line.strip_prefix("compiler   rustc "))
+        .find_map(|line| line.strip_prefix("compiler   "))
         .unwrap_or("an unknown compiler");
-    let here = format!("{}, its library {}", compiler.version, compiler.library());
-    (made_with != here)
-        .then(|| format!("{NAME} not compared: made with rustc {made_with}, here is {here}"))
+    let here = format!("{}, its library {}", compiler.identity, compiler.library());
+    (made_with != here).then(|| {
+        format!("{NAME} not compared: made with {made_with}, here is {here}; `cargo xtask live` makes it anew")
+    })
 }
 
 /// Whether the committed module is what its source gives; in words, what was done.

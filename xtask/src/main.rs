@@ -20,6 +20,7 @@ mod inspect;
 mod ladder;
 mod lint;
 mod live;
+mod machine;
 mod memo;
 mod mutants;
 mod outcome;
@@ -52,6 +53,12 @@ const STEPS: &[Step] = &[
                 failed; `test --quick`: daily work; `test --full`: those marked `+` as well, for a night",
         gates: Gates::NONE,
         run: |args| test::run(STEPS, args),
+    },
+    Step {
+        name: "machine",
+        about: "what this machine has, and which compiler each step takes: for reports of failures",
+        gates: Gates::ALL,
+        run: machine::run,
     },
     Step {
         name: "setup",

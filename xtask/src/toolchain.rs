@@ -17,6 +17,9 @@ pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
 /// The Cortex-M4 with its float unit.
 pub const BOARD: &str = "thumbv7em-none-eabihf";
 
+/// What a browser runs.
+pub const WASM: &str = "wasm32-unknown-unknown";
+
 /// The control interrupt calls divisions and copies of the compiler's library: as installed they are made for speed, and so they are
 /// from source, whatever the program's own profile says.
 const QUICK_BUILTINS: [&str; 2] = [
@@ -42,6 +45,8 @@ pub struct Compiler {
     origin: Origin,
     /// Such as `1.95.0`.
     pub version: String,
+    /// What it says of itself, with its commit: two builds of one version give other bytes.
+    pub identity: String,
     /// The target's `core` is not there and must be built from its source.
     from_source: bool,
 }
@@ -50,6 +55,7 @@ pub struct Compiler {
 struct Candidate {
     origin: Origin,
     version: String,
+    identity: String,
     library: PathBuf,
 }
 
@@ -76,6 +82,7 @@ impl Origin {
         is_new_enough(&version).then(|| Candidate {
             origin: self,
             version: version.split_whitespace().nth(1).unwrap_or("").to_owned(),
+            identity: version.trim().to_owned(),
             library: PathBuf::from(sysroot).join("lib/rustlib"),
         })
     }
@@ -89,7 +96,7 @@ impl fmt::Display for Compiler {
             Origin::System => write!(f, "{SYSTEM}")?,
         }
         let core = self.library();
-        write!(f, " ({}) for {}, `core` {core}", self.version, self.target)
+        write!(f, " ({}) for {}, `core` {core}", self.identity, self.target)
     }
 }
 
@@ -166,6 +173,7 @@ pub fn find(target: &'static str) -> Option<Compiler> {
             target,
             origin: candidate.origin.clone(),
             version: candidate.version.clone(),
+            identity: candidate.identity.clone(),
             from_source,
         })
     };
@@ -201,15 +209,41 @@ pub fn host() -> String {
     host.unwrap_or_default().to_owned()
 }
 
-/// Names of rustup's toolchains.
+/// Names of rustup's own toolchains. One that somebody linked may be anything, whatever version it calls itself: it is left alone.
 fn toolchains() -> Vec<String> {
     let list = shell::capture(shell::program("rustup").args(["toolchain", "list"]));
     list.unwrap_or_default()
         .lines()
         .filter_map(|line| line.split_whitespace().next())
-        .filter(|name| name.chars().next().is_some_and(char::is_alphanumeric))
+        .filter(|name| is_released(name))
         .map(str::to_owned)
         .collect()
+}
+
+/// Whether rustup gives a toolchain of this name: a channel or a version, a date, and the machine. It lets nobody link one by such a name.
+fn is_released(name: &str) -> bool {
+    let Some((channel, rest)) = name.split_once('-') else {
+        return false;
+    };
+    let is_version = || {
+        channel.contains('.')
+            && channel
+                .split('.')
+                .all(|part| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit()))
+    };
+    // At least architecture, vendor and system.
+    rest.split('-').count() >= 3
+        && (matches!(channel, "stable" | "beta" | "nightly") || is_version())
+}
+
+/// Each target that a step builds for, and with what, for people.
+pub fn choices() -> Vec<String> {
+    [BOARD, SOFT_FLOAT, WASM]
+        .map(|target| match find(target) {
+            Some(compiler) => compiler.to_string(),
+            None => format!("no compiler for {target} (rustup target add {target})"),
+        })
+        .to_vec()
 }
 
 /// Whether `rustc 1.95.0 (…)` is at least the oldest that will do.
@@ -259,7 +293,9 @@ fn debian() -> Option<(Command, Vec<String>)> {
     if !Path::new(CORE).is_dir() {
         return None;
     }
-    println!("with Debian's compiler, its `core` built from source");
+    let version = shell::capture(shell::program("/usr/bin/rustc").arg("--version"));
+    let version = version.unwrap_or_default();
+    println!("with Debian's compiler ({version}) for {BOARD}, its `core` built from source");
     let mut cargo = shell::program(CARGO);
     cargo
         .arg("build")
@@ -274,7 +310,7 @@ fn debian() -> Option<(Command, Vec<String>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::is_new_enough;
+    use super::{is_new_enough, is_released};
 
     #[test]
     fn compilers_before_the_oldest_supported_are_refused() {
@@ -283,6 +319,28 @@ mod tests {
         assert!(is_new_enough("rustc 2.0.0"));
         assert!(!is_new_enough("rustc 1.94.1 (abc 2026-03-01)"));
         assert!(!is_new_enough(""));
+    }
+
+    #[test]
+    fn a_toolchain_that_somebody_linked_is_told_from_rustups() {
+        for name in [
+            "stable-x86_64-unknown-linux-gnu",
+            "1.95.0-aarch64-apple-darwin",
+            "1.95-x86_64-pc-windows-msvc",
+            "nightly-2026-05-01-x86_64-unknown-linux-gnu",
+        ] {
+            assert!(is_released(name), "{name}");
+        }
+        for name in [
+            "1.95-dev",
+            "stage1",
+            "stage-1-of-x86_64",
+            "dev.1-a-b-c",
+            "",
+            "1..0-a-b-c",
+        ] {
+            assert!(!is_released(name), "{name}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::outcome::Outcome;
 use crate::{live, shell, toolchain};
 
-const TARGET: &str = "wasm32-unknown-unknown";
+const TARGET: &str = toolchain::WASM;
 const PACKAGES: [&str; 3] = ["touchstone-control", "touchstone-world", "touchstone-sim"];
 
 pub fn run(args: &[String]) -> Outcome {

@@ -24,7 +24,7 @@ use std::process::ExitCode;
 use answer::Answer;
 use cortex::ProgramCode;
 
-const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
+const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | functions ELF | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      dist FOLDER NAME SECONDS VERSION PROGRAM BOARD=ELF... metadata=FILE... | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
                      proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | reached FOLDER | proved REPORT | \
@@ -40,6 +40,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
             &text(desktop)?,
             &text(microcontroller)?,
         ),
+        ["functions", elf] => Ok(functions(&ProgramCode::open(path(elf))?)),
         ["float-source", folder] => floats::in_source(path(folder)),
         ["float-code", architecture, release, krate, example] => {
             floats::in_code(architecture, path(release), krate, example)
@@ -83,6 +84,16 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
         _ => Ok(Answer::Usage(USAGE.into())),
     }
+}
+
+/// Prints every function's address, size and path in the source.
+fn functions(program: &ProgramCode) -> Answer {
+    let mut count = 0;
+    for (address, name, size) in program.all_functions() {
+        println!("{address:#x} {size} {:#}", rustc_demangle::demangle(name));
+        count += 1;
+    }
+    Answer::Right(format!("{count} functions"))
 }
 
 fn text(path: &str) -> Result<String, String> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::outcome::Outcome;
-use crate::{firmware, shell};
+use crate::{firmware, inspect, shell};
 
 /// The board whose program is looked at where none is named.
 pub const BOARD: &str = "nucleo-g474re";
@@ -56,13 +56,24 @@ fn checked(board: &str, options: &[&str]) -> Result<Outcome, Outcome> {
     }
     let python = super::with_wheels("elf-venv", "proofs/elf/requirements.txt")?;
     let program = firmware::build(board)?;
+    let functions = functions(&program)?;
     let trace = traced()?;
     let mut check = shell::program(&python);
     check
         .arg("proofs/elf/check.py")
-        .args([&program, &trace])
+        .args([&program, &functions, &trace])
         .args(options);
     Ok(shell::run(&mut check))
+}
+
+/// Its functions by their paths in the source, in a file: a compiler's mangling is its own.
+fn functions(program: &Path) -> Result<PathBuf, Outcome> {
+    let (lines, outcome) = inspect::ask(["functions".as_ref(), program.as_os_str()]);
+    outcome.went_well()?;
+    let path = shell::target("elf-functions.txt");
+    let written = std::fs::write(&path, lines.join("\n") + "\n");
+    written.map_err(|why| Outcome::Failed(format!("{}: {why}", path.display())))?;
+    Ok(path)
 }
 
 /// The specification that a program is compared with, beside the Rust code: it needs no program, and only z3 of all wheels.

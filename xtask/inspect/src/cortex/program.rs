@@ -115,6 +115,12 @@ impl ProgramCode {
         self.symbols.get(name).copied()
     }
 
+    /// All functions: address, mangled name, size.
+    pub fn all_functions(&self) -> impl Iterator<Item = (u32, &str, u32)> {
+        let all = self.functions.iter();
+        all.map(|(address, function)| (*address, function.name.as_str(), function.size))
+    }
+
     /// A function's name and size by its address.
     pub fn function(&self, address: u32) -> Option<(&str, u32)> {
         let function = self.functions.get(&(address & !1))?;
