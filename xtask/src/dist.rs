@@ -12,8 +12,10 @@ use crate::{firmware, inspect, shell, toolchain};
 
 const USAGE: &str = "cargo xtask dist";
 
-/// `flash` and `log` without another program.
-const FEATURE: &str = "touchstone/probe";
+/// What is handed out has everything: `flash` and `log` without another program, meshes, Parquet.
+const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet";
+/// Optimised across crates and stripped.
+const PROFILE: &str = "dist";
 
 pub fn run(args: &[String]) -> Outcome {
     if !args.is_empty() {
@@ -62,15 +64,15 @@ fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     let flags = [remap(&home, "cargo"), remap(&shell::root(), "touchstone")];
     let mut cargo = shell::cargo_locked("build");
     cargo
-        .args(["--release", "--package", "touchstone", "--target-dir"])
+        .args(["--profile", PROFILE, "--package", "touchstone"])
+        .arg("--target-dir")
         .arg(folder)
-        .args(["--features", FEATURE])
-        .args(["--config", "profile.release.strip='debuginfo'"])
+        .args(["--features", FEATURES])
         .env_remove("RUSTFLAGS")
         .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
     shell::run(&mut cargo).went_well()?;
     let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
-    Ok(folder.join("release").join(name))
+    Ok(folder.join(PROFILE).join(name))
 }
 
 /// What cargo knows of the packages in the program and in the firmware, in files.
@@ -86,7 +88,7 @@ fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
         cargo.args(["--format-version", "1", "--manifest-path", manifest]);
         cargo.args(["--filter-platform", target]);
         if name == "touchstone" {
-            cargo.args(["--features", FEATURE]);
+            cargo.args(["--features", FEATURES]);
         }
         let text = shell::capture(&mut cargo)
             .ok_or_else(|| Outcome::Failed(format!("`{}` failed", shell::shown(&cargo))))?;

@@ -1,13 +1,13 @@
 //! Options of every command that writes a report.
 
 use super::number;
-use touchstone_lab::report::{FileOptions, ProgramVersion};
+use touchstone_lab::report::{FileOptions, PARQUET, ProgramVersion};
 
 /// What a report's folder gets.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct ReportOptions {
-    /// Writes traces as Parquet alone, a tenth of the size.
-    #[arg(long)]
+    /// Writes traces as Parquet alone, a tenth of the size; needs a program with that feature.
+    #[arg(long, value_parser = parquet_alone)]
     no_csv: bool,
     /// Writes each Nth tick into traces; the figures show all.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u32, u32::MAX, "of ticks"))]
@@ -25,6 +25,16 @@ impl ReportOptions {
             every: self.every as usize,
             force: self.force,
         }
+    }
+}
+
+/// `--no-csv` leaves nothing where there is no Parquet.
+fn parquet_alone(word: &str) -> Result<bool, String> {
+    match (word, PARQUET) {
+        ("true", false) => Err(
+            "this program was built without Parquet; build it with its feature, as in cargo run --release --features parquet".to_owned(),
+        ),
+        _ => Ok(word == "true"),
     }
 }
 

@@ -2,13 +2,27 @@
 //!
 //! [`Mesh`] is the object, from vertices or an STL file; [`Proxy`] is a point that stays on its surface while the hand goes in (the
 //! god-object of Zilles and Salisbury, IROS 1995); [`MeshSurface`] shows the two to [`touchstone_control::space`] as any other object.
+//!
+//! All of it needs the feature `geometry`. Without it no mesh can be made, and reading one says how to build the program.
 
+#[cfg(any(not(feature = "geometry"), test))]
+// The tests ask it for a mesh, and nothing else.
+#[cfg_attr(test, allow(dead_code))]
+mod absent;
+#[cfg(feature = "geometry")]
 mod mesh;
+#[cfg(feature = "geometry")]
 mod proxy;
+#[cfg(feature = "geometry")]
 mod surface;
 
+#[cfg(not(feature = "geometry"))]
+pub use absent::{Mesh, MeshSurface};
+#[cfg(feature = "geometry")]
 pub use mesh::{Mesh, MeshError};
-pub use proxy::Proxy;
-pub use surface::MeshSurface;
-
+#[cfg(feature = "geometry")]
 pub use parry3d_f64::math::Vector;
+#[cfg(feature = "geometry")]
+pub use proxy::Proxy;
+#[cfg(feature = "geometry")]
+pub use surface::MeshSurface;

@@ -10,7 +10,7 @@ use super::quantity::plain;
 use super::svg::{escape, typeset};
 use super::try_cell;
 use super::view::View;
-use super::{Block, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
+use super::{Block, PARQUET, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
 /// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
 /// that lie beside the page; with the default, nothing leads to any.
@@ -198,7 +198,11 @@ fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
         let _ = writeln!(
             page,
             "<p>All numbers, with their units: <a href=\"results.json\">results.json</a>. {every}, as {}: folder <code>traces</code>.{}</p>",
-            if csv { "CSV and as Parquet" } else { "Parquet" },
+            match (csv, PARQUET) {
+                (true, true) => "CSV and as Parquet",
+                (true, false) => "CSV",
+                (false, _) => "Parquet",
+            },
             if origin.runs.iter().any(|run| run.scene.is_some()) {
                 " Any run alone, from this folder: <code>touchstone run SCENE --out plots/NAME</code>, with its scene."
             } else {

@@ -21,6 +21,7 @@ mod matrix;
 pub mod measures;
 pub mod origin;
 pub mod pages;
+#[cfg(feature = "parquet")]
 pub mod parquet;
 mod picture;
 pub mod plain_schema;
@@ -117,10 +118,13 @@ pub enum Block {
     Figure(String),
 }
 
+/// Whether this program can write Parquet.
+pub const PARQUET: bool = cfg!(feature = "parquet");
+
 /// What [`write::write`] writes, and over what.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileOptions {
-    /// Parquet alone.
+    /// Parquet alone, where there is [`PARQUET`].
     pub no_csv: bool,
     /// Of the ticks, each so-manieth is written into traces; 0 and 1 both mean all.
     pub every: usize,

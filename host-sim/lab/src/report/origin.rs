@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use super::{ReportInput, label};
+use super::{PARQUET, ReportInput, label};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
@@ -169,7 +169,7 @@ impl Origin {
             RunFiles {
                 scene,
                 csv: csv.then(|| format!("traces/{name}.csv")),
-                parquet: trace.then(|| format!("traces/{name}.parquet")),
+                parquet: (trace && PARQUET).then(|| format!("traces/{name}.parquet")),
                 name,
             }
         };

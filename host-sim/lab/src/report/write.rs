@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::origin::Origin;
+#[cfg(feature = "parquet")]
+use super::parquet;
 use super::staging::{Staging, io_error};
-use super::{ReportInput, csv, html, json, parquet, picture, previous};
+use super::{ReportInput, csv, html, json, picture, previous};
 use touchstone_sim::error::Result;
 
 /// What was written.
@@ -121,6 +123,7 @@ fn write_traces(root: &Path, input: &ReportInput, origin: &Origin) -> io::Result
                 file.flush()?;
                 fs::write(root.join(sidecar(name)), json::sidecar(name, &from))?;
             }
+            #[cfg(feature = "parquet")]
             if let Some(name) = &files.parquet {
                 let mut file = BufWriter::new(File::create(root.join(name))?);
                 parquet::write(&mut file, run, trace, every, &from)?;

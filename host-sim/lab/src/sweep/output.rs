@@ -7,6 +7,7 @@ use super::{Sweep, lines};
 use crate::report::folder;
 use crate::report::json::tabular;
 use crate::report::origin::{SCHEMA_VERSION, sha256};
+#[cfg(feature = "parquet")]
 use crate::report::parquet::{Values, table};
 use crate::report::staging::io_error;
 use crate::report::{drawn, svg::Size};
@@ -130,8 +131,11 @@ pub fn write(
         format!("{CELLS}-metadata.json"),
         tabular(CELLS, &described, &from).into_bytes(),
     ));
-    let parquet = parquet(sweep, cells, &from).map_err(|error| io_error(folder, &error))?;
-    files.push(("cells.parquet".to_owned(), parquet));
+    #[cfg(feature = "parquet")]
+    files.push((
+        "cells.parquet".to_owned(),
+        parquet(sweep, cells, &from).map_err(|error| io_error(folder, &error))?,
+    ));
     files.push((SCENE.to_owned(), sweep.grid.base.to_toml().into_bytes()));
     if shard == Shard::WHOLE {
         over = Over {
@@ -240,6 +244,7 @@ fn comma_separated(sweep: &Sweep, cells: &Cells) -> Result<Vec<u8>> {
         .map_err(|error| io_error(Path::new(CELLS), error.error()))
 }
 
+#[cfg(feature = "parquet")]
 fn parquet(
     sweep: &Sweep,
     cells: &Cells,

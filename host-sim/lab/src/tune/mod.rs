@@ -9,6 +9,7 @@ pub mod campaign;
 pub mod cost;
 pub mod diagnosis;
 mod eigenvalue;
+mod evolution;
 pub mod linear;
 pub mod outcome;
 pub mod parameters;

@@ -1,7 +1,7 @@
 //! The search itself: covariance matrix adaptation, by seed.
 
 use super::cost::Cost;
-use cmaes::{CMAESOptions, DVector};
+use super::evolution::Evolution;
 
 /// What a search found.
 #[derive(Debug, Clone)]
@@ -54,40 +54,24 @@ pub fn minimise(
     let dimensions = best.0.len();
     if dimensions > 0 {
         let population = 6 + (3.0 * (dimensions as f64).ln()) as u64;
-        let looked = std::sync::Mutex::new(Vec::new());
-        let objective = |x: &DVector<f64>| {
-            let found = cost(x.as_slice());
-            // Only the least is kept, so the order in which they come does not matter.
-            if let Ok(mut looked) = looked.lock() {
-                looked.push((x.as_slice().to_vec(), found));
-            }
-            found.value
-        };
         let generations = until.evaluations.saturating_sub(done) / population;
-        let mut search = CMAESOptions::new(best.0.clone(), STEP)
-            .population_size(population as usize)
-            .seed(until.seed)
-            // A plain objective on the threads of its own pool: one generation is one parallel step.
-            .build(objective)
-            .ok();
+        let mut search = Evolution::new(&best.0, STEP, population as usize, until.seed);
         for _ in 0..generations {
             if best.1.worst <= until.worst {
                 break;
             }
-            let Some(running) = &mut search else { break };
-            let ended = running.next_parallel().is_some();
-            if let Ok(mut looked) = looked.lock() {
-                for (point, cost) in looked.drain(..) {
-                    let less = cost.value.total_cmp(&best.1.value);
-                    // Of two equal ones the one with the lesser coordinates: no matter which was ready first.
-                    if less.is_lt() || (less.is_eq() && lesser(&point, &best.0)) {
-                        best = (point, cost);
-                    }
+            let points = search.ask();
+            let costs: Vec<Cost> = points.par_iter().map(|point| cost(point)).collect();
+            let values: Vec<f64> = costs.iter().map(|cost| cost.value).collect();
+            // Of two equal ones the first.
+            for (point, cost) in points.into_iter().zip(costs) {
+                if cost.value.total_cmp(&best.1.value).is_lt() {
+                    best = (point, cost);
                 }
             }
             done += population;
             progress(done);
-            if ended {
+            if !search.tell(&values) {
                 break;
             }
         }
@@ -97,12 +81,4 @@ pub fn minimise(
         cost: best.1,
         evaluations: done,
     }
-}
-
-fn lesser(a: &[f64], b: &[f64]) -> bool {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| a.total_cmp(b))
-        .find(|order| order.is_ne())
-        .is_some_and(std::cmp::Ordering::is_lt)
 }

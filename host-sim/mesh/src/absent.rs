@@ -1,0 +1,86 @@
+//! Without the feature `geometry`: no mesh exists, and who asks for one hears how to build the program.
+
+use std::path::Path;
+use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
+use touchstone_control::{Position, Reported};
+use touchstone_sim::error::{Error, Result};
+
+/// A triangle mesh, of which there is none.
+#[derive(Debug, Clone)]
+pub enum Mesh {}
+
+impl Mesh {
+    /// Nothing is read.
+    ///
+    /// # Errors
+    /// Always: how to build the program.
+    pub fn read_stl(path: &Path, _unit_m: f64) -> Result<Self> {
+        Err(Error::Io {
+            path: path.to_owned(),
+            problem: "this program was built without meshes".to_owned(),
+            fix: "build it with its feature, as in cargo run --release --features mesh".to_owned(),
+        })
+    }
+
+    /// Triangles with an area.
+    #[must_use]
+    pub const fn triangles(&self) -> usize {
+        match *self {}
+    }
+
+    /// Triangles that had none.
+    #[must_use]
+    pub const fn left_out(&self) -> usize {
+        match *self {}
+    }
+
+    /// The diagonal of the box around it, m.
+    #[must_use]
+    pub const fn size_m(&self) -> f64 {
+        match *self {}
+    }
+}
+
+/// A mesh's surface, of which there is none.
+#[derive(Debug, Clone)]
+pub struct MeshSurface<'m>(&'m Mesh);
+
+impl<'m> MeshSurface<'m> {
+    /// Of a mesh that there cannot be.
+    #[must_use]
+    pub const fn new(mesh: &'m Mesh, _: LengthUnit) -> Self {
+        Self(mesh)
+    }
+}
+
+impl<N: Spatial + Reported> Surface<N> for MeshSurface<'_> {
+    fn nearest(&self, _: Vector<Position<N>>, _: &Direction<N>) -> Nearest<N> {
+        match *self.0 {}
+    }
+
+    fn exit(
+        &self,
+        _: Vector<Position<N>>,
+        _: &Direction<N>,
+        _: &Direction<N>,
+    ) -> Option<Position<N>> {
+        match *self.0 {}
+    }
+
+    fn ways(&self, _: &mut dyn FnMut(Direction<N>)) {
+        match *self.0 {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn who_asks_for_a_mesh_hears_how_to_build_the_program() {
+        let refused = super::Mesh::read_stl("a.stl".as_ref(), 1e-3).expect_err("no mesh");
+        let said = refused.to_string();
+        assert!(
+            said.contains("a.stl") && said.contains("--features mesh"),
+            "{said}"
+        );
+    }
+}
