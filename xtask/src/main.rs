@@ -9,6 +9,7 @@ mod board_scorecard;
 mod changes;
 mod counted;
 mod cycles;
+mod deny;
 mod dist;
 mod doc;
 mod emulator;
@@ -181,6 +182,12 @@ const STEPS: &[Step] = &[
                 pairs: `bench --ladder [--write]`",
         gates: Gates::FULL_ONLY,
         run: bench::run,
+    },
+    Step {
+        name: "deny",
+        about: "what the project depends on: crates that stand twice; licences and advisories, where cargo-deny is installed",
+        gates: Gates::FULL_ONLY,
+        run: deny::run,
     },
     Step {
         name: "probe",

@@ -1,0 +1,108 @@
+//! `cargo xtask deny`: what the project depends on: crates that stand twice, licences, known vulnerabilities (`deny.toml`).
+//!
+//! Duplicates are counted with cargo alone. The rest is cargo-deny's; where it is missing, or its list of advisories cannot be fetched, the
+//! step says so and is not run.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::outcome::Outcome;
+use crate::shell;
+
+const INSTALL: &str = "licences and advisories: cargo install --locked cargo-deny";
+/// Names of which two versions may be built: of crates that other crates have not left behind yet.
+const MOST_TWICE: usize = 5;
+/// What cargo-deny says where it could not look.
+const NO_LIST: &str = "failed to fetch advisory database";
+/// The lock files: the workspace's and those of what runs on other machines.
+const MANIFESTS: [&str; 4] = [
+    "Cargo.toml",
+    "emulator/Cargo.toml",
+    "firmware/Cargo.toml",
+    "tests/thumb/Cargo.toml",
+];
+
+pub fn run(args: &[String]) -> Outcome {
+    if !args.is_empty() {
+        return Outcome::Usage("cargo xtask deny".into());
+    }
+    let mut tree = shell::cargo_locked("tree");
+    tree.args(["--workspace", "--edges", "normal,build", "--prefix", "none"]);
+    let Some(tree) = shell::capture(&mut tree) else {
+        return Outcome::Failed("`cargo tree` failed".into());
+    };
+    let twice = twice(&tree);
+    for (name, versions) in &twice {
+        println!("{name}: {}", versions.join(", "));
+    }
+    if twice.len() > MOST_TWICE {
+        return Outcome::Failed(format!(
+            "{} crates stand twice in the tree, more than {MOST_TWICE}: cargo tree --duplicates",
+            twice.len()
+        ));
+    }
+    let said = format!("{} crates stand twice", twice.len());
+    if shell::capture(shell::cargo("deny").arg("--version")).is_none() {
+        return Outcome::NotRun(format!("{said}; {INSTALL}"));
+    }
+    for manifest in MANIFESTS {
+        let checked = checked(manifest, &["licenses", "bans", "sources"]);
+        let checked = match checked {
+            Outcome::Ok(_) => self::checked(manifest, &["advisories"]),
+            other => other,
+        };
+        match checked {
+            Outcome::Ok(_) => {}
+            Outcome::NotRun(why) => return Outcome::NotRun(format!("{said}; {why}")),
+            other => return other,
+        }
+    }
+    Outcome::Ok(format!("{said}; licences and advisories hold"))
+}
+
+fn checked(manifest: &str, what: &[&str]) -> Outcome {
+    let mut deny = shell::cargo("deny");
+    // As a whole path: it takes no bare name.
+    deny.arg("--manifest-path")
+        .arg(shell::root().join(manifest));
+    deny.args(["check", "--config"])
+        .arg(shell::root().join("deny.toml"))
+        .args(what);
+    let mut could_look = true;
+    match shell::run_reading_all(&mut deny, |line| could_look &= !line.contains(NO_LIST)) {
+        Outcome::Failed(_) if !could_look => {
+            Outcome::NotRun("the list of advisories could not be fetched".into())
+        }
+        outcome => outcome,
+    }
+}
+
+/// The crates of which a tree has several versions, such as `syn v2.0.119 (proc-macro)` a line.
+fn twice(tree: &str) -> Vec<(String, Vec<String>)> {
+    let mut versions: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for line in tree.lines() {
+        let mut words = line.split_whitespace();
+        if let (Some(name), Some(version)) = (words.next(), words.next()) {
+            versions.entry(name).or_default().insert(version);
+        }
+    }
+    versions.retain(|_, versions| versions.len() > 1);
+    let owned = |versions: BTreeSet<&str>| versions.into_iter().map(str::to_owned).collect();
+    versions
+        .into_iter()
+        .map(|(name, versions)| (name.to_owned(), owned(versions)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_versions_are_twice_and_one_that_is_named_twice_is_not() {
+        let tree = "touchstone v0.1.0 (/here)\nsyn v2.0.1 (proc-macro)\nquote v1.0.0\n\nsyn v3.0.0\nquote v1.0.0 (*)\n";
+        let found = twice(tree);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].0, "syn");
+        assert_eq!(found[0].1, ["v2.0.1", "v3.0.0"]);
+    }
+}
