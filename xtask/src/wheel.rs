@@ -83,6 +83,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
 fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);
+    cargo.args(["--features", "touchstone/mesh,touchstone/parquet"]);
     shell::run(&mut cargo).went_well()?;
     let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
     let scripts = package.join("data/scripts");
