@@ -13,13 +13,38 @@ use std::time::Instant;
 use crate::changes::{self, Entry};
 use crate::memo::Memo;
 use crate::outcome::Outcome;
-use crate::prove::{PARTS, Shard, checker};
+use crate::prove::{PARTS, checker};
 use crate::shell;
 
 const LIST: &str = "proofs/mutants.toml";
 const LEAST: usize = 30;
 /// Processor time of a test, in seconds.
 const TEST_S: u32 = 300;
+
+/// A part of the list: the `index`th of `of`, from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shard {
+    pub index: usize,
+    pub of: usize,
+}
+
+impl Shard {
+    pub const ALL: Self = Self { index: 1, of: 1 };
+
+    /// Whether it has the one with this number.
+    pub fn has(self, number: usize) -> bool {
+        number % self.of == self.index % self.of
+    }
+
+    pub fn read(text: &str) -> Option<Self> {
+        let (index, of) = text.split_once('/')?;
+        let shard = Self {
+            index: index.parse().ok()?,
+            of: of.parse().ok()?,
+        };
+        (shard.index >= 1 && shard.index <= shard.of).then_some(shard)
+    }
+}
 
 /// Goes through the list; prints a line for each.
 fn each(

@@ -13,7 +13,6 @@ mod cortex;
 mod dist;
 mod firmware;
 mod floats;
-mod operators;
 mod proofs;
 mod thumb;
 mod vectors;
@@ -27,8 +26,7 @@ use cortex::ProgramCode;
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | functions ELF | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
                      dist FOLDER NAME SECONDS VERSION PROGRAM BOARD=ELF... metadata=FILE... | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
-                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | refuting REPORT | reached FOLDER | proved REPORT | \
-                     operators instrument WORK WITHOUT | operators refused WORK MESSAGES | operators alone NUMBER WORK | operators table OUTCOMES; \
+                     proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | statements LOCK; \
                      `cargo xtask` calls it from the workspace's folder";
 
 fn answer(words: &[&str]) -> Result<Answer, String> {
@@ -72,15 +70,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
         }
         ["remaining", list, memo] => proofs::remaining(&text(list)?, path(memo)),
         ["statements", lock] => proofs::unchanged(&text(lock)?),
-        ["operators", "instrument", work, without] => {
-            operators::instrument(path(work), path(without))
-        }
-        ["operators", "refused", work, messages] => operators::refused(path(work), path(messages)),
-        ["operators", "alone", number, work] => operators::alone(number, path(work)),
-        ["operators", "table", outcomes] => operators::table(path(outcomes)),
-        ["reached", folder] => proofs::reached(path(folder)),
-        ["proved", report] => proofs::proved(&text(report)?),
-        ["refuting", report] => proofs::refuting(&text(report)?),
+        ["lines", lock] => proofs::lines(&text(lock)?),
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
         _ => Ok(Answer::Usage(USAGE.into())),
     }

@@ -29,25 +29,18 @@ pub struct Left {
 
 /// How a run is made.
 #[derive(Debug, Clone, Copy)]
-pub struct How<'a> {
+pub struct How {
     /// Harnesses at the same time.
     pub jobs: u32,
     /// On standard error.
     pub progress: bool,
-    /// Processor time that each process may take, in seconds.
-    pub process_s: u32,
-    /// A program that is asked in the place of the solver that a harness names: its folder, which comes first in the search path, and
-    /// its name.
-    pub solver: Option<(&'a Path, &'a str)>,
 }
 
-impl How<'_> {
+impl How {
     /// Without a word, one after the other.
     pub const QUIET: Self = Self {
         jobs: 1,
         progress: false,
-        process_s: PROCESS_S,
-        solver: None,
     };
 
     /// As they name their solvers, with progress.
@@ -55,8 +48,6 @@ impl How<'_> {
         Self {
             jobs,
             progress: true,
-            process_s: PROCESS_S,
-            solver: None,
         }
     }
 }
@@ -73,34 +64,6 @@ pub enum Which<'a> {
     These(&'a [String]),
 }
 
-/// The checker's programs of all harnesses, made and not run: the folder that they are in.
-pub fn programs(workspace: &Path, target: &Path) -> Result<PathBuf, String> {
-    let mut command = Command::new("cargo");
-    command
-        .current_dir(workspace)
-        .args(["kani", "-p", "touchstone-proofs", "--only-codegen"])
-        .arg("--target-dir")
-        .arg(target);
-    let done = allocator::give(&mut command)
-        .output()
-        .map_err(|why| format!("cargo kani: {why}"))?;
-    if !done.status.success() {
-        // Those of an earlier build must not be taken for these.
-        let errors = String::from_utf8_lossy(&done.stderr);
-        let errors: Vec<String> = errors.lines().map(str::to_owned).collect();
-        return Err(reason(&errors).unwrap_or_else(|| format!("cargo kani: {}", done.status)));
-    }
-    // Below the name of the machine that they were made on.
-    let folder = target.join("kani");
-    let machines =
-        std::fs::read_dir(&folder).map_err(|why| format!("{}: {why}", folder.display()))?;
-    machines
-        .filter_map(Result::ok)
-        .map(|entry| entry.path().join("debug/deps"))
-        .find(|path| path.is_dir())
-        .ok_or_else(|| format!("{}: no programs", folder.display()))
-}
-
 /// Runs harnesses of the workspace in `workspace`.
 pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Left, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
@@ -112,22 +75,14 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     let _ = std::fs::remove_file(&report);
     let (jobs, seconds) = (how.jobs.to_string(), format!("{TIMEOUT_S}s"));
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let mut path = solvers::first(&target, path)?;
-    let mut solver = Vec::new();
-    if let Some((folder, name)) = how.solver {
-        path = solvers::before(folder, &path)?;
-        solver = vec!["--solver".to_owned(), format!("bin={name}")];
-    }
+    let path = solvers::first(&target, path)?;
     // The shell's limit is inherited by all that is started. A shell that cannot set it does not run the checker.
     let mut command = Command::new("sh");
     command
         .current_dir(workspace)
         .args([
             "-c",
-            &format!(
-                "ulimit -v {MEMORY_KIB} && ulimit -t {} && exec cargo kani \"$@\"",
-                how.process_s
-            ),
+            &format!("ulimit -v {MEMORY_KIB} && ulimit -t {PROCESS_S} && exec cargo kani \"$@\""),
             "sh",
         ])
         .args([
@@ -145,7 +100,6 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
         .arg(&report)
         .arg("--target-dir")
         .arg(&target)
-        .args(solver)
         .env("PATH", path)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());

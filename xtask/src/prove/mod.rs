@@ -8,13 +8,11 @@
 //! where the checker is not.
 
 pub mod allocator;
-mod certified;
 pub mod checker;
 pub mod coq;
 mod elf;
 mod every;
 mod solvers;
-mod systematic;
 mod usage;
 
 use std::ffi::OsStr;
@@ -23,14 +21,13 @@ use std::process::Command;
 use std::sync::mpsc;
 use std::time::Instant;
 
+use crate::mutants::{self, Shard};
 use crate::outcome::Outcome;
-use crate::{inspect, mutants, shell, unit};
+use crate::{inspect, shell, unit};
 use checker::{How, Left, MEMORY_KIB, Which};
-use systematic::Asked;
-pub use systematic::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
-const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --certified [NAME] | --theorems | --every [NAME] | --elf [--mutants] [--board BOARD] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems | --mutants --systematic [--sample | [--shard I/N] [--proofs [NAME] | --every]]";
+const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --elf [--mutants] [--board BOARD] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems";
 /// What the proofs are made of; nothing else has to build.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
@@ -49,8 +46,6 @@ pub fn run(args: &[String]) -> Outcome {
     }
     match words.as_slice() {
         ["--theorems"] => return coq::run(),
-        ["--certified"] => return certified::run(""),
-        ["--certified", part] => return certified::run(part),
         ["--elf", "--mutants", rest @ ..] | ["--mutants", "--elf", rest @ ..] => {
             return of_program(rest, elf::mutants);
         }
@@ -58,7 +53,6 @@ pub fn run(args: &[String]) -> Outcome {
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
-        ["--mutants", "--systematic", rest @ ..] => return by_rule(rest),
         // Tests need no checker.
         ["--mutants", "--tests", rest @ ..] => {
             return part(rest).map_or_else(usage, mutants::by_tests);
@@ -133,23 +127,6 @@ fn of_program(words: &[&str], asked: fn(&str, &str) -> Outcome) -> Outcome {
     }
 }
 
-/// `--shard I/N` and who is asked, either, both or none; or `--sample`.
-fn by_rule(words: &[&str]) -> Outcome {
-    if words == ["--sample"] {
-        return systematic::sample();
-    }
-    let (asked, words) = match words {
-        [words @ .., "--proofs"] => (Asked::Proofs(""), words),
-        [words @ .., "--proofs", part] => (Asked::Proofs(part), words),
-        [words @ .., "--every"] => (Asked::Every, words),
-        words => (Asked::Tests, words),
-    };
-    if matches!(asked, Asked::Proofs(_)) && !has_checker() {
-        return Outcome::NotRun(INSTALL.into());
-    }
-    part(words).map_or_else(usage, |shard| systematic::run(shard, asked))
-}
-
 /// `--shard I/N`, or nothing: all.
 fn part(words: &[&str]) -> Option<Shard> {
     match words {
@@ -205,6 +182,23 @@ fn kani_version() -> Command {
     command
 }
 
+/// The versions of the checker, of its compiler where it says so, and of what it asks.
+fn versions() -> String {
+    let mut kani = kani_version();
+    kani.arg("--verbose");
+    let mut said = vec![shell::capture(&mut kani).or_else(|| shell::capture(&mut kani_version()))];
+    for program in ["cbmc", "kissat", "cadical", "cvc5", "z3"] {
+        let version = shell::capture(shell::program(program).arg("--version"));
+        let first = version.and_then(|text| text.lines().next().map(str::to_owned));
+        said.push(Some(format!(
+            "{program} {}",
+            first.unwrap_or("not there".into())
+        )));
+    }
+    let said: Vec<String> = said.into_iter().flatten().collect();
+    said.join("; ").replace('\n', ", ")
+}
+
 fn target() -> std::path::PathBuf {
     shell::target("kani-gate")
 }
@@ -234,11 +228,10 @@ fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
         Err(why) => return Outcome::Failed(why),
     };
     let took_s = begun.elapsed().as_secs();
-    let version = shell::capture(&mut kani_version()).unwrap_or_default();
     let parts = if resume { " in parts, the last of" } else { "" };
     let run = format!(
         "{}, {}, {jobs} harnesses at a\ntime,{parts} {} min {:02} s by the clock with compiling.",
-        version.lines().next().unwrap_or("Kani"),
+        versions(),
         allocator::said(),
         took_s / 60,
         took_s % 60,

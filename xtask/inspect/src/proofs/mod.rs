@@ -4,22 +4,22 @@
 //! reached. So here: every harness of the committed list ran, no other did, each succeeded, each cover was reached, and each
 //! assertion of a property can be.
 
+mod items;
 mod lock;
 mod memo;
 mod properties;
-mod reach;
 mod report;
 mod shown;
+mod stands;
 mod table;
 mod usage;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::answer::Answer;
-pub use reach::reached;
 
-use lock::{LOCK, Statements};
+use lock::{LOCK, Standing, Statements, name};
 use report::Verdict;
 use usage::Usage;
 
@@ -81,23 +81,35 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
 
 /// Prints the harnesses of the checker's list that were not proved before, of this code and as they are stated.
 pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
-    let known = memo::kept(memo, &Statements::read()?)?;
+    let statements = Statements::read()?;
+    let known = memo::kept(memo, &statements);
+    let held = held(&read_lock()?, &statements);
     let all = memo::listed(list)?;
-    let mut left: Vec<&String> = all
+    let left = all
         .iter()
-        .filter(|name| !known.contains_key(*name))
-        .collect();
-    // What was proved once, first: it is known to come to an end.
-    let locked = std::fs::read_to_string(LOCK).unwrap_or_default();
-    left.sort_by_key(|name| !locked.contains(&format!("{name} ")));
+        .filter(|name| !known.contains_key(*name) && !held.contains(*name));
+    let mut count = 0;
     for name in left {
         println!("{name}");
+        count += 1;
     }
     Ok(Answer::Right(format!(
         "{} of {} proved before",
-        known.len(),
+        all.len() - count,
         all.len()
     )))
+}
+
+fn read_lock() -> Result<String, String> {
+    std::fs::read_to_string(LOCK).map_err(|why| format!("{LOCK}: {why}"))
+}
+
+/// The harnesses whose line of the lock is of the sources as they are.
+fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
+    let lines = locked
+        .lines()
+        .filter(|line| statements.standing(line) == Standing::Proved);
+    lines.map(|line| name(line).to_owned()).collect()
 }
 
 /// All of them, against the lock, with the table. `words`: on the checker and how long it took; `machine`: on what else ran. With the
@@ -113,14 +125,18 @@ pub fn whole(
     let mut found = run.verdicts()?;
     run.keep(&found, &statements)?;
     let mut missing = Vec::new();
+    let mut held = BTreeSet::new();
     if let Some(list) = list {
         let all = memo::listed(list)?;
-        let before = memo::kept(run.memo, &statements)?;
-        let before = before.into_iter().filter(|(name, _)| all.contains(name));
-        for (name, verdict) in before {
+        let before = memo::kept(run.memo, &statements).into_iter();
+        for (name, verdict) in before.filter(|(name, _)| all.contains(name)) {
             found.entry(name).or_insert(verdict);
         }
-        let not_there = all.iter().filter(|name| !found.contains_key(*name));
+        held = self::held(&read_lock()?, &statements);
+        held.retain(|name| all.contains(name) && !found.contains_key(name));
+        let not_there = all
+            .iter()
+            .filter(|name| !found.contains_key(*name) && !held.contains(*name));
         missing.extend(not_there.map(|name| format!("{name}: did not run")));
     }
     if bless {
@@ -128,10 +144,7 @@ pub fn whole(
         let proved = found.iter().filter(|(_, verdict)| verdict.proved());
         let mut lines: Vec<String> = proved.map(|(name, _)| statements.line(name)).collect();
         let before = std::fs::read_to_string(LOCK).unwrap_or_default();
-        let is_there = |line: &str| {
-            let name = line.split(' ').next().unwrap_or_default();
-            found.get(name).is_some_and(Verdict::proved)
-        };
+        let is_there = |line: &str| found.get(name(line)).is_some_and(Verdict::proved);
         let old = before.lines().filter(|line| !is_there(line));
         lines.extend(old.map(str::to_owned));
         lines.sort();
@@ -140,13 +153,19 @@ pub fn whole(
     }
     let mut wrong = wrong(&found, run.memory_kib);
     wrong.extend(missing);
-    match std::fs::read_to_string(LOCK) {
-        Ok(locked) => wrong.extend(against_lock(&found, &locked, &statements)),
-        Err(why) => wrong.push(format!("{LOCK}: {why}")),
+    match read_lock() {
+        Ok(locked) => wrong.extend(against_lock(&found, &held, &locked, &statements)),
+        Err(why) => wrong.push(why),
     }
-    let about = format!("{}\n{}.", about(&found, words, machine), code()?);
+    let mut about = about(&found, words, machine);
+    if !held.is_empty() {
+        about += &format!(
+            " {} more were proved of the same code before, by {LOCK}.",
+            held.len()
+        );
+    }
     println!("{about}");
-    if let Err(why) = table::write(&found, &about) {
+    if let Err(why) = table::write(&run.memo.with_file_name(table::NAME), &found, &about) {
         wrong.push(why);
     }
     Ok(say(&found, wrong))
@@ -182,64 +201,76 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// The harnesses that ran are those of the committed list, and state what they did.
+/// The harnesses that ran, or are `held` by the lock, are those of the committed list, and its lines are theirs.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
+    held: &BTreeSet<String>,
     locked: &str,
     statements: &Statements,
 ) -> Vec<String> {
-    let named = |line: &'_ str| line.split(' ').next().unwrap_or_default().to_owned();
-    let names: Vec<String> = locked.lines().map(named).collect();
-    let missing = names.iter().filter(|name| !found.contains_key(*name));
+    let names: Vec<&str> = locked.lines().map(name).collect();
+    let missing = names
+        .iter()
+        .filter(|name| !found.contains_key(**name) && !held.contains(**name));
     let missing = missing.map(|name| format!("{name}: in {LOCK}, but did not run"));
-    let new = found.keys().filter(|name| !names.contains(name));
+    let new = found.keys().filter(|name| !names.contains(&name.as_str()));
     let new = new.map(|name| format!("{name}: ran, but is not in {LOCK} (--bless adds it)"));
-    missing
-        .chain(new)
-        .chain(changed(locked, statements))
+    let changed = [Standing::OtherStatement, Standing::OtherCode]
+        .into_iter()
+        .flat_map(|standing| changed(locked, statements, standing));
+    missing.chain(new).chain(changed).collect()
+}
+
+/// Lines of the lock that are not of the sources as they are, in this way.
+fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<String> {
+    let lines = locked
+        .lines()
+        .filter(|line| statements.standing(line) == standing);
+    let what = match standing {
+        Standing::OtherCode => "reaches other code",
+        _ => "states something else",
+    };
+    lines
+        .map(|line| {
+            format!(
+                "{}: {what} than when it was proved (`prove --resume --bless` proves it again)",
+                name(line)
+            )
+        })
         .collect()
 }
 
-/// Statements that are not those of the lock.
-fn changed(locked: &str, statements: &Statements) -> Vec<String> {
-    let lines = locked.lines().filter(|line| !statements.agree(line));
-    let say = |line: &str| {
-        let name = line.split(' ').next().unwrap_or_default();
-        format!(
-            "{name}: states something else than when it was proved (--bless, once it is proved again)"
-        )
-    };
-    lines.map(say).collect()
-}
-
-/// What says in the table of which code it is.
-fn code() -> Result<String, String> {
-    Ok(format!(
-        "The code is that of `control/src` with the number {:016x}",
-        memo::law()?
-    ))
-}
-
-/// Whether every statement is the one that was proved when the lock was written, and of which code: all that can be known without the checker.
+/// Whether every statement is the one that was proved when the lock was written, and of which the code is: all that can be known
+/// without the checker.
 pub fn unchanged(locked: &str) -> Result<Answer, String> {
-    let wrong = changed(locked, &Statements::read()?);
-    let table = std::fs::read_to_string(table::README).unwrap_or_default();
-    let of = match table.contains(&code()?) {
-        true => "proved of this code",
-        false => "proved of another control/src: `cargo xtask prove` proves them again",
-    };
-    for line in &wrong {
+    let statements = Statements::read()?;
+    let wrong = changed(locked, &statements, Standing::OtherStatement);
+    let other = changed(locked, &statements, Standing::OtherCode);
+    for line in wrong.iter().chain(&other) {
         println!("  {line}");
     }
     let all = locked.lines().count();
     Ok(if wrong.is_empty() {
-        Answer::Right(format!("{all} statements are those of {LOCK}, {of}"))
+        let of = all - other.len();
+        Answer::Right(format!(
+            "{all} statements are those of {LOCK}, {of} of them proved of this code"
+        ))
     } else {
         Answer::Wrong(format!(
-            "{} of {all} statements are not those of {LOCK}",
-            wrong.len()
+            "{} of {all} statements are not those of {LOCK}; {} reach other code",
+            wrong.len(),
+            other.len()
         ))
     })
+}
+
+/// The lines that the harnesses of a list have in these sources.
+pub fn lines(list: &str) -> Result<Answer, String> {
+    let statements = Statements::read()?;
+    for line in list.lines() {
+        println!("{}", statements.line(name(line)));
+    }
+    Ok(Answer::Right(format!("{} lines", list.lines().count())))
 }
 
 fn say(found: &BTreeMap<String, Verdict>, wrong: Vec<String>) -> Answer {
@@ -293,36 +324,6 @@ pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
         Ok(false) => Answer::Wrong("proved".into()),
         Err(why) => Answer::NotRun(why),
     })
-}
-
-/// The harnesses that were proved, whatever they took.
-pub fn proved(report: &str) -> Result<Answer, String> {
-    let found = report::read(report)?;
-    let proved: Vec<&String> = found
-        .iter()
-        .filter(|(_, verdict)| verdict.proved())
-        .map(|(name, _)| name)
-        .collect();
-    for name in &proved {
-        println!("{name}");
-    }
-    Ok(Answer::Right(format!("{} proved", proved.len())))
-}
-
-/// The harnesses of which an assertion of their own failed.
-pub fn refuting(report: &str) -> Result<Answer, String> {
-    let found = report::read(report)?;
-    let refuted: Vec<&String> = found
-        .iter()
-        .filter(|(_, verdict)| {
-            matches!(verdict.answer, report::Answer::Refuted(_)) && verdict.own_failed
-        })
-        .map(|(name, _)| name)
-        .collect();
-    for name in &refuted {
-        println!("{name}");
-    }
-    Ok(Answer::Right(format!("{} refuted", refuted.len())))
 }
 
 fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, String> {

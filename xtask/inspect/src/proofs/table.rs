@@ -1,4 +1,4 @@
-//! The table of the last run, in the proofs' README.
+//! The table of a whole run.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,20 +8,14 @@ use super::properties::{self, Property};
 use super::report::Verdict;
 use super::usage::Usage;
 
-pub const README: &str = "proofs/README.md";
-const START: &str = "<!-- table: written by `cargo xtask prove` -->\n";
-const END: &str = "<!-- end of table -->";
+/// Its file, beside the checker's report.
+pub const NAME: &str = "table.md";
 
-/// Puts the table of a whole run in the place of the last one.
-pub fn write(found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
+/// Writes the table of a whole run.
+pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
     let properties = properties::properties(Path::new("proofs/src"));
     let table = table(found, &properties, about)?;
-    let page = std::fs::read_to_string(README).map_err(|why| format!("{README}: {why}"))?;
-    let (Some(from), Some(to)) = (page.find(START), page.find(END)) else {
-        return Err(format!("{README} has no place for the table"));
-    };
-    let page = format!("{}{table}{}", &page[..from + START.len()], &page[to..]);
-    std::fs::write(README, page).map_err(|why| format!("{README}: {why}"))
+    std::fs::write(path, table).map_err(|why| format!("{}: {why}", path.display()))
 }
 
 /// One row a property; where it is proved at several widths, each has its line in the last columns.

@@ -111,7 +111,7 @@ fn the_lock_is_the_list_of_what_runs() {
     let found = recorded();
     let nothing = Statements::of_nothing();
     let all: String = found.keys().map(|name| nothing.line(name) + "\n").collect();
-    let against = |locked: &str| against_lock(&found, locked, &nothing);
+    let against = |locked: &str| against_lock(&found, &BTreeSet::new(), locked, &nothing);
     assert!(against(&all).is_empty());
     let gone = against(&format!("{all}{}\n", nothing.line("w8::gone")));
     assert_eq!(

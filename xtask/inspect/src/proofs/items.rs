@@ -1,0 +1,627 @@
+//! The sources in items (functions, constants, types, methods, macros, properties), each with a number of its tokens and with what it names.
+//! Documentation, layout, tests and what only a run without the checker has are in no item.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+use super::lock::writes_a_property;
+
+/// What a property or its file names after `by`: who proves it, or that nobody does, is no part of what is stated.
+const SOLVERS: [&str; 6] = ["cadical", "minisat", "kissat", "cvc5", "z3", "sampled"];
+
+/// FNV-1a.
+pub fn add(hash: u64, text: &str) -> u64 {
+    text.bytes().chain([0]).fold(hash, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// A source file.
+#[derive(Default)]
+pub struct File {
+    /// Its crate: a later one may name what stands in an earlier one.
+    pub rank: usize,
+    /// The crate's name, the folders' and its own: `touchstone_control`, `law`, `tdpa`.
+    pub modules: Vec<String>,
+    /// Names that `use` brings, each with its path.
+    pub imports: BTreeMap<String, Vec<String>>,
+    /// The last part of the path of each `use …::*`.
+    pub globs: BTreeSet<String>,
+}
+
+/// What an item is, as far as it decides who reaches it.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Property,
+    /// A function, constant or static.
+    Free,
+    Type,
+    Trait,
+    Alias,
+    /// A function or constant of a type or of a trait; or, without a name, the rest of an `impl`.
+    Member {
+        /// Without one: of a trait itself, of a type parameter, of what a macro is told.
+        of: Option<String>,
+        of_trait: Option<String>,
+    },
+    Macro,
+    /// A macro that is called where items stand.
+    Call,
+}
+
+/// How a name is written.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum How {
+    Plain,
+    /// `.name(`
+    Dot,
+    /// `name!`
+    Bang,
+    /// `before::name`; empty after a type with arguments, `$` after what a macro is told.
+    After(String),
+}
+
+pub struct Item {
+    pub file: usize,
+    pub kind: Kind,
+    pub name: String,
+    /// The modules within its file.
+    pub inline: Vec<String>,
+    /// The macro in whose definition it stands.
+    pub within: Option<String>,
+    pub number: u64,
+    pub names: BTreeSet<(How, String)>,
+}
+
+/// All items of files.
+#[derive(Default)]
+pub struct Items {
+    pub files: Vec<File>,
+    pub all: Vec<Item>,
+}
+
+/// Where items are looked for.
+#[derive(Clone, Default)]
+struct Place {
+    inline: Vec<String>,
+    within: Option<String>,
+    /// Of an `impl` or a trait.
+    member: Option<(Option<String>, Option<String>)>,
+}
+
+impl Items {
+    /// Adds the items of a file.
+    pub fn add(&mut self, rank: usize, modules: Vec<String>, text: &str) -> Result<(), String> {
+        let tokens: TokenStream = text
+            .parse()
+            .map_err(|why| format!("{}: {why}", modules.join("/")))?;
+        self.files.push(File {
+            rank,
+            modules,
+            ..File::default()
+        });
+        let rest = self.split(tokens, &Place::default());
+        // A macro of another crate, say: reached with whatever is reached in the file.
+        if !rest.is_empty() {
+            self.push(Kind::Call, String::new(), &rest, &Place::default());
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, kind: Kind, name: String, tokens: &[TokenTree], place: &Place) {
+        let own = match &place.member {
+            Some((of, _)) => of.clone(),
+            None => None,
+        };
+        let proofs = self
+            .files
+            .last()
+            .is_some_and(|file| file.rank > 0 && file.modules[0] == "proofs");
+        let mut found = Read {
+            own,
+            proofs,
+            number: EMPTY,
+            names: BTreeSet::new(),
+        };
+        found.read(tokens, &BTreeSet::new());
+        self.all.push(Item {
+            file: self.files.len() - 1,
+            kind,
+            name,
+            inline: place.inline.clone(),
+            within: place.within.clone(),
+            number: found.number,
+            names: found.names,
+        });
+    }
+
+    /// Takes the items out of tokens; what is left.
+    fn split(&mut self, tokens: TokenStream, place: &Place) -> Vec<TokenTree> {
+        let all: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut left = Vec::new();
+        let mut at = 0;
+        while at < all.len() {
+            let (begin, skipped) = attributes(&all, at);
+            if begin > at && (begin >= all.len() || word(&all, at + 1) == "!") {
+                at = begin;
+                continue;
+            }
+            let found = Found::at(&all, begin);
+            let end = found.as_ref().map_or(begin + 1, |found| found.end);
+            let tokens = &all[at..end.min(all.len())];
+            match found {
+                _ if skipped => {}
+                Some(found) if self.take(&found, tokens, &all[begin..found.end], place) => {}
+                _ => self.leave(tokens, place, &mut left),
+            }
+            at = end;
+        }
+        left
+    }
+
+    /// What is no item: a repetition in a macro may have items in it.
+    fn leave(&mut self, tokens: &[TokenTree], place: &Place, left: &mut Vec<TokenTree>) {
+        for token in tokens {
+            match token {
+                TokenTree::Group(group)
+                    if place.within.is_some()
+                        && left.last().is_some_and(|it| it.to_string() == "$") =>
+                {
+                    let rest = self.split(group.stream(), place);
+                    left.extend(rest);
+                }
+                other => left.push(other.clone()),
+            }
+        }
+    }
+
+    /// Takes one item, if its name is known.
+    fn take(
+        &mut self,
+        found: &Found,
+        tokens: &[TokenTree],
+        bare: &[TokenTree],
+        place: &Place,
+    ) -> bool {
+        let body = |tokens: &[TokenTree]| match tokens.last() {
+            Some(TokenTree::Group(group)) => Some(group.stream()),
+            _ => None,
+        };
+        let head = &tokens[..tokens.len() - 1];
+        let name = found.name.clone();
+        match found.keyword.as_str() {
+            "use" => {
+                let file = self.files.last_mut().expect("a file");
+                let path = flat(&bare[..bare.len() - 1]);
+                let from = path.iter().position(|it| it == "use").unwrap_or_default() + 1;
+                import(&path[from..], &[], file);
+                return true;
+            }
+            "extern" => return true,
+            "mod" => {
+                let mut place = place.clone();
+                place.inline.push(name);
+                if let Some(body) = body(tokens) {
+                    let rest = self.split(body, &place);
+                    if !rest.is_empty() {
+                        self.push(Kind::Call, String::new(), &rest, &place);
+                    }
+                }
+                return true;
+            }
+            "impl" | "trait" => {
+                let Some(body) = body(tokens) else {
+                    return false;
+                };
+                let (of, of_trait) = if found.keyword == "impl" {
+                    header(&bare[..bare.len() - 1])
+                } else if name.is_empty() {
+                    return false;
+                } else {
+                    (None, Some(name.clone()))
+                };
+                let inner = Place {
+                    member: Some((of.clone(), of_trait.clone())),
+                    ..place.clone()
+                };
+                let mut rest = head.to_vec();
+                rest.extend(self.split(body, &inner));
+                let kind = match found.keyword.as_str() {
+                    "impl" => Kind::Member { of, of_trait },
+                    _ => Kind::Trait,
+                };
+                let place = if found.keyword == "impl" {
+                    &inner
+                } else {
+                    place
+                };
+                self.push(kind, name, &rest, place);
+                return true;
+            }
+            "macro_rules" => {
+                let inner = Place {
+                    within: Some(name.clone()),
+                    ..Place::default()
+                };
+                let mut rest = Vec::new();
+                let mut is_body = false;
+                for token in body(tokens).into_iter().flatten() {
+                    match &token {
+                        TokenTree::Group(group) if is_body => {
+                            rest.extend(self.split(group.stream(), &inner));
+                        }
+                        _ => rest.push(token.clone()),
+                    }
+                    is_body = token.to_string() == ">";
+                }
+                self.push(Kind::Macro, name, &rest, &Place::default());
+                return true;
+            }
+            "!" => {
+                if writes_a_property(&name)
+                    && let Some(of) = property(bare)
+                {
+                    self.push(Kind::Property, of, tokens, place);
+                    return true;
+                }
+                // In a macro it is a part of that.
+                if place.within.is_some() || place.member.is_some() {
+                    return false;
+                }
+                self.push(Kind::Call, name, tokens, place);
+                return true;
+            }
+            _ => {}
+        }
+        if name.is_empty() {
+            return false;
+        }
+        let kind = match (found.keyword.as_str(), &place.member) {
+            ("struct" | "enum", _) => Kind::Type,
+            // An associated type stays with its `impl`.
+            ("type", Some(_)) => return false,
+            ("type", None) => Kind::Alias,
+            (_, Some((of, of_trait))) => Kind::Member {
+                of: of.clone(),
+                of_trait: of_trait.clone(),
+            },
+            // Compile-time checks change nothing that is compiled.
+            _ if name == "_" => return true,
+            _ => Kind::Free,
+        };
+        self.push(kind, name, tokens, place);
+        true
+    }
+}
+
+/// What begins at a place: the word that says which kind, its name if it has one, and the place after it.
+struct Found {
+    keyword: String,
+    name: String,
+    end: usize,
+}
+
+impl Found {
+    fn at(all: &[TokenTree], begin: usize) -> Option<Self> {
+        let mut at = begin;
+        while matches!(&*word(all, at), "pub" | "default" | "unsafe" | "async")
+            || word(all, at) == "const"
+                && matches!(&*word(all, at + 1), "fn" | "unsafe" | "async" | "extern")
+            || word(all, at) == "extern"
+                && word(all, at + 1).starts_with('"')
+                && word(all, at + 2) == "fn"
+        {
+            at += match &*word(all, at) {
+                "pub" if word(all, at + 1).starts_with('(') => 2,
+                "extern" => 2,
+                _ => 1,
+            };
+        }
+        let keyword = word(all, at);
+        let named = |at: usize| match all.get(at) {
+            Some(TokenTree::Ident(name)) => name.to_string(),
+            _ => String::new(),
+        };
+        let until = |braced: bool| {
+            let mut place = at;
+            loop {
+                match all.get(place)? {
+                    TokenTree::Group(group) if braced && group.delimiter() == Delimiter::Brace => {
+                        break;
+                    }
+                    token if token.to_string() == ";" => break,
+                    _ => place += 1,
+                }
+            }
+            Some(place + 1)
+        };
+        let (name, end) = match keyword.as_str() {
+            "fn" | "struct" | "enum" | "trait" | "mod" => (named(at + 1), until(true)?),
+            "impl" => (String::new(), until(true)?),
+            "const" | "static" | "type" => (named(at + 1), until(false)?),
+            "use" | "extern" => (String::new(), until(false)?),
+            "macro_rules" => (named(at + 2), at + 4),
+            _ => {
+                // A path and `!`.
+                while word(all, at + 1) == ":"
+                    || word(all, at) == ":"
+                    || word(all, at) == "$" && word(all, at + 1) == "crate"
+                {
+                    at += 1;
+                }
+                let is_call = matches!(all.get(at), Some(TokenTree::Ident(_)))
+                    && word(all, at + 1) == "!"
+                    && matches!(all.get(at + 2), Some(TokenTree::Group(_)));
+                let end = at + 3 + usize::from(word(all, at + 3) == ";");
+                return is_call.then(|| Self {
+                    keyword: "!".into(),
+                    name: if at == begin {
+                        named(at)
+                    } else {
+                        format!(":{}", named(at))
+                    },
+                    end,
+                });
+            }
+        };
+        let end = end + usize::from(keyword == "macro_rules" && word(all, end) == ";");
+        Some(Self { keyword, name, end })
+    }
+}
+
+fn word(all: &[TokenTree], at: usize) -> String {
+    match all.get(at) {
+        Some(TokenTree::Group(group)) => match group.delimiter() {
+            Delimiter::Parenthesis => "(".into(),
+            Delimiter::Brace => "{".into(),
+            Delimiter::Bracket => "[".into(),
+            Delimiter::None => String::new(),
+        },
+        Some(token) => token.to_string(),
+        None => String::new(),
+    }
+}
+
+/// The place after the attributes at a place, and whether one says that what follows is a test or not for the checker.
+fn attributes(all: &[TokenTree], mut at: usize) -> (usize, bool) {
+    let mut skipped = false;
+    while word(all, at) == "#" {
+        let inner = usize::from(word(all, at + 1) == "!");
+        let Some(TokenTree::Group(group)) = all.get(at + 1 + inner) else {
+            break;
+        };
+        let text: String = group.stream().to_string().split_whitespace().collect();
+        skipped |= ["test", "cfg(test)", "cfg(not(kani))"].contains(&&*text)
+            || text.starts_with("cfg(all(test,");
+        at += 2 + inner;
+        if inner == 1 {
+            // Of the file itself, not of what follows.
+            return (at, false);
+        }
+    }
+    (at, skipped)
+}
+
+/// The name after `fn` in a property's braces; what a macro hands on has none.
+fn property(bare: &[TokenTree]) -> Option<String> {
+    let Some(TokenTree::Group(group)) = bare
+        .iter()
+        .rev()
+        .find(|it| matches!(it, TokenTree::Group(_)))
+    else {
+        return None;
+    };
+    let all: Vec<TokenTree> = group.stream().into_iter().collect();
+    let at = all.iter().position(|token| token.to_string() == "fn")?;
+    match all.get(at + 1)? {
+        TokenTree::Ident(name) if group.delimiter() == Delimiter::Brace => Some(name.to_string()),
+        _ => None,
+    }
+}
+
+/// Of `impl<…> Trait for Type<…>`: the type's name and the trait's.
+fn header(bare: &[TokenTree]) -> (Option<String>, Option<String>) {
+    let mut depth = 0_i32;
+    let mut parts = [None, None];
+    let (mut part, mut generics) = (0, BTreeSet::new());
+    let mut first = true;
+    for (at, token) in bare.iter().enumerate().skip(1) {
+        let text = token.to_string();
+        match text.as_str() {
+            "<" => depth += 1,
+            ">" if at > 0 && bare[at - 1].to_string() == "-" => {}
+            ">" => {
+                depth -= 1;
+                first &= depth > 0;
+            }
+            "for" if depth == 0 => part = 1,
+            "where" if depth == 0 => break,
+            _ if depth > 0 && first => drop(generics.insert(text)),
+            _ if depth == 0 => {
+                first = false;
+                match token {
+                    TokenTree::Ident(_) if bare[at - 1].to_string() != "$" && text != "dyn" => {
+                        parts[part] = Some(text)
+                    }
+                    TokenTree::Ident(_) | TokenTree::Group(_) => parts[part] = None,
+                    _ => {}
+                }
+            }
+            _ => {}
+        }
+    }
+    let of = parts[part].take().filter(|name| !generics.contains(name));
+    (of, if part == 1 { parts[0].take() } else { None })
+}
+
+fn flat(tokens: &[TokenTree]) -> Vec<String> {
+    let mut words = Vec::new();
+    for token in tokens {
+        match token {
+            TokenTree::Group(group) => {
+                words.push("{".into());
+                words.extend(flat(&group.stream().into_iter().collect::<Vec<_>>()));
+                words.push("}".into());
+            }
+            other => words.push(other.to_string()),
+        }
+    }
+    words
+}
+
+/// The names that `a::{b, c as d, e::*}` brings into a file.
+fn import(words: &[String], before: &[String], file: &mut File) {
+    let mut path = before.to_vec();
+    let mut at = 0;
+    while at < words.len() {
+        match words[at].as_str() {
+            ":" | "pub" => at += 1,
+            "{" => {
+                let (mut depth, mut begin, mut end) = (0, at + 1, at);
+                loop {
+                    match words[end].as_str() {
+                        "{" => depth += 1,
+                        "}" => depth -= 1,
+                        _ => {}
+                    }
+                    if depth == 1 && words[end] == "," || depth == 0 {
+                        import(&words[begin..end], &path, file);
+                        begin = end + 1;
+                    }
+                    if depth == 0 {
+                        return;
+                    }
+                    end += 1;
+                }
+            }
+            "*" => {
+                file.globs.extend(path.last().cloned());
+                return;
+            }
+            "as" => {
+                file.imports.insert(words[at + 1].clone(), path);
+                return;
+            }
+            // `a::{self}`
+            "self" if at + 1 == words.len() && !path.is_empty() => break,
+            name => {
+                path.push(name.into());
+                at += 1;
+            }
+        }
+    }
+    if let Some(name) = path.last().cloned() {
+        file.imports.insert(name, path);
+    }
+}
+
+/// What is read of an item.
+struct Read {
+    /// What `Self` is.
+    own: Option<String>,
+    proofs: bool,
+    number: u64,
+    names: BTreeSet<(How, String)>,
+}
+
+impl Read {
+    /// The number of tokens, and the names in them but those that are bound where they stand.
+    fn read(&mut self, all: &[TokenTree], bound: &BTreeSet<String>) {
+        let mut bound = bound.clone();
+        let mut binds = Vec::new();
+        let mut at = 0;
+        while let Some(token) = all.get(at) {
+            if word(all, at) == "#" {
+                let (after, skipped) = attributes(all, at);
+                let inner = usize::from(word(all, at + 1) == "!");
+                let is_doc = matches!(all.get(at + 1 + inner), Some(TokenTree::Group(group)) if group.stream().to_string().starts_with("doc"));
+                if skipped && let Some(found) = Found::at(all, after) {
+                    at = found.end;
+                    continue;
+                }
+                if is_doc {
+                    at += 2 + inner;
+                    continue;
+                }
+            }
+            match token {
+                TokenTree::Group(group) => {
+                    self.number = add(self.number, &format!("{:?}", group.delimiter()));
+                    let inner: Vec<TokenTree> = group.stream().into_iter().collect();
+                    self.read(&inner, &bound);
+                    self.number = add(self.number, "end");
+                }
+                TokenTree::Ident(ident) => {
+                    let text = ident.to_string();
+                    if text == "let" {
+                        let name = at + 1 + usize::from(word(all, at + 1) == "mut");
+                        binds.push(word(all, name));
+                    }
+                    if !(self.proofs && SOLVERS.contains(&&*text)) {
+                        self.number = add(self.number, &text);
+                        let named = named(all, at, self.own.as_deref()).filter(|(how, name)| {
+                            *how != How::Plain || word(all, at + 1) == "(" || !bound.contains(name)
+                        });
+                        self.names.extend(named);
+                    }
+                }
+                other => {
+                    // What is bound may stand for something else in what it is bound to.
+                    if word(all, at) == ";" {
+                        bound.extend(binds.drain(..));
+                    }
+                    self.number = add(self.number, &other.to_string());
+                }
+            }
+            at += 1;
+        }
+    }
+}
+
+/// What a word at a place names, if it can be an item.
+fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String)> {
+    let back = |by: usize| {
+        at.checked_sub(by)
+            .map(|at| word(all, at))
+            .unwrap_or_default()
+    };
+    let (next, after) = (word(all, at + 1), word(all, at + 2));
+    let replaced = |text: String| match own {
+        Some(own) if text == "Self" => own.to_owned(),
+        _ => text,
+    };
+    let text = replaced(word(all, at));
+    let paths_on = next == ":" && after == ":";
+    match back(1).as_str() {
+        "fn" | "'" => None,
+        "." if back(2) != "." => (next == "(" || paths_on).then_some((How::Dot, text)),
+        ":" if back(2) == ":" => {
+            let before = match at.checked_sub(3).and_then(|at| all.get(at)) {
+                Some(TokenTree::Ident(it))
+                    if word(all, at.wrapping_sub(4)) != "$" || it == "crate" =>
+                {
+                    replaced(it.to_string())
+                }
+                // What a macro is told.
+                Some(TokenTree::Ident(_)) => "$".into(),
+                _ => String::new(),
+            };
+            Some((
+                if next == "!" {
+                    How::Bang
+                } else {
+                    How::After(before)
+                },
+                text,
+            ))
+        }
+        _ if next == "!" && matches!(all.get(at + 2), Some(TokenTree::Group(_))) => {
+            Some((How::Bang, text))
+        }
+        // A field, an argument or a variable with its type.
+        _ if next == ":" && !paths_on => None,
+        _ => Some((How::Plain, text)),
+    }
+}
