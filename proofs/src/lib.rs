@@ -1,6 +1,6 @@
 //! What is proved about the control laws: each property a body, run by Kani for all inputs and without it on seeded samples.
 //!
-//! `cargo xtask prove` runs all of it and writes the table in this directory's README; `cargo test -p touchstone-proofs` runs
+//! `cargo xtask prove` runs all of it and writes their table below `target/`; `cargo test -p touchstone-proofs` runs
 //! the sampled form and the exhaustive 8-bit form on stable Rust.
 //!
 //! Read from the bottom: [`heart`] (unsigned magnitudes), [`edges`] (signed numbers around them), one file per law, the

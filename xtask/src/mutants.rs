@@ -162,3 +162,18 @@ pub fn by_tests(shard: Shard) -> Outcome {
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Shard;
+
+    #[test]
+    fn a_shard_is_a_part_of_the_list() {
+        assert_eq!(Shard::read("2/8"), Some(Shard { index: 2, of: 8 }));
+        assert!(
+            ["0/8", "9/8", "x/8", "3"]
+                .into_iter()
+                .all(|text| Shard::read(text).is_none())
+        );
+    }
+}

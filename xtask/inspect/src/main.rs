@@ -70,7 +70,6 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
         }
         ["remaining", list, memo] => proofs::remaining(&text(list)?, path(memo)),
         ["statements", lock] => proofs::unchanged(&text(lock)?),
-        ["lines", lock] => proofs::lines(&text(lock)?),
         ["refuted", report, harness] => proofs::refuted(&text(report)?, harness),
         _ => Ok(Answer::Usage(USAGE.into())),
     }

@@ -264,15 +264,6 @@ pub fn unchanged(locked: &str) -> Result<Answer, String> {
     })
 }
 
-/// The lines that the harnesses of a list have in these sources.
-pub fn lines(list: &str) -> Result<Answer, String> {
-    let statements = Statements::read()?;
-    for line in list.lines() {
-        println!("{}", statements.line(name(line)));
-    }
-    Ok(Answer::Right(format!("{} lines", list.lines().count())))
-}
-
 fn say(found: &BTreeMap<String, Verdict>, wrong: Vec<String>) -> Answer {
     for line in &wrong {
         println!("  {line}");
