@@ -233,6 +233,7 @@ impl Device {
             may_be_on: self.memory.machine.outputs() == Outputs::On,
             driven: before == State::Armed && self.memory.record.law_ran,
             untold: read.is_none() && self.configs.now().change.is_some(),
+            against: self.memory.alignment.against,
         };
         let verdict = self
             .supervisor

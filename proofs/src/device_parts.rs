@@ -163,6 +163,7 @@ pub fn inspect(
         watch.may_be_on,
         watch.driven,
         watch.untold,
+        watch.against,
         input.hardware_break,
         input.gate_driver_error,
         input.stop_button,

@@ -65,11 +65,15 @@ pub enum FaultCode {
     HostSilent = 22,
     /// The board's stop button was pressed; 0.
     StopButton = 23,
+    /// Too large a share of the encoder's readings is bad, in a row or not; 1: those of the ticks, 2: those at the change of force.
+    EncoderUnsteady = 24,
+    /// The motor does not answer its voltage as the settings' motor would: slipped alignment, false current; mV beyond what is allowed.
+    MotorModel = 25,
 }
 
 impl FaultCode {
     /// All of them.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 25] = [
         Self::OverCurrent,
         Self::OverVoltage,
         Self::UnderVoltage,
@@ -93,6 +97,8 @@ impl FaultCode {
         Self::MotorHot,
         Self::HostSilent,
         Self::StopButton,
+        Self::EncoderUnsteady,
+        Self::MotorModel,
     ];
 
     /// The fault that a number on the wire stands for.

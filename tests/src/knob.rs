@@ -82,7 +82,8 @@ pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     hardware: &'static Hardware,
     shunts: [Shunt; 2],
     mailbox: CurrentCommand,
-    report: CurrentReport,
+    /// What the current loop told the next control tick.
+    pub report: CurrentReport,
     preloaded: Drive,
     command: Option<Command>,
     hardware_break: bool,
@@ -202,7 +203,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
 
     /// One PWM period; whether a control tick was due in it.
     pub fn period(&mut self) -> bool {
-        let next = self.record.tick + 1;
+        let next = self.record.tick.wrapping_add(1);
         self.rig.bridge.bus_v = self.tamper.bus_v(next);
         let now = self.rig.now();
         let volts: f64 = self.hardware.volts_per_code.to_num();
@@ -256,7 +257,10 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
                 duration: 2_500,
             },
         };
-        if !self.tamper.input(self.record.tick + 1, &mut input) {
+        if !self
+            .tamper
+            .input(self.record.tick.wrapping_add(1), &mut input)
+        {
             return;
         }
         let output = self.device.tick_around(&input, &mut self.around);

@@ -9,7 +9,9 @@
 //! | here | break input, gate driver, deadline |
 //! | [`power`] | bus voltage, temperature (with derating below the fault) |
 //! | [`shaft`] | encoder silent, parity and CRC, own error, jump, overspeed |
+//! | [`share`] | too many bad readings, in a row or not |
 //! | [`stuck`] | encoder stuck while armed |
+//! | [`model`] | a motor that answers its voltage otherwise than the settings' would |
 //! | [`heat`] | a motor that is too hot by the model of its windings (with derating below the fault) |
 //! | [`asked`] | stop button, a desktop that is silent |
 //! | [`crate::current`] | over-current, stale command, break: the loop has switched off already and says why |
@@ -20,8 +22,10 @@
 
 pub mod asked;
 pub mod heat;
+pub mod model;
 pub mod power;
 pub mod shaft;
+pub mod share;
 pub mod stuck;
 
 use crate::current::CurrentReport;
@@ -31,8 +35,10 @@ use crate::settings::DriveKind;
 use crate::timing::TickTiming;
 use asked::{Asked, AskedConfig};
 use heat::{Heat, HeatConfig};
+use model::{Model, ModelConfig};
 use power::{Power, PowerConfig};
 use shaft::{Seen, Shaft, ShaftConfig};
+use share::Share;
 use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
@@ -46,6 +52,8 @@ pub struct SupervisorConfig {
     shaft: ShaftConfig,
     /// Not for an analogue drive, whose power stage is somebody else's.
     motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
+    /// Where currents are measured.
+    model: Option<ModelConfig>,
     asked: AskedConfig,
     /// Cycles of a control period.
     period: u32,
@@ -64,6 +72,8 @@ impl SupervisorConfig {
         Self {
             shaft: ShaftConfig::new(settings, hardware),
             motor: (settings.drive.kind == DriveKind::ThreePhase).then_some(motor),
+            model: ModelConfig::new(settings, hardware)
+                .filter(|_| settings.drive.kind == DriveKind::ThreePhase),
             asked: AskedConfig::new(settings),
             period: hardware.core_hz / rate,
         }
@@ -87,7 +97,9 @@ impl SupervisorConfig {
 #[derive(Debug, Clone, Copy)]
 pub struct Supervisor {
     shaft: Shaft,
+    share: Share,
     stuck: Stuck,
+    model: Model,
     heat: Heat,
     asked: Asked,
     trips: u8,
@@ -117,6 +129,8 @@ pub struct Watch {
     pub driven: bool,
     /// The encoder did not say where it was when the force changed.
     pub untold: bool,
+    /// The electrical angle falls when the count rises.
+    pub against: bool,
 }
 
 impl Default for Supervisor {
@@ -131,7 +145,9 @@ impl Supervisor {
     pub const fn new() -> Self {
         Self {
             shaft: Shaft::new(),
+            share: Share::new(),
             stuck: Stuck::new(),
+            model: Model::new(),
             heat: Heat::cold(),
             asked: Asked::new(),
             trips: 0,
@@ -151,6 +167,8 @@ impl Supervisor {
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
+        self.share = Share::new();
+        self.model = Model::new();
     }
 
     /// The shaft's motion.
@@ -171,6 +189,7 @@ impl Supervisor {
             may_be_on,
             driven,
             untold,
+            against,
         } = watch;
         let report = &input.current;
         let seen = self
@@ -187,6 +206,39 @@ impl Supervisor {
             }
             _ => {
                 self.stuck = Stuck::new();
+                None
+            }
+        };
+        let share_fault = if watched {
+            // A tick whose reading at the change is missing counts its own reading as bad too: that is not the tick's reading's doing.
+            let bad = count.is_none() && !(driven && untold);
+            self.share.update(bad, driven.then_some(untold))
+        } else {
+            self.share = Share::new();
+            None
+        };
+        let model_fault = match &config.model {
+            Some(model) if driven => {
+                let speed = self.shaft.speed(&config.shaft);
+                let along = if against {
+                    speed.saturating_neg()
+                } else {
+                    speed
+                };
+                let found = self.model.update(model, along, report);
+                // Nothing moves at all: the encoder is the nearer cause.
+                let code = if self.stuck.is_suspected() {
+                    FaultCode::EncoderStuck
+                } else {
+                    FaultCode::MotorModel
+                };
+                found.map(|beyond| (code, beyond))
+            }
+            _ => {
+                // A bad reading between two good ones is no new beginning.
+                if !may_be_on {
+                    self.model = Model::new();
+                }
                 None
             }
         };
@@ -209,7 +261,9 @@ impl Supervisor {
             .or(asked_fault)
             .or(heat_fault)
             .or(shaft_fault)
-            .or(stuck_fault);
+            .or(share_fault)
+            .or(stuck_fault)
+            .or(model_fault);
         Verdict {
             fault: fault.filter(|_| watched),
             count,

@@ -70,6 +70,12 @@ impl Stuck {
         Self { ticks: 0 }
     }
 
+    /// Whether it looked so in the last tick.
+    #[must_use]
+    pub const fn is_suspected(&self) -> bool {
+        self.ticks != 0
+    }
+
     /// Takes a tick in which the motor was driven.
     pub fn update(
         &mut self,

@@ -4,7 +4,7 @@
 //! | pins | from |
 //! |---|---|
 //! | phases' inputs and enables, currents, bus | NuttX's page and board file, and an open bench with the NUCLEO-G474RE and this shield, which agree; the shield's manual UM2415 and schematic **not read** |
-//! | currents of phases U and V | two of three sources; NuttX's code swaps U and V, which the calibration takes as another direction. ST's own project for the kit reads PB11 and PA7 for V and W: links on the shield may differ |
+//! | currents of phases U and V | two of three sources; NuttX's code swaps U and V: exchanged currents end in fault 10, as no current comes to what was asked. ST's own project for the kit reads PB11 and PA7 for V and W: links on the shield may differ |
 //! | EN\FAULT at PB12 (link R37) or PA11 (link R35) | the bench: shields differ, so both are watched |
 //! | the limiter's reference at PB4, the thermistor at PC4 | NuttX's page; what the levels do **not read** |
 //! | the enables' functions: TIM1_CH1N, CH2N, CH3N | the chip's data sheet DS12288, from memory |

@@ -118,6 +118,7 @@ pub fn tick(
         may_be_on: armed || before == State::Calibrating,
         driven: drove,
         untold: parts.measures_change() && found.read.is_none(),
+        against: found.alignment.against,
     });
 
     let mut fault = match (found.reported, verdict.fault) {

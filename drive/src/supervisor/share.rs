@@ -1,0 +1,75 @@
+//! The share of bad readings, whether or not they come in a row.
+//!
+//! A bad reading leaves the bridge off for a tick, and the guard answers for the worst that may have happened meanwhile: a few are
+//! harmless, an encoder that goes on so is not one to drive by. Each bad reading counts 50, each good one takes 1 away, and 1,000
+//! are a fault: 20 nearly at once, or a share of more than 1 in 51 that lasts. Every second one is found after 41 readings.
+//!
+//! A good encoder does not come there. With independent bad readings of share `p`, the chance that a tick ends a climb to 1,000 is at
+//! most `exp(-1000 r)`, where `p exp(50 r) + (1 - p) exp(-r) = 1`: `exp(-89)` for one in a thousand.
+//!
+//! The reading of the tick and the one at the change of force are counted apart: good ones of one kind do not hide the other's bad ones.
+
+use super::Found;
+use touchstone_protocol::FaultCode;
+
+const BAD: u16 = 50;
+const MOST: u16 = 1_000;
+
+/// What of each kind is left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Share {
+    of: [u16; 2],
+}
+
+impl Share {
+    /// None bad so far.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { of: [0; 2] }
+    }
+
+    /// Takes whether the reading of a tick was bad, and the one at the change of force where one was due.
+    pub fn update(&mut self, tick: bool, change: Option<bool>) -> Option<Found> {
+        let mut fault = None;
+        for ((left, bad), number) in self.of.iter_mut().zip([Some(tick), change]).zip(1..) {
+            *left = match bad {
+                Some(true) => left.saturating_add(BAD).min(MOST),
+                Some(false) => left.saturating_sub(1),
+                None => *left,
+            };
+            if *left >= MOST {
+                fault = fault.or(Some((FaultCode::EncoderUnsteady, number)));
+            }
+        }
+        fault
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ticks until a fault, and which reading.
+    fn after(ticks: u32, bad: impl Fn(u32) -> (bool, Option<bool>)) -> Option<(u32, i32)> {
+        let mut share = Share::new();
+        (0..ticks).find_map(|tick| {
+            let (first, second) = bad(tick);
+            share.update(first, second).map(|(_, value)| (tick, value))
+        })
+    }
+
+    #[test]
+    fn a_share_is_found_in_either_reading_and_one_in_a_hundred_is_borne() {
+        assert_eq!(after(100, |t| (t % 2 == 0, Some(false))), Some((40, 1)));
+        assert_eq!(after(100, |t| (false, Some(t % 2 == 0))), Some((40, 2)));
+        assert_eq!(
+            after(100, |t| (false, (t % 2 == 0).then_some(true))),
+            Some((38, 2))
+        );
+        assert_eq!(
+            after(100_000, |t| (t % 100 == 0, Some(t % 100 == 50))),
+            None
+        );
+        assert!(after(100_000, |t| (t % 45 == 0, None)).is_some());
+    }
+}

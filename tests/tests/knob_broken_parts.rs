@@ -1,0 +1,350 @@
+//! Parts that break while the motor drives: the fault, and what the hand was given until then.
+
+use touchstone_drive::calibration::Reason;
+use touchstone_drive::encoder::Frames;
+use touchstone_drive::{ControlInput, CurrentSample, DeviceSettings, EncoderReading, Si};
+use touchstone_protocol::{Board, Command, FaultCode, State};
+use touchstone_tests::knob::{Knob, Tamper};
+use touchstone_world::motor::{GIMBAL, MotorParameters, as5047p_frame};
+
+fn settings() -> DeviceSettings {
+    let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+    settings.wall.surface_rad = Si::lit("0.2");
+    settings
+}
+
+/// The magnet has slipped by so many counts since the calibration.
+struct Slip {
+    counts: i64,
+}
+impl Slip {
+    fn shift(&self, reading: EncoderReading) -> EncoderReading {
+        match reading {
+            EncoderReading::As5047p(Frames { angle, before }) => {
+                let angle = as5047p_frame(i64::from(angle & 0x3fff) + self.counts);
+                EncoderReading::As5047p(Frames { angle, before })
+            }
+            other => other,
+        }
+    }
+}
+impl Tamper for Slip {
+    fn input(&mut self, _: u32, input: &mut ControlInput) -> bool {
+        input.encoder = self.shift(input.encoder);
+        true
+    }
+    fn change(&mut self, _: u32, reading: EncoderReading) -> Option<EncoderReading> {
+        Some(self.shift(reading))
+    }
+}
+
+/// Slips, arms, and lets a hand press 1.5 rad through the wall: the most that the motor gave, J, the ticks that it pushed, and the fault.
+fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
+    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Slip { counts: 0 });
+    assert_eq!(knob.calibrate(), State::Ready);
+    // Slowly, so that it is neither a jump nor a speed.
+    for step in 1..=10 {
+        knob.tamper.counts = (degrees / 360.0 / 7.0 * 16_384.0 * f64::from(step) / 10.0) as i64;
+        for _ in 0..20 {
+            knob.rest_rad = 0.0;
+            knob.tick();
+        }
+    }
+    knob.ask(Command::Arm);
+    knob.tick();
+    let (mut work, mut most) = (0.0, 0.0_f64);
+    let mut last = knob.rig.now().angle_rad;
+    let mut pushing = 0;
+    for tick in 0..20_000_u32 {
+        knob.rest_rad = f64::from(tick).min(1_000.0) * 0.0015;
+        while !knob.period() {
+            let now = knob.rig.now();
+            work += now.torque_n_m * (now.angle_rad - last);
+            last = now.angle_rad;
+            most = most.max(work);
+        }
+        if knob.fault().is_some() {
+            break;
+        }
+        pushing += u32::from(knob.record.force.0 != 0);
+    }
+    (most, pushing, knob.fault())
+}
+
+#[test]
+fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
+    for degrees in [-150.0, -120.0, -100.0, 100.0, 120.0, 150.0, 180.0] {
+        let (most, pushing, fault) = pressed_after_slip(degrees);
+        // 50 ms of pushing.
+        assert!(
+            pushing <= 50,
+            "{degrees} degrees: pushed for {pushing} ticks"
+        );
+        assert!(most < 0.2, "{degrees} degrees: {most:.3} J, {fault:?}");
+        assert!(
+            matches!(fault, Some(FaultCode::MotorModel | FaultCode::OverSpeed)),
+            "{degrees} degrees: {fault:?}"
+        );
+    }
+}
+
+/// Loses readings from tick 8,000 on: every so many of each kind.
+struct Lossy {
+    tick: Option<u32>,
+    change: Option<u32>,
+}
+impl Tamper for Lossy {
+    fn input(&mut self, tick: u32, input: &mut ControlInput) -> bool {
+        if tick > 8_000 && self.tick.is_some_and(|every| tick % every == 0) {
+            input.encoder = EncoderReading::Silent;
+        }
+        true
+    }
+    fn change(&mut self, tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
+        let lost = tick > 8_000 && self.change.is_some_and(|every| tick % every == 0);
+        (!lost).then_some(reading)
+    }
+}
+
+/// Which kind of reading the fault names, and the ticks that it took.
+fn lost(tick: Option<u32>, change: Option<u32>) -> Option<(i32, u32)> {
+    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Lossy { tick, change }).armed();
+    for _ in 0..60_000 {
+        knob.rest_rad = 1.0;
+        knob.tick();
+        if let Some(fault) = knob.device.fault() {
+            assert_eq!(fault.code, FaultCode::EncoderUnsteady);
+            return Some((fault.value, fault.tick - 8_000));
+        }
+    }
+    None
+}
+
+#[test]
+fn bad_readings_that_are_not_in_a_row_are_a_fault_and_a_few_are_not() {
+    for (tick, change, kind, within) in [
+        (Some(2), None, 1, 50),
+        (Some(10), None, 1, 300),
+        (Some(40), None, 1, 5_000),
+        (None, Some(1), 2, 50),
+        (None, Some(2), 2, 100),
+        (None, Some(10), 2, 300),
+        (None, Some(40), 2, 5_000),
+    ] {
+        let found = lost(tick, change);
+        assert!(
+            found.is_some_and(|(which, after)| which == kind && after < within),
+            "{tick:?} {change:?}: {found:?}"
+        );
+    }
+    assert_eq!(lost(Some(100), Some(100)), None);
+}
+
+/// What a current sensor says from tick 8,000 on.
+#[derive(Debug, Clone, Copy)]
+enum Sensor {
+    /// Its resting value.
+    Rests(usize),
+    /// What it said then.
+    Frozen(usize, Option<u16>),
+    /// Half of what it should.
+    Half(usize),
+    /// A sixteenth.
+    Weak(usize),
+}
+impl Tamper for Sensor {
+    fn sample(&mut self, tick: u32, sample: &mut CurrentSample) {
+        if tick <= 8_000 {
+            return;
+        }
+        let (Self::Rests(phase) | Self::Frozen(phase, _) | Self::Half(phase) | Self::Weak(phase)) =
+            *self;
+        let rest = [2_128, 2_100][phase];
+        let code = if phase == 0 {
+            &mut sample.phase_a
+        } else {
+            &mut sample.phase_b
+        };
+        let share = |by| ((i32::from(*code) - rest) / by + rest) as u16;
+        *code = match self {
+            Self::Rests(_) => rest as u16,
+            Self::Half(_) => share(2),
+            Self::Weak(_) => share(16),
+            Self::Frozen(_, at) => *at.get_or_insert(*code),
+        };
+    }
+}
+
+#[test]
+fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
+    let mut found = Vec::new();
+    for sensor in [
+        Sensor::Rests(0),
+        Sensor::Rests(1),
+        Sensor::Half(0),
+        Sensor::Half(1),
+        Sensor::Weak(0),
+        Sensor::Weak(1),
+        Sensor::Frozen(0, None),
+        Sensor::Frozen(1, None),
+    ] {
+        let mut knob = Knob::new(&settings(), GIMBAL, 0.0, sensor).armed();
+        let (mut work, mut most) = (0.0, 0.0_f64);
+        let mut last = knob.rig.now().angle_rad;
+        for tick in 0..30_000 {
+            // A hand that presses more and less: what stands still as it should is not false yet.
+            let firm = f64::from(tick).min(3_000.0) * 0.001;
+            knob.rest_rad = firm * (1.0 + 0.3 * (f64::from(tick) * 2.0e-3).sin());
+            while !knob.period() {
+                let now = knob.rig.now();
+                if knob.record.tick > 8_000 {
+                    work += now.torque_n_m * (now.angle_rad - last);
+                    most = most.max(work);
+                }
+                last = now.angle_rad;
+            }
+            if knob.fault().is_some() {
+                break;
+            }
+        }
+        let fault = knob.device.fault();
+        found.push((sensor, most, fault));
+    }
+    for (sensor, most, fault) in found {
+        let code = fault.map(|fault| fault.code);
+        // A voltage that no motion explains, while the knob stands: the encoder may be the cause as well.
+        assert!(
+            matches!(
+                code,
+                Some(FaultCode::MotorModel | FaultCode::EncoderStuck | FaultCode::OverCurrent)
+            ),
+            "{sensor:?}: {code:?}"
+        );
+        assert!(most < 0.25, "{sensor:?}: {most} J");
+    }
+}
+
+/// Sensors as they have always been.
+struct Always(fn(&mut CurrentSample));
+impl Tamper for Always {
+    fn sample(&mut self, _: u32, sample: &mut CurrentSample) {
+        (self.0)(sample);
+    }
+}
+fn gain(code: u16, rest: i32, percent: i32) -> u16 {
+    ((i32::from(code) - rest) * percent / 100 + rest) as u16
+}
+
+#[test]
+fn false_sensors_do_not_pass_the_calibration_and_nearly_equal_ones_do() {
+    let calibrated = |falsify| Knob::new(&settings(), GIMBAL, 0.3, Always(falsify)).calibrate();
+    let refused = |state, reasons: &[Reason]| {
+        let State::Fault(fault) = state else {
+            panic!("{state:?}");
+        };
+        assert_eq!(fault.code, FaultCode::CalibrationFailed);
+        let reason = Reason::from_value(fault.value).expect("a reason");
+        assert!(reasons.contains(&reason), "{reason:?}");
+    };
+    let unbalanced = &[Reason::Unbalanced];
+    refused(
+        calibrated(|s| s.phase_a = gain(s.phase_a, 2_128, 50)),
+        unbalanced,
+    );
+    refused(
+        calibrated(|s| s.phase_b = gain(s.phase_b, 2_100, 50)),
+        unbalanced,
+    );
+    refused(
+        calibrated(|s| s.phase_a = gain(s.phase_a, 2_128, 200)),
+        unbalanced,
+    );
+    refused(
+        calibrated(|s| s.phase_b = gain(s.phase_b, 2_100, 200)),
+        unbalanced,
+    );
+    for percent in [
+        |s: &mut CurrentSample| s.phase_a = gain(s.phase_a, 2_128, 90),
+        |s: &mut CurrentSample| {
+            s.phase_b = gain(s.phase_b, 2_100, 110);
+        },
+    ] {
+        assert_eq!(calibrated(percent), State::Ready);
+    }
+    // Exchanged currents of U and V: no current comes to what was asked.
+    refused(
+        calibrated(|s| core::mem::swap(&mut s.phase_a, &mut s.phase_b)),
+        &[Reason::NoCurrent],
+    );
+}
+
+/// A thousandth of each kind of reading is bad.
+struct Good(u32);
+impl Good {
+    fn is_bad(&mut self) -> bool {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.0 >> 16 < 65
+    }
+}
+impl Tamper for Good {
+    fn input(&mut self, _: u32, input: &mut ControlInput) -> bool {
+        if self.is_bad() {
+            input.encoder = EncoderReading::Silent;
+        }
+        true
+    }
+    fn change(&mut self, _: u32, reading: EncoderReading) -> Option<EncoderReading> {
+        (!self.is_bad()).then_some(reading)
+    }
+}
+
+/// A brisk hand at a good device, so many ticks.
+fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
+    let mut knob = Knob::new(&settings(), motor, 0.0, Good(ticks));
+    knob.rig.bridge.dead_share = dead_share;
+    let mut knob = knob.armed();
+    let mut touched = 0;
+    for tick in 0..ticks {
+        let phase = f64::from(tick) * hertz * std::f64::consts::TAU / 1_000.0;
+        // Never two strokes alike, and now and then a rest deep in the wall.
+        let deep = (phase / 17.0).sin();
+        knob.rest_rad = 0.2 + 0.5 * deep + 0.4 * phase.sin() + 0.1 * (phase * 2.7).sin();
+        knob.tick();
+        touched += u32::from(knob.record.force.0 != 0);
+        assert_eq!(
+            knob.device.fault(),
+            None,
+            "{motor:?} {hertz} Hz, tick {tick}"
+        );
+    }
+    assert!(touched > ticks / 50, "{touched} of {ticks}");
+}
+
+/// As long as `TOUCHSTONE_TICKS` says; 10,000 ticks of each, which are 10 s, where it says nothing.
+#[test]
+fn good_devices_raise_no_alarm() {
+    let ticks =
+        std::env::var("TOUCHSTONE_TICKS").map_or(10_000, |text| text.parse().expect("ticks"));
+    for (ohms, flux, henries) in [
+        (1.0, 1.0, 1.0),
+        (1.3, 0.7, 1.3),
+        (0.7, 1.3, 0.7),
+        (1.3, 1.3, 1.3),
+        (0.7, 0.7, 0.7),
+    ] {
+        let motor = MotorParameters {
+            resistance_ohm: GIMBAL.resistance_ohm * ohms,
+            flux_linkage_wb: GIMBAL.flux_linkage_wb * flux,
+            inductance_h: GIMBAL.inductance_h * henries,
+            ..GIMBAL
+        };
+        for (dead_share, hertz) in [(0.0, 3.0), (0.01, 1.0), (0.01, 6.0)] {
+            good(motor, dead_share, ticks, hertz);
+        }
+    }
+    let reversed = MotorParameters {
+        reversed: true,
+        ..GIMBAL
+    };
+    good(reversed, 0.01, ticks, 3.0);
+}
