@@ -55,8 +55,7 @@ impl<N: Number> Common<N> {
         &self,
         settings: &Settings,
     ) -> Result<(Spring<N>, Option<Velocity<N>>), SettingsError> {
-        let per_tick = settings.derived().virtual_damping_per_tick;
-        let spring = self.spring(stiffness(Field::VirtualDamping, per_tick)?);
+        let spring = self.spring(damper(settings)?);
         let (rate, count) = (settings.rate_hz, settings.position.count);
         Ok((spring, settings.velocity.velocity(rate, count)?))
     }
@@ -122,6 +121,7 @@ impl<N: Number> Common<N> {
         let series = filter.stiffness.saturating_add(settings.k_soft);
         Ok(EnhancedSfa {
             desired: self.desired,
+            damper: damper(settings)?,
             target: stiffness(Field::KDesired, target)?,
             soft: stiffness(Field::KSoft, settings.k_soft)?,
             compliance: compliance(settings, Field::KSoft, Si::ONE)?,
@@ -156,6 +156,20 @@ impl<N: Number> Common<N> {
                 format: N::NAME,
             })
     }
+}
+
+/// Virtual damping over a tick.
+fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
+    let per_tick = settings.derived().virtual_damping_per_tick;
+    stiffness(Field::VirtualDamping, per_tick)
+}
+
+/// The same of the enhanced law's spring, up to `k_v`: in proportion to `k_de`, since a wall of half the stiffness under the same damper
+/// would creep for twice as long.
+pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
+    let per_tick = settings.derived().virtual_damping_per_tick;
+    let share = over(settings.k_desired, settings.k_soft);
+    stiffness(Field::VirtualDamping, per_tick.saturating_mul(share))
 }
 
 /// A share over `k_v`.

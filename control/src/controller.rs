@@ -1,7 +1,7 @@
 //! From settings to a running law: coefficients computed once, state beside them, one `tick`.
 
 use crate::choices::{LawKind, OffsetUpdate, StatesKind};
-use crate::coefficients::Common;
+use crate::coefficients::{Common, soft_damper};
 use crate::estimator::EstimatorState;
 use crate::law::{
     Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa, SfaState,
@@ -54,7 +54,7 @@ impl<N: Number> AnyLaw<N> {
                 let law = common.sfa(settings, OffsetUpdate::Inward)?;
                 Self::Sfa(law, SfaState::default())
             }
-            LawKind::EnhancedSfa if settings.is_plain_spring() => spring(Stiffness::zero()),
+            LawKind::EnhancedSfa if settings.is_plain_spring() => spring(soft_damper(settings)?),
             LawKind::EnhancedSfa => {
                 Self::Enhanced(common.enhanced(settings)?, EnhancedState::default())
             }

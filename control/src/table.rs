@@ -41,9 +41,9 @@ macro_rules! law_settings {
                 // Thesis §5.1, found by Algorithm 2.1, so that k_c = 1 N·m/rad.
                 DeviceDamping device_damping, device_damping_n_m_s_per_rad: number("0", "10000") = "0.0005", "N·m·s/rad",
                     "the damping c_i that device and fingertip are trusted to have";
-                // Below the device's own damping: passivity asks b > K T/2 + B, so virtual damping eats the margin that it is to widen.
-                VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0.0002", "N·m·s/rad",
-                    "the virtual damping of the law spring-damper";
+                // Passivity asks b > K T/2 + B of the device, so virtual damping eats the margin that it is to widen.
+                VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0", "N·m·s/rad",
+                    "the virtual damping B of the laws spring-damper and enhanced-sfa";
                 Observer observer, observer: choice(ObserverForm) = Exact, "",
                     "the form of the energy observer (thesis counts the sampling leak with the wrong sign)";
                 CountDeviceDamping count_device_damping, count_device_damping: flag() = false, "",
@@ -80,7 +80,7 @@ macro_rules! law_settings {
                     "the filter's virtual mass";
                 // Far above the sampling bound 2 (c_i - c_f)/T: what a hand can get out by that is the guard's to bound.
                 FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "29.6", "N·m/rad",
-                    "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f)/T)";
+                    "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f - B)/T)";
                 FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.00655", "N·m·s/rad",
                     "the coupling damping c_f between HIP and virtual mass";
                 FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.00356", "N·m·s/rad",
@@ -144,6 +144,8 @@ macro_rules! thesis_settings {
             $($more)*
             // Captions of thesis Figs. 3.2 and 3.5; below k_c = 2 c_i/T = 1, so the spring is passive unaided.
             (law) k_soft, k_soft_n_m_per_rad = "0.8";
+            // The thesis' law has no damper beside its augmented wall.
+            (law) virtual_damping, virtual_damping_n_m_s_per_rad = "0";
             // a, b, c and the filter: found by a search over grips, encoders, touch and press, and k_de of 1 to 20 k_c; the thesis asks
             // for "a fraction" only.
             (law) step_of_ideal, step_of_ideal = "0.012";

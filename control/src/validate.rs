@@ -180,7 +180,7 @@ pub enum Warning {
         /// `k_c = 2 c_i/T`.
         k_critical: Si,
     },
-    /// `k_f > 2 (c_i - c_f)/T`: the coupling is not passive at the physical port under sampling.
+    /// `k_f > 2 (c_i - c_f - B)/T`: the coupling is not passive at the physical port under sampling.
     CouplingAboveBound {
         /// `k_f`.
         k_filter: Si,
@@ -251,7 +251,7 @@ impl fmt::Display for Warning {
             ),
             Self::CouplingAboveBound { k_filter, bound } => write!(
                 f,
-                "k_f = {k_filter:.6} is above 2 (c_i - c_f)/T = {bound:.6}: the filter is then passive only with the hand's help"
+                "k_f = {k_filter:.6} is above 2 (c_i - c_f - B)/T = {bound:.6}: filter and damper are then passive only with the hand's help"
             ),
             Self::GroundDampingBelowBound {
                 ground_damping_per_tick,
@@ -377,7 +377,8 @@ impl Settings {
         let observes = self.law == LawKind::Tdpa || filters;
         let bound = (derived
             .device_damping_per_tick
-            .saturating_sub(derived.filter_damping_per_tick))
+            .saturating_sub(derived.filter_damping_per_tick)
+            .saturating_sub(derived.virtual_damping_per_tick))
         .saturating_mul(Si::const_from_int(2));
         let ground = self.k_soft.saturating_mul(half);
         let guard = if self.guard.on {

@@ -7,7 +7,9 @@ use crate::valid::{Valid, any_mass, drive_ok, mass_ok};
 use crate::{assume, cover, property, such};
 use touchstone_control::filter::MassState;
 use touchstone_control::law::{Contact, EnhancedSfa, EnhancedState, Law, Sample};
-use touchstone_control::{Energy, FirstContact, Fixed8, Force, Number, ObserverForm, Position};
+use touchstone_control::{
+    Energy, FirstContact, Fixed8, Force, Number, ObserverForm, Position, Stiffness,
+};
 
 macro_rules! enhanced {
     ($(#[doc = $doc:literal])* $module:ident, $number:ident, functions $functions:ident, by $solver:ident, sums $sums:ident, books $books:ident) => {
@@ -186,8 +188,9 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, before the first reversal: no panic, at most the limit, invariant kept.
-                equation "|f| <= limit, 0 <= E <= cap"
+                /// P3, P4 and the invariant, before the first reversal: no panic, never pulls, at most the limit, invariant kept; without a
+                /// damper the answer is the wall's force.
+                equation "0 <= f <= limit, 0 <= E <= cap, B = 0 => f = f_wall"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_first_contact(s) {
                     let law = such!(s, EnhancedSfa::<N>::any(s), |law| law.valid(), "validate");
@@ -206,8 +209,10 @@ macro_rules! enhanced {
                     let mut state = before;
                     let force = law.tick(&mut state, sample);
                     assert!(law.holds(&state) && state.contact != Contact::Augmenting);
-                    assert!(force.modulus() <= law.limit && force == state.force);
+                    assert!(force >= Force::zero() && force <= law.limit);
+                    assert!(force == state.force || law.damper != Stiffness::zero());
                     cover!(s, force == law.limit && force > Force::zero(), "limit reached");
+                    cover!(s, force > state.force, "damped");
                     cover!(s, before.contact == Contact::First && state.contact == Contact::First && state.energy > before.energy, "absorbs");
                 }
             }

@@ -14,7 +14,7 @@
 use crate::accepted::{any_settings, in_ranges};
 use crate::set::bits;
 use crate::source::Source;
-use crate::spec::law_settings::{self as of_law, Regulated, Spring};
+use crate::spec::law_settings::{self as of_law, Damped, Regulated, Spring};
 use crate::spec::sfa::Update;
 use crate::specified::at32::{energy, force, gain};
 use crate::{assume, cover, lawful_property, reckoned, reckoned_property, spec, specified};
@@ -88,7 +88,11 @@ reckoned_property! {
 fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
-    let damped = settings.law == LawKind::SpringDamper;
+    let damped = match settings.law {
+        LawKind::Spring => Damped::Not,
+        LawKind::SpringDamper => Damped::Fully,
+        _ => Damped::InProportion,
+    };
     let expected = if accepted {
         told(settings).spring(damped)
     } else {
@@ -129,8 +133,8 @@ lawful_property! {
 }
 lawful_property! {
     plain
-    /// P11: the enhanced law is a spring up to `k_v` (§3.1), the specification's.
-    equation "k_de <= k_v  =>  AnyLaw::new(settings) = spec(settings): k_de, limit"
+    /// P11: the enhanced law is the damped spring up to `k_v` (§3.1), the specification's.
+    equation "k_de <= k_v  =>  AnyLaw::new(settings) = spec(settings): k_de, (b/T) k_de/k_v, limit"
     over "settings of the law, soft"
     by minisat fn p11_soft_settings32(s) {
         let settings = any_settings(s, LawKind::EnhancedSfa);
@@ -232,7 +236,7 @@ lawful_property! {
     not_plain
     /// P11: the enhanced law that settings become, and whether they become one, is the specification's: what its offset goes towards, (3.5) with
     /// a compensated mass, and what its divisors divide by, included.
-    equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
+    equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {
         let settings = any_settings(s, LawKind::EnhancedSfa);

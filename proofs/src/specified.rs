@@ -139,6 +139,7 @@ macro_rules! specified {
                 spec::enhanced::Enhanced {
                     desired: gain(law.desired),
                     target: gain(law.target),
+                    damper: gain(law.damper),
                     soft: gain(law.soft),
                     compliance: compliance(law.compliance),
                     of_ideal: compliance(law.augmentation.of_ideal),

@@ -200,6 +200,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
         Self {
             desired: any_gain(s),
             target: any_gain(s),
+            damper: any_gain(s),
             soft: any_gain(s),
             compliance: any_share(s),
             augmentation: any_augmentation(s),
@@ -255,6 +256,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
     fn valid(&self) -> bool {
         gain_ok(self.desired)
             && gain_ok(self.target)
+            && gain_ok(self.damper)
             && gain_ok(self.soft)
             && augmentation_ok(&self.augmentation)
             && mass_ok(&self.mass)

@@ -116,7 +116,11 @@ pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
         k_desired: Si::from_num(1e3 * k_desired_n_per_mm),
         k_soft: si("4000"),
         device_damping: si("2.5"),
-        virtual_damping: si("1"),
+        virtual_damping: if law == LawKind::SpringDamper {
+            si("1")
+        } else {
+            Si::ZERO
+        },
         force_limit: si("12"),
         energy_credit: si("0.0144"),
         filter: FilterSettings {

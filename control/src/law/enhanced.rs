@@ -16,7 +16,14 @@
 //! counts the sampling leak the wrong way round. Here the loan is explicit: the observer starts each contact at
 //! `energy_credit`, and over one contact the mass can never give more than that beyond what it took.
 //!
-//! The form of the thesis (its observer, offset changed on inward motion only) stays selectable.
+//! **A damper stands beside the augmented wall.** `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in every
+//! phase; the sum never pulls and stays within the limit. Up to `k_v` the law is that damped spring, with `B k_de/k_v`. The books at the
+//! *mass port* leave the damper out: what it takes is never given back through the offset, and the offset regulates the wall's
+//! stiffness alone. At the *wall's port* its force is held over a tick and acts over the next displacement, so where the motion turns
+//! it gives up to `(B/T) |Δe(n) Δe(n+1)|`; a device that damps `k T/2 + B` takes that. What a hand gets out in all is for the guard to
+//! bound.
+//!
+//! The form of the thesis (without the damper, its observer, offset changed on inward motion only) stays selectable.
 
 use super::{Contact, Law, Sample, View};
 use crate::filter::{MassState, VirtualMass};
@@ -62,6 +69,8 @@ pub struct EnhancedSfa<N: Number> {
     pub desired: Stiffness<N>,
     /// The stiffness that is regulated towards: `k_de`, or (3.5) at the mass.
     pub target: Stiffness<N>,
+    /// Virtual damping per tick, `B/T`, of the damper beside the augmented wall; zero for the thesis' law.
+    pub damper: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
     /// `1/k_v`.
@@ -108,7 +117,7 @@ pub struct EnhancedState<N: Number> {
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
-    /// Force at the HIP.
+    /// Force of the augmented wall at the HIP, without the damper beside it.
     pub force: Force<N>,
     /// Energy left, credit included, never negative while augmenting.
     pub energy: Energy<N>,
@@ -117,6 +126,15 @@ pub struct EnhancedState<N: Number> {
 }
 
 impl<N: Number> EnhancedSfa<N> {
+    /// The force of the augmented wall and of the damper beside it, never pulling. The damper works on the displacement inside the
+    /// wall, as that of [`super::Spring`].
+    #[inline(always)]
+    fn damped(&self, augmented: Force<N>, sample: Sample<N>) -> Force<N> {
+        (augmented + (self.damper * sample.moved_inside()).towards_zero())
+            .max(Force::zero())
+            .min(self.limit)
+    }
+
     /// First contact is over: puts the mass where it can start without energy from nowhere.
     #[inline]
     pub fn hand_over(&self, state: &mut EnhancedState<N>) {
@@ -314,7 +332,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
                 ..EnhancedState::default()
             };
             state.force = (self.desired * e).outward().min(self.limit);
-            return state.force;
+            return self.damped(state.force, sample);
         }
         if state.contact == Contact::First {
             state.energy = (state.energy + state.force * moved).min(self.energy_cap);
@@ -332,7 +350,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
                 state.last = e;
                 // It never pulls.
                 state.force = force.min(self.limit);
-                state.force
+                self.damped(state.force, sample)
             }
             None => {
                 *state = EnhancedState {

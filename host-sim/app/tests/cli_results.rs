@@ -31,7 +31,7 @@ const BOUNDS: [(&str, &str, &[&str]); 3] = [
         "law.filter.stiffness_n_m_per_rad=1.01",
         &[
             "k_f = 1.01",
-            "2 (c_i - c_f)/T = 1:",
+            "2 (c_i - c_f - B)/T = 1:",
             "passive only with the hand",
             "give 1 or less",
         ],

@@ -10,6 +10,8 @@ pub struct Enhanced {
     pub desired: Int,
     /// The stiffness that is regulated towards, a gain.
     pub target: Int,
+    /// `B/T` of the damper beside the wall, a gain.
+    pub damper: Int,
     /// `k_v`, a gain.
     pub soft: Int,
     /// `1/k_v`, a ratio.
@@ -65,7 +67,7 @@ pub struct Memory {
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Int,
-    /// Force at the HIP.
+    /// Force of the wall at the HIP, without the damper beside it.
     pub force: Int,
     /// Energy left, the loan included.
     pub energy: Int,
@@ -118,7 +120,7 @@ impl Enhanced {
                 last: e,
                 ..Memory::default()
             };
-            return (first, force);
+            return (first, self.damped(force, e, moved));
         }
         if m.contact == Contact::First {
             m.energy = (m.energy + times(m.force, moved)).min(self.energy_cap);
@@ -147,8 +149,15 @@ impl Enhanced {
                 force,
                 ..m
             },
-            force,
+            self.damped(force, e, moved),
         )
+    }
+
+    /// With the damper beside the wall, on the displacement inside it, never pulling.
+    #[must_use]
+    pub fn damped(&self, force: Int, e: Int, moved: Int) -> Int {
+        let damping = cut(times(self.damper, moved.min(e)), GAIN).clamp(-HIGHEST, HIGHEST);
+        signal(force + damping).max(0).min(self.limit)
     }
 
     /// The first contact is over: the mass takes its place, with what is left of the energy.

@@ -119,17 +119,30 @@ pub fn derived(of: &Settings) -> Derived {
     }
 }
 
+/// Of what the damper of a spring is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Damped {
+    /// There is none.
+    Not,
+    /// `b`.
+    Fully,
+    /// `b k_de/k_v`: the enhanced law up to `k_v`.
+    InProportion,
+}
+
 impl Settings {
     /// `f = k_de e + (b/T) Δe` (1.6).
     #[must_use]
-    pub fn spring(&self, damped: bool) -> Option<Spring> {
+    pub fn spring(&self, damped: Damped) -> Option<Spring> {
+        let per_tick = derived(self).virtual_damping;
+        let damping = match damped {
+            Damped::Not => 0,
+            Damped::Fully => per_tick,
+            Damped::InProportion => times(per_tick, over(self.desired, self.soft)),
+        };
         Some(Spring {
             desired: gain(self.desired)?,
-            damping: if damped {
-                gain(derived(self).virtual_damping)?
-            } else {
-                0
-            },
+            damping: gain(damping)?,
             limit: signal(self.limit)?,
         })
     }
@@ -216,6 +229,7 @@ impl Settings {
         let gains = [
             self.desired,
             target,
+            derived.virtual_damping,
             self.soft,
             derived.inertia,
             self.coupling,
@@ -239,6 +253,7 @@ impl Settings {
         fits.then(|| Enhanced {
             desired: gain_of(self.desired),
             target: gain_of(target),
+            damper: gain_of(derived.virtual_damping),
             soft: gain_of(self.soft),
             compliance: signal_of(compliance),
             of_ideal: signal_of(of_ideal),

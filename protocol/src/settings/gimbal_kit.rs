@@ -37,6 +37,7 @@ pub(super) fn fit(settings: &mut DeviceSettings) {
         wall.k_desired_n_m_per_rad = "2";
         law.force_limit_n_m = "0.045";
         law.k_soft_n_m_per_rad = "1.96";
+        law.virtual_damping_n_m_s_per_rad = "0";
         law.limit_of_force = "0.3529";
         law.limit_of_penetration = "0.6765";
         law.step_of_ideal = "0.3435";

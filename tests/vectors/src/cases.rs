@@ -36,6 +36,7 @@ pub fn cases() -> [Case; 19] {
         name,
         settings: Settings {
             law: LawKind::SpringDamper,
+            virtual_damping: Si::lit("0.0002"),
             velocity: VelocitySettings {
                 from,
                 ..base.velocity
@@ -46,7 +47,7 @@ pub fn cases() -> [Case; 19] {
     let enhanced = |name, settings| Case { name, settings };
     [
         of("spring", LawKind::Spring),
-        of("spring-damper", LawKind::SpringDamper),
+        damped("spring-damper", VelocityKind::Told),
         damped("spring-damper-filtered", VelocityKind::Filtered),
         damped("spring-damper-foaw", VelocityKind::Foaw),
         damped("spring-damper-kalman", VelocityKind::Kalman),

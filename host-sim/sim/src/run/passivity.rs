@@ -34,12 +34,16 @@ pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
 }
 
 fn spring(scene: &Scene) -> Option<Error> {
-    let damped = scene.law.kind == LawKind::SpringDamper;
-    let own = if damped {
-        scene.law.virtual_damping_n_m_s_per_rad
-    } else {
-        0.0
+    // The enhanced law up to `k_v` is a damped spring.
+    let set = scene.law.virtual_damping_n_m_s_per_rad;
+    let own = match scene.law.kind {
+        LawKind::SpringDamper => set,
+        LawKind::EnhancedSfa => {
+            set * scene.wall.k_desired_n_m_per_rad / scene.law.k_soft_n_m_per_rad
+        }
+        _ => 0.0,
     };
+    let damped = scene.law.kind == LawKind::SpringDamper || own > 0.0;
     let late_s = 0.5 * scene.timing.period_s() + scene.timing.computational_delay_s;
     let (stiffness, counted) = (
         scene.wall.k_desired_n_m_per_rad,

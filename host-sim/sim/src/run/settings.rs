@@ -74,7 +74,7 @@ pub fn warned(scene: &Scene, warning: &Warning) -> Error {
         ),
         Warning::CouplingAboveBound { k_filter, bound } => (
             format!(
-                "k_f = {} is above 2 (c_i - c_f)/T = {}: the filter is then passive only with the hand's help",
+                "k_f = {} is above 2 (c_i - c_f - B)/T = {}: filter and damper are then passive only with the hand's help",
                 short(k_filter),
                 short(bound)
             ),

@@ -200,8 +200,12 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
         // k_v = 0.8 k_c, as on the knob.
         k_soft: si(4000.0),
         device_damping: si(2.5),
-        // 0.4 c_i, as on the knob.
-        virtual_damping: si(1.0),
+        // 0.4 c_i; the thesis' enhanced law has no damper.
+        virtual_damping: if law == LawKind::SpringDamper {
+            si(1.0)
+        } else {
+            Si::ZERO
+        },
         force_limit: si(OMEGA3.force_n),
         // Four times what a press of 6 N stores in k_f.
         energy_credit: si(0.0144),

@@ -150,6 +150,7 @@ impl TunedWall {
             k_desired: si(self.k_desired_n_per_m),
             k_soft: si(self.k_soft),
             device_damping: si(self.damping_n_s_per_m),
+            virtual_damping: Si::ZERO,
             force_limit: si(force_n),
             energy_credit: si(0.02),
             step_of_ideal: si(self.step_of_ideal),

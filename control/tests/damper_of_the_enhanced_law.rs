@@ -1,0 +1,116 @@
+//! The damper beside the enhanced law's augmented wall: what it adds to a force, and what it leaves alone.
+
+use touchstone_control::law::{Contact, Law, Sample};
+use touchstone_control::{
+    AnyLaw, Controller, Fixed32, Force, LawKind, Number, Position, Settings, Si, StatesKind,
+};
+
+type N = Fixed32;
+
+fn si(text: &str) -> Si {
+    Si::from_str(text).unwrap()
+}
+
+/// The enhanced law on measured states, without a guard.
+fn settings(k_desired: &str, virtual_damping: &str) -> Settings {
+    let mut settings = Settings {
+        law: LawKind::EnhancedSfa,
+        k_desired: si(k_desired),
+        virtual_damping: si(virtual_damping),
+        states: StatesKind::Measured,
+        ..Settings::default()
+    };
+    settings.guard.on = false;
+    settings
+}
+
+fn law(settings: &Settings) -> AnyLaw<N> {
+    Controller::<N>::new(settings).unwrap().law
+}
+
+/// Some twenty thousandths of a radian in and a few out, forth and back over 512 ticks, with a tremor of a few counts.
+fn hand() -> impl Iterator<Item = Sample<N>> {
+    let mut random = 1_u64;
+    let mut last = Position::zero();
+    (0..4096_i32).map(move |tick| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let tremor = i32::try_from(random >> 52).unwrap() - 2048;
+        let slow = ((tick & 511) - 256).abs() * 1600 - 80_000;
+        let e = Position(<N as Number>::Signal::from_bits(slow + 4 * tremor));
+        let moved = e - last;
+        last = e;
+        Sample { e, moved }
+    })
+}
+
+#[test]
+fn the_damper_changes_no_memory_and_adds_its_force() {
+    let (AnyLaw::Enhanced(damped, mut state), AnyLaw::Enhanced(bare, mut other)) =
+        (law(&settings("14", "0.02")), law(&settings("14", "0")))
+    else {
+        panic!("not that law");
+    };
+    let (mut first, mut augmenting, mut held_back) = (0, 0, 0);
+    for sample in hand() {
+        let (force, without) = (
+            damped.tick(&mut state, sample),
+            bare.tick(&mut other, sample),
+        );
+        assert_eq!(state, other);
+        // (B/T) Δe within the wall, towards zero; never pulling, at most the limit.
+        let inside = sample.moved.min(sample.e);
+        let expected = if state.contact == Contact::Free {
+            Force::zero()
+        } else {
+            (without + (damped.damper * inside).towards_zero())
+                .max(Force::zero())
+                .min(damped.limit)
+        };
+        assert_eq!(force, expected);
+        first += u32::from(state.contact == Contact::First && force > without);
+        augmenting += u32::from(state.contact == Contact::Augmenting && force != without);
+        held_back += u32::from(force == Force::zero() && without > Force::zero());
+    }
+    assert!(
+        first > 0 && augmenting > 0 && held_back > 0,
+        "{first}, {augmenting}, {held_back}"
+    );
+}
+
+/// From `k_v` up it is whole; below, in proportion to the stiffness.
+#[test]
+fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
+    let soft = Settings::default().k_soft;
+    for (k_desired, share) in [(soft, 1), (soft / 2, 2), (soft / 4, 4)] {
+        let enhanced = Settings {
+            k_desired,
+            ..settings("5", "0.02")
+        };
+        let spring = Settings {
+            law: LawKind::SpringDamper,
+            virtual_damping: enhanced.virtual_damping / share,
+            ..enhanced
+        };
+        let (AnyLaw::Spring(found, _), AnyLaw::Spring(expected, _)) =
+            (law(&enhanced), law(&spring))
+        else {
+            panic!("no spring");
+        };
+        assert_eq!(found.desired, expected.desired);
+        // The share is rounded towards zero, and so is the gain: a step of 2^-12 N·m/rad.
+        let off = expected.damping.0.to_bits() - found.damping.0.to_bits();
+        assert!((0..=1).contains(&off), "{found:?} {expected:?}");
+    }
+}
+
+/// The preset of the thesis has none.
+#[test]
+fn the_thesis_law_has_no_damper() {
+    assert_eq!(Settings::thesis().virtual_damping, Si::ZERO);
+    let AnyLaw::Enhanced(found, _) = law(&Settings::thesis()) else {
+        panic!("not that law");
+    };
+    assert_eq!(found.damper.0.to_bits(), 0);
+}
