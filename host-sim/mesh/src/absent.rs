@@ -39,6 +39,12 @@ impl Mesh {
     pub const fn size_m(&self) -> f64 {
         match *self {}
     }
+
+    /// Notes for a person, each a line; `workspace_m`: the box that the device reaches.
+    #[must_use]
+    pub const fn notes(&self, _: [[f64; 3]; 2]) -> Vec<String> {
+        match *self {}
+    }
 }
 
 /// A mesh's surface, of which there is none.

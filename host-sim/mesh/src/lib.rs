@@ -12,7 +12,11 @@ mod absent;
 #[cfg(feature = "geometry")]
 mod mesh;
 #[cfg(feature = "geometry")]
+mod odd;
+#[cfg(feature = "geometry")]
 mod proxy;
+#[cfg(feature = "geometry")]
+mod stl;
 #[cfg(feature = "geometry")]
 mod surface;
 
@@ -20,6 +24,8 @@ mod surface;
 pub use absent::{Mesh, MeshSurface};
 #[cfg(feature = "geometry")]
 pub use mesh::{Mesh, MeshError};
+#[cfg(feature = "geometry")]
+pub use odd::Edges;
 #[cfg(feature = "geometry")]
 pub use parry3d_f64::math::Vector;
 #[cfg(feature = "geometry")]

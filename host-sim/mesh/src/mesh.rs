@@ -1,5 +1,6 @@
 //! A mesh: triangles with their planes, in a tree of boxes.
 
+use crate::stl;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::TriMesh;
 use std::path::Path;
@@ -46,6 +47,7 @@ pub struct Mesh {
     pub(crate) faces: Vec<Face>,
     size_m: f64,
     left_out: usize,
+    solids: usize,
 }
 
 impl Mesh {
@@ -80,43 +82,47 @@ impl Mesh {
             faces,
             size_m,
             left_out,
+            solids: 1,
         })
     }
 
     /// From an STL file, text or binary. STL has no unit: `unit_m` is how many metres its 1 is, 0.001 for millimetres.
     ///
     /// # Errors
-    /// The file cannot be read, is no STL, or holds no triangle with an area.
+    /// The file cannot be read or is too long, is no STL, or holds no triangle with an area.
     pub fn read_stl(path: &Path, unit_m: f64) -> Result<Self> {
-        let wrong = |problem: String, fix: &str| Error::Io {
+        let bytes =
+            stl::bytes_of(path).map_err(|(problem, fix)| Self::wrong(path, problem, fix))?;
+        Self::parse_stl(&bytes, path, unit_m)
+    }
+
+    /// From the bytes of an STL file; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Mesh::read_stl`].
+    pub fn parse_stl(bytes: &[u8], path: &Path, unit_m: f64) -> Result<Self> {
+        let stl = stl::parse(bytes).map_err(|problem| {
+            Self::wrong(
+                path,
+                format!("no STL: {problem}"),
+                "export the object as STL",
+            )
+        })?;
+        let mesh = Self::new(&stl.vertices_m(unit_m), &stl.triangles);
+        let mut mesh = mesh.map_err(|error| {
+            let fix = "export the object as a mesh of triangles";
+            Self::wrong(path, error.to_string(), fix)
+        })?;
+        mesh.solids = stl.solids;
+        Ok(mesh)
+    }
+
+    fn wrong(path: &Path, problem: String, fix: &str) -> Error {
+        Error::Io {
             path: path.to_owned(),
             problem,
             fix: fix.to_owned(),
-        };
-        let mut file = std::fs::File::open(path)
-            .map(std::io::BufReader::new)
-            .map_err(|error| wrong(error.to_string(), "give an STL file"))?;
-        let stl = stl_io::read_stl(&mut file)
-            .map_err(|error| wrong(format!("no STL: {error}"), "export the object as STL"))?;
-        let vertices: Vec<Vector> = stl
-            .vertices
-            .iter()
-            .map(|vertex| unit_m * Vector::from_array(vertex.0.map(f64::from)))
-            .collect();
-        let triangles: Vec<[u32; 3]> = stl
-            .faces
-            .iter()
-            .map(|face| {
-                face.vertices
-                    .map(|index| u32::try_from(index).unwrap_or(u32::MAX))
-            })
-            .collect();
-        Self::new(&vertices, &triangles).map_err(|error| {
-            wrong(
-                error.to_string(),
-                "export the object as a mesh of triangles",
-            )
-        })
+        }
     }
 
     /// Triangles with an area.
@@ -129,6 +135,12 @@ impl Mesh {
     #[must_use]
     pub const fn left_out(&self) -> usize {
         self.left_out
+    }
+
+    /// Solids that its file names.
+    #[must_use]
+    pub const fn solids(&self) -> usize {
+        self.solids
     }
 
     /// The diagonal of the box around it, m.

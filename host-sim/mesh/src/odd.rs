@@ -1,0 +1,135 @@
+//! What is odd about a mesh, each by the number that gives it away: inside out, doubled, open, out of reach, of another unit.
+
+use super::mesh::Mesh;
+use parry3d_f64::math::Vector;
+use std::collections::HashMap;
+
+/// A mesh below this across is likely in another unit, m.
+const LEAST_M: f64 = 1e-3;
+
+/// How the edges of triangles meet.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Edges {
+    /// Edges of one triangle alone: the mesh is open there.
+    pub open: usize,
+    /// Edges that two triangles run the same way: one of the two is inside out.
+    pub same_way: usize,
+    /// Triangles that have the corners of another one, in whatever order.
+    pub doubled: usize,
+}
+
+impl Mesh {
+    /// The volume that its triangles enclose, m³; negative where they are inside out. Of a closed mesh.
+    #[must_use]
+    pub fn signed_volume_m3(&self) -> f64 {
+        // About a point of the mesh: far from 0 little would be left of the difference.
+        let from = self
+            .faces
+            .first()
+            .map_or(Vector::ZERO, |face| face.corners[0]);
+        let six = |corners: [Vector; 3]| {
+            let [a, b, c] = corners.map(|corner| corner - from);
+            a.dot(b.cross(c))
+        };
+        self.faces.iter().map(|face| six(face.corners)).sum::<f64>() / 6.0
+    }
+
+    /// How its edges meet.
+    #[must_use]
+    pub fn edges(&self) -> Edges {
+        let key = |corner: Vector| corner.to_array().map(|value| (value + 0.0).to_bits());
+        let mut ways: HashMap<[[u64; 3]; 2], (u32, u32)> = HashMap::new();
+        let mut seen: HashMap<[[u64; 3]; 3], u32> = HashMap::new();
+        let mut found = Edges::default();
+        for face in &self.faces {
+            let corners = face.corners.map(key);
+            let mut sorted = corners;
+            sorted.sort_unstable();
+            let times = seen.entry(sorted).or_default();
+            *times += 1;
+            if *times > 1 {
+                found.doubled += 1;
+                continue;
+            }
+            for at in 0..3 {
+                let (from, to) = (corners[at], corners[(at + 1) % 3]);
+                let way = ways.entry([from.min(to), from.max(to)]).or_default();
+                match from < to {
+                    true => way.0 += 1,
+                    false => way.1 += 1,
+                }
+            }
+        }
+        for (there, back) in ways.into_values() {
+            found.open += usize::from(there + back == 1);
+            // Of more than two triangles at an edge, as where solids touch, only the count must match.
+            found.same_way +=
+                usize::from(there + back > 1 && there != back && (there + back) % 2 == 0);
+        }
+        found
+    }
+
+    /// The box around it, m.
+    #[must_use]
+    pub fn bounds_m(&self) -> [[f64; 3]; 2] {
+        let around = self.tree.local_aabb();
+        [around.mins.to_array(), around.maxs.to_array()]
+    }
+
+    /// Notes for a person, each a line; `workspace_m`: the box that the device reaches.
+    #[must_use]
+    pub fn notes(&self, workspace_m: [[f64; 3]; 2]) -> Vec<String> {
+        let mut notes = Vec::new();
+        let edges = self.edges();
+        let volume = self.signed_volume_m3();
+        if self.solids() > 1 {
+            notes.push(format!(
+                "the file has {} solids; all are felt",
+                self.solids()
+            ));
+        }
+        if edges.doubled > 0 {
+            notes.push(format!(
+                "{} triangles lie on another one: parts of the mesh are doubled",
+                edges.doubled
+            ));
+        }
+        if edges.same_way > 0 {
+            notes.push(format!(
+                "{} edges run the same way in both triangles: some triangles are inside out and let the hand through",
+                edges.same_way
+            ));
+        }
+        if edges.open > 0 {
+            notes.push(format!(
+                "{} edges belong to one triangle alone: the mesh is open, its front alone is felt",
+                edges.open
+            ));
+        } else if edges.same_way == 0 && volume < 0.0 {
+            notes.push(format!(
+                "its volume is {:.3} cm³: it is inside out, and nothing is felt from outside; flip its normals",
+                1e6 * volume
+            ));
+        }
+        let [least, most] = self.bounds_m();
+        let [low, high] = workspace_m;
+        let mm = |metres: [f64; 3]| metres.map(|value| format!("{:.1}", 1e3 * value)).join(", ");
+        if self.size_m() < LEAST_M {
+            notes.push(format!(
+                "it is {:.4} mm across: is --stl-unit-m its unit?",
+                1e3 * self.size_m()
+            ));
+        } else if (0..3).any(|axis| least[axis] > high[axis] || most[axis] < low[axis]) {
+            notes.push(format!(
+                "its box from ({}) to ({}) mm does not meet the device's workspace from ({}) to ({}) mm: nothing is felt; move it, or give --stl-unit-m",
+                mm(least), mm(most), mm(low), mm(high)
+            ));
+        } else if (0..3).all(|axis| least[axis] < low[axis] && most[axis] > high[axis]) {
+            notes.push(format!(
+                "its box from ({}) to ({}) mm encloses the device's whole workspace: is --stl-unit-m its unit?",
+                mm(least), mm(most)
+            ));
+        }
+        notes
+    }
+}

@@ -1,0 +1,319 @@
+//! STL as the world writes it: text in any capitals and spacing, one solid or several, and binary whose count is what there is.
+
+use parry3d_f64::math::Vector;
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::Path;
+
+/// Longest file that is read, bytes: five million triangles in binary.
+const MOST_BYTES: u64 = 250_000_084;
+/// Head and count of a binary file.
+const HEAD: usize = 84;
+/// A triangle of a binary file.
+const RECORD: usize = 50;
+
+/// Triangles of a file; a vertex that is written several times is one.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Triangles {
+    pub vertices: Vec<[f32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Solids that the file names; a binary one is one.
+    pub solids: usize,
+    known: HashMap<[u32; 3], u32>,
+}
+
+impl Triangles {
+    fn vertex(&mut self, at: [f32; 3]) -> u32 {
+        // -0 is 0.
+        let key = at.map(|value| (value + 0.0).to_bits());
+        let next = self.vertices.len() as u32;
+        let number = *self.known.entry(key).or_insert(next);
+        if number == next {
+            self.vertices.push(at);
+        }
+        number
+    }
+
+    fn triangle(&mut self, corners: [[f32; 3]; 3]) {
+        let numbers = corners.map(|corner| self.vertex(corner));
+        self.triangles.push(numbers);
+    }
+
+    /// In metres.
+    pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
+        self.vertices
+            .iter()
+            .map(|at| unit_m * Vector::from_array(at.map(f64::from)))
+            .collect()
+    }
+}
+
+/// What is in a file, of any kind that has an end.
+///
+/// # Errors
+/// What is wrong, and what to do.
+pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
+    let unreadable = |error: std::io::Error| (error.to_string(), "give an STL file");
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    match bytes.len() as u64 > MOST_BYTES {
+        true => Err((
+            format!("longer than {} MB", MOST_BYTES / 1_000_000),
+            "export the object with fewer triangles",
+        )),
+        false => Ok(bytes),
+    }
+}
+
+/// Reads the bytes of a file. Text is what begins with the word `solid` and then has a `facet` or an end; all else is binary.
+///
+/// # Errors
+/// What is wrong.
+pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
+    let told = bytes.get(80..HEAD).map_or(0, |count| {
+        count
+            .iter()
+            .rev()
+            .fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte))
+    });
+    // The count that fits is the one mark that a text cannot have by chance.
+    if bytes.len() > HEAD && told.checked_mul(RECORD) == Some(bytes.len() - HEAD) {
+        return Ok(binary(&bytes[HEAD..]));
+    }
+    let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.is_empty() {
+        return Err("the file is empty".to_owned());
+    }
+    let mut words = Words::new(plain);
+    if words.next().is_some_and(|word| word.is("solid")) && !plain.contains(&0) {
+        return text(plain);
+    }
+    if let Some(kind) = other_format(plain) {
+        return Err(format!("it is {kind}"));
+    }
+    if bytes.len() < HEAD {
+        return Err(format!(
+            "{} bytes without the word solid; a binary file has {HEAD} and more",
+            bytes.len()
+        ));
+    }
+    let there = bytes.len() - HEAD;
+    Err(format!(
+        "its count says {told} triangles, {} bytes are there for {}{}",
+        there,
+        there / RECORD,
+        match there % RECORD {
+            0 => String::new(),
+            rest => format!(" and {rest} bytes more"),
+        }
+    ))
+}
+
+/// What else people call `.stl`.
+fn other_format(bytes: &[u8]) -> Option<&'static str> {
+    let begins = |mark: &[u8]| bytes.starts_with(mark);
+    let first = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
+    match bytes[first] {
+        b'<' => Some("a page or another text in angle brackets"),
+        b'{' => Some("JSON"),
+        _ if begins(b"\x89PNG") => Some("a PNG picture"),
+        _ if begins(b"PK\x03\x04") => Some("a zip archive, as 3MF is"),
+        _ if begins(b"ply") => Some("PLY"),
+        _ if begins(b"\x1f\x8b") => Some("compressed by gzip"),
+        _ if begins(b"ISO-10303") => Some("STEP"),
+        _ if begins(b"\xff\xfe") || begins(b"\xfe\xff") => Some("text in UTF-16"),
+        _ if begins(b"v ") || begins(b"# ") || begins(b"o ") || begins(b"mtllib ") => Some("OBJ"),
+        _ => None,
+    }
+}
+
+fn binary(records: &[u8]) -> Triangles {
+    let mut found = Triangles {
+        solids: 1,
+        ..Triangles::default()
+    };
+    for record in records.chunks_exact(RECORD) {
+        let number = |at: usize| {
+            let bytes: [u8; 4] = std::array::from_fn(|byte| record[4 * at + byte]);
+            f32::from_le_bytes(bytes)
+        };
+        // The first three are the normal: a triangle's own order says where its outside is.
+        found.triangle([3, 6, 9].map(|at| [number(at), number(at + 1), number(at + 2)]));
+    }
+    found
+}
+
+/// The words of a text with their lines; any of LF, CR, CRLF ends one.
+struct Words<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+}
+
+#[derive(Clone, Copy)]
+struct Word<'a> {
+    bytes: &'a [u8],
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self {
+            bytes,
+            at: 0,
+            line: 1,
+        }
+    }
+
+    fn ends_line(&self) -> bool {
+        match self.bytes[self.at] {
+            b'\n' => true,
+            b'\r' => self.bytes.get(self.at + 1) != Some(&b'\n'),
+            _ => false,
+        }
+    }
+
+    /// What is left of the line is a name, in whatever letters.
+    fn skip_line(&mut self) {
+        while self.at < self.bytes.len() && !self.ends_line() {
+            self.at += 1;
+        }
+    }
+
+    fn wanted(&mut self, wanted: &str) -> Result<(), String> {
+        match self.next() {
+            Some(word) if word.is(wanted) => Ok(()),
+            Some(word) => Err(word.instead_of(wanted)),
+            None => Err(format!(
+                "the text ends at line {} where \"{wanted}\" must follow",
+                self.line
+            )),
+        }
+    }
+
+    fn number(&mut self) -> Result<f32, String> {
+        let Some(word) = self.next() else {
+            return Err(format!(
+                "the text ends at line {} where a number must follow",
+                self.line
+            ));
+        };
+        let number = std::str::from_utf8(word.bytes)
+            .ok()
+            .and_then(|text| text.parse::<f32>().ok());
+        number
+            .filter(|number| number.is_finite())
+            .ok_or_else(|| word.instead_of("a number"))
+    }
+
+    fn corner(&mut self) -> Result<[f32; 3], String> {
+        self.wanted("vertex")?;
+        Ok([self.number()?, self.number()?, self.number()?])
+    }
+}
+
+impl<'a> Iterator for Words<'a> {
+    type Item = Word<'a>;
+
+    fn next(&mut self) -> Option<Word<'a>> {
+        while self.bytes.get(self.at)?.is_ascii_whitespace() {
+            self.line += usize::from(self.ends_line());
+            self.at += 1;
+        }
+        let rest = &self.bytes[self.at..];
+        let length = rest
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(rest.len());
+        self.at += length;
+        Some(Word {
+            bytes: &rest[..length],
+            line: self.line,
+        })
+    }
+}
+
+impl Word<'_> {
+    fn is(&self, wanted: &str) -> bool {
+        self.bytes.eq_ignore_ascii_case(wanted.as_bytes())
+    }
+
+    fn instead_of(&self, wanted: &str) -> String {
+        let text: String = String::from_utf8_lossy(self.bytes)
+            .chars()
+            .take(40)
+            .collect();
+        format!("line {}: \"{text}\" instead of {wanted}", self.line)
+    }
+}
+
+fn text(bytes: &[u8]) -> Result<Triangles, String> {
+    let mut found = Triangles::default();
+    let mut words = Words::new(bytes);
+    while let Some(word) = words.next() {
+        if !word.is("solid") {
+            return Err(word.instead_of("solid"));
+        }
+        words.skip_line();
+        found.solids += 1;
+        loop {
+            let Some(word) = words.next() else {
+                return Err(format!(
+                    "the text ends at line {} without endsolid, after {} triangles",
+                    words.line,
+                    found.triangles.len()
+                ));
+            };
+            if word.is("endsolid") {
+                words.skip_line();
+                break;
+            }
+            if word.is("end") {
+                words.wanted("solid")?;
+                words.skip_line();
+                break;
+            }
+            if !word.is("facet") {
+                return Err(word.instead_of("facet or endsolid"));
+            }
+            found.triangle(facet(&mut words)?);
+        }
+    }
+    match found.triangles.len() {
+        0 => Err("no facet is in it".to_owned()),
+        _ => Ok(found),
+    }
+}
+
+/// A facet after its first word. What stands as its normal is not read: many write nothing useful there, or `nan`.
+fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
+    words.wanted("normal")?;
+    let mut left = 3;
+    let mut word = words.next();
+    while left > 0 && word.as_ref().is_some_and(|word| !word.is("outer")) {
+        word = words.next();
+        left -= 1;
+    }
+    match word {
+        Some(word) if word.is("outer") => words.wanted("loop")?,
+        Some(word) => return Err(word.instead_of("outer loop")),
+        None => return Err("the text ends in a facet".to_owned()),
+    }
+    let corners = [words.corner()?, words.corner()?, words.corner()?];
+    joined(words, "end", "loop")?;
+    joined(words, "end", "facet")?;
+    Ok(corners)
+}
+
+/// `endloop` or `end loop`.
+fn joined(words: &mut Words<'_>, first: &str, second: &str) -> Result<(), String> {
+    match words.next() {
+        Some(word) if word.is(first) => words.wanted(second),
+        Some(word) if word.is(&format!("{first}{second}")) => Ok(()),
+        Some(word) => Err(word.instead_of(&format!("{first}{second}"))),
+        None => Err(format!("the text ends where {first}{second} must follow")),
+    }
+}
