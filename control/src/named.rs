@@ -2,7 +2,7 @@
 
 use crate::{Choice, Field, Settings};
 
-/// Why [`Settings::set`] set nothing.
+/// Why [`Settings::set_by_path`] set nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotSet {
     /// No setting has this path.
@@ -49,13 +49,13 @@ macro_rules! set {
 
 impl Settings {
     /// Sets one by its path, as scenes have it, and a decimal text or a word:
-    /// `settings.set("wall.k_desired_n_m_per_rad", "5")`, `settings.set("law.kind", "tdpa")`.
+    /// `settings.set_by_path("wall.k_desired_n_m_per_rad", "5")`, `settings.set_by_path("law.kind", "tdpa")`.
     ///
     /// Ranges depend on each other, so that they are checked when all are set: [`Settings::validate`].
     ///
     /// # Errors
     /// No setting has this path, or the text is no value of it. Nothing is changed then.
-    pub fn set(&mut self, path: &str, text: &str) -> Result<(), NotSet> {
+    pub fn set_by_path(&mut self, path: &str, text: &str) -> Result<(), NotSet> {
         crate::law_settings!(set self path text:);
         Err(NotSet::UnknownPath)
     }
@@ -69,11 +69,11 @@ mod tests {
     #[test]
     fn numbers_words_and_flags_are_set_by_their_paths() {
         let mut settings = Settings::default();
-        assert_eq!(settings.set("wall.k_desired_n_m_per_rad", "7.5"), Ok(()));
-        assert_eq!(settings.set("timing.rate_hz", "2000"), Ok(()));
-        assert_eq!(settings.set("law.kind", "tdpa"), Ok(()));
-        assert_eq!(settings.set("law.guard.on", "false"), Ok(()));
-        assert_eq!(settings.set("law.estimator.delay_s", "0.001"), Ok(()));
+        assert_eq!(settings.set_by_path("wall.k_desired_n_m_per_rad", "7.5"), Ok(()));
+        assert_eq!(settings.set_by_path("timing.rate_hz", "2000"), Ok(()));
+        assert_eq!(settings.set_by_path("law.kind", "tdpa"), Ok(()));
+        assert_eq!(settings.set_by_path("law.guard.on", "false"), Ok(()));
+        assert_eq!(settings.set_by_path("law.estimator.delay_s", "0.001"), Ok(()));
         assert_eq!(settings.k_desired, Si::lit("7.5"));
         assert_eq!((settings.rate_hz, settings.law), (2000, LawKind::Tdpa));
         assert!(!settings.guard.on);
@@ -84,7 +84,7 @@ mod tests {
     fn what_is_no_setting_or_no_value_changes_nothing() {
         let mut settings = Settings::default();
         for path in ["", "law", "law.kin", "law.kind ", "k_desired"] {
-            assert_eq!(settings.set(path, "1"), Err(NotSet::UnknownPath), "{path}");
+            assert_eq!(settings.set_by_path(path, "1"), Err(NotSet::UnknownPath), "{path}");
         }
         for (path, text) in [
             ("law.kind", "TDPA"),
@@ -96,7 +96,7 @@ mod tests {
             ("law.force_limit_n_m", "nan"),
             ("law.force_limit_n_m", "9e99"),
         ] {
-            assert_eq!(settings.set(path, text), Err(NotSet::NoValue), "{path}");
+            assert_eq!(settings.set_by_path(path, text), Err(NotSet::NoValue), "{path}");
         }
         assert_eq!(settings, Settings::default());
     }
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn every_path_is_known() {
         for field in Field::ALL {
-            let not_set = Settings::default().set(field.path(), "?");
+            let not_set = Settings::default().set_by_path(field.path(), "?");
             assert_eq!(not_set, Err(NotSet::NoValue), "{}", field.path());
         }
     }

@@ -45,7 +45,7 @@ pub extern "C" fn ts_settings_set(
         memory::text(path),
         memory::text(value),
     ) {
-        (Ok(settings), Ok(path), Ok(value)) => match settings.set(path, value) {
+        (Ok(settings), Ok(path), Ok(value)) => match settings.set_by_path(path, value) {
             Ok(()) => ts_status::TS_OK,
             Err(NotSet::UnknownPath) => ts_status::TS_UNKNOWN_SETTING,
             Err(NotSet::NoValue) => ts_status::TS_BAD_VALUE,

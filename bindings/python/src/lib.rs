@@ -204,7 +204,7 @@ impl PyWall {
             }
         };
         for (path, text) in settings.unwrap_or_default() {
-            made.set(&path, &text).map_err(|why| {
+            made.set_by_path(&path, &text).map_err(|why| {
                 PyValueError::new_err(match why {
                     NotSet::UnknownPath => {
                         format!("{path}: no such setting; `touchstone config schema` lists them")

@@ -127,8 +127,8 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Eccentricity { action } => return eccentricity::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => command(DeviceCommand::Arm)?,
-        BoardAction::Disarm => command(DeviceCommand::Disarm)?,
-        BoardAction::Stop => command(DeviceCommand::Stop)?,
+        BoardAction::Disarm => client.stop_by(DeviceCommand::Disarm)?,
+        BoardAction::Stop => client.stop_by(DeviceCommand::Stop)?,
         BoardAction::Zero => command(DeviceCommand::Zero)?,
         BoardAction::Reboot => {
             command(DeviceCommand::Reboot)?;

@@ -4,7 +4,7 @@ use crate::config;
 use crate::device::status_of;
 use crate::monitor::SILENCE_LIMIT;
 use std::time::{Duration, Instant};
-use touchstone_device::{Address, Client};
+use touchstone_device::{Address, Client, MAY_BE_ON};
 use touchstone_drive::twin::Twin;
 use touchstone_link::rows::{RecordRows, decimation};
 use touchstone_link::setting::parsed;
@@ -41,6 +41,8 @@ pub struct DeviceSide {
     /// Records since the last batch.
     pub rows: RecordRows,
     state: Option<(Phase, u8)>,
+    /// Whether it moved or might have moved something when it was last heard of: kept when the connection breaks.
+    was_on: bool,
     heard: Instant,
     tried: Instant,
 }
@@ -54,6 +56,7 @@ impl DeviceSide {
             decimation: 1,
             rows: RecordRows::default(),
             state: None,
+            was_on: false,
             heard: Instant::now(),
             tried: Instant::now(),
         };
@@ -114,6 +117,7 @@ impl DeviceSide {
         }
         self.rows.push(record);
         let now = (record.phase, record.fault);
+        self.was_on = told::switched_off(record.phase).is_some();
         if self.state.replace(now) == Some(now) {
             News::None
         } else {
@@ -137,7 +141,7 @@ impl DeviceSide {
         self.tried = Instant::now();
         match made {
             // Nobody knows what happened meanwhile: whoever wants the wall arms it again.
-            Ok(()) => News::Back(self.off()),
+            Ok(()) => News::Back(self.off_in_words()),
             Err(_) => {
                 self.client = None;
                 News::None
@@ -145,14 +149,34 @@ impl DeviceSide {
         }
     }
 
-    /// Switches the device off if it moves or may move something; what was done, in words.
-    pub fn off(&mut self) -> Option<String> {
-        let status = self.status().ok()?;
-        let (command, done) = told::switched_off(status.phase)?;
-        Some(match self.command(command) {
-            Ok(()) => done.to_owned(),
-            Err(error) => format!("THE DEVICE MAY STILL BE ON: {error}"),
-        })
+    /// Switches the device off if it moves or may move something, and makes sure of it; what was done, in words.
+    ///
+    /// # Errors
+    /// It may still be on.
+    pub fn off(&mut self) -> Result<Option<&'static str>> {
+        if self.client.is_none() {
+            // The page's connection is gone: one of its own is tried, since nobody else will switch it off.
+            self.client = Client::connect(&self.address).ok();
+        }
+        let done = match &mut self.client {
+            Some(client) => client.switch_off(),
+            None if self.was_on => Err(Error::device(
+                self.address.to_string(),
+                format!("{MAY_BE_ON}: it was on when the connection was lost"),
+                "switch its power off, or pull its plug",
+            )),
+            None => Ok(None),
+        };
+        self.was_on &= done.is_err();
+        done
+    }
+
+    /// The same in words for a page that goes on.
+    fn off_in_words(&mut self) -> Option<String> {
+        match self.off() {
+            Ok(done) => done.map(str::to_owned),
+            Err(error) => Some(error.to_string()),
+        }
     }
 
     /// The device sends again what it sends by itself.
@@ -190,7 +214,10 @@ impl DeviceSide {
     }
 
     pub fn command(&mut self, command: DeviceCommand) -> Result<()> {
-        self.with(|client| client.tell(&Request::Command(command)))
+        self.with(|client| match command {
+            DeviceCommand::Stop | DeviceCommand::Disarm => client.stop_by(command),
+            _ => client.tell(&Request::Command(command)),
+        })
     }
 
     pub fn save(&mut self) -> Result<()> {

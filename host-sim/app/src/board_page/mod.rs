@@ -61,15 +61,18 @@ pub fn main(address: &Address, opens: bool) -> Result<()> {
             page = None;
             door.taken.store(false, Ordering::SeqCst);
             match link.off() {
-                Some(what) => note!("note: {gone}: {what}"),
-                None => tell!("{gone}"),
+                Ok(Some(what)) => note!("note: {gone}: {what}"),
+                Ok(None) => tell!("{gone}"),
+                // The next page can try again; until then it must be seen, whatever was asked to be quiet.
+                Err(error) => eprintln!("error: {}", super::complain::line(&error.to_string())),
             }
         }
     }
     // Whoever used the page to arm is not there any more.
-    if served && let Some(what) = link.off() {
+    let off = if served { link.off() } else { Ok(None) };
+    if let Ok(Some(what)) = &off {
         note!("note: the program ends: {what}");
     }
     link.leave();
-    Ok(())
+    off.map(|_| ())
 }

@@ -112,11 +112,23 @@ impl Visitor {
         self.send(Message::binary(rows))
     }
 
-    /// Everything that the page has sent.
+    /// Everything that the page has sent, what switches the device off first: it must not wait behind settings.
     fn listen(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
+        let mut orders = Vec::new();
+        self.read_into(&mut orders)?;
+        orders.sort_by_key(|order| !switches_off(order));
+        for order in orders {
+            self.order(&order, link)?;
+        }
+        Ok(())
+    }
+
+    fn read_into(&mut self, orders: &mut Vec<Value>) -> std::result::Result<(), Gone> {
         loop {
             match self.socket.read() {
-                Ok(Message::Text(text)) => self.order(text.as_str(), link)?,
+                Ok(Message::Text(text)) => {
+                    orders.push(serde_json::from_str(text.as_str()).unwrap_or_default());
+                }
                 Ok(Message::Close(_)) => return Err("the page was closed"),
                 Ok(_) => {}
                 Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
@@ -131,14 +143,13 @@ impl Visitor {
         }
     }
 
-    fn order(&mut self, text: &str, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
-        let order: Value = serde_json::from_str(text).unwrap_or_default();
+    fn order(&mut self, order: &Value, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
         if let Some(seen) = order["seen"].as_u64() {
             self.seen = seen as u32;
             self.seen_at = Instant::now();
             return Ok(());
         }
-        let done = carry_out(&order, link);
+        let done = carry_out(order, link);
         let error = done.err().map(|error| error.to_string());
         self.say(
             &json!({ "type": "done", "do": order["do"], "path": order["path"], "error": error }),
@@ -170,6 +181,11 @@ impl Visitor {
             Ok(()) => Ok(()),
         }
     }
+}
+
+/// Whether an order switches the device off.
+fn switches_off(order: &Value) -> bool {
+    matches!(order["do"].as_str(), Some("stop" | "disarm"))
 }
 
 /// Does what the page asks.

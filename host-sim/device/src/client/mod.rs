@@ -1,5 +1,9 @@
 //! Requests and their answers, and the telemetry between them.
 
+mod switch_off;
+
+pub use switch_off::MAY_BE_ON;
+
 use super::{Address, Received, Transport, open};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -25,6 +29,7 @@ pub struct Client {
     next_id: u8,
     telemetry: VecDeque<Telemetry>,
     identity: Identity,
+    answer_limit: Duration,
 }
 
 impl Client {
@@ -40,6 +45,7 @@ impl Client {
             next_id: 0,
             telemetry: VecDeque::new(),
             identity: nobody(),
+            answer_limit: ANSWER_LIMIT,
         };
         // Ends whatever noise or half a frame was before.
         client.transport.send(&[0])?;
@@ -79,21 +85,35 @@ impl Client {
             _ => TRIES,
         };
         for _ in 0..tries {
-            let id = self.next_id;
-            self.next_id = id.wrapping_add(1);
-            let mut buffer = [0; FRAME_MAX];
-            let message = ToDevice {
-                id,
-                request: request.clone(),
-            };
-            let frame = frame::encode(&message, &mut buffer)
-                .map_err(|_| self.wrong("the request is too long", "report this as a bug"))?;
-            self.transport.send(frame)?;
-            if let Some(answer) = self.answer(id)? {
+            if let Some(answer) = self.exchange(request)? {
                 return answer.map_err(|refusal| self.refused(&refusal));
             }
         }
         Err(self.silent(request))
+    }
+
+    /// Asks once; `None` where no answer came.
+    fn exchange(
+        &mut self,
+        request: &Request<'_>,
+    ) -> Result<Option<std::result::Result<Reply, Refusal>>> {
+        let id = self.post(request)?;
+        self.answer(id)
+    }
+
+    /// Sends, and waits for nothing; the number that an answer will have.
+    fn post(&mut self, request: &Request<'_>) -> Result<u8> {
+        let id = self.next_id;
+        self.next_id = id.wrapping_add(1);
+        let mut buffer = [0; FRAME_MAX];
+        let message = ToDevice {
+            id,
+            request: request.clone(),
+        };
+        let frame = frame::encode(&message, &mut buffer)
+            .map_err(|_| self.wrong("the request is too long", "report this as a bug"))?;
+        self.transport.send(frame)?;
+        Ok(id)
     }
 
     /// The same, of a request whose answer is `Done`.
@@ -125,7 +145,7 @@ impl Client {
 
     /// Waits for the answer with this number.
     fn answer(&mut self, id: u8) -> Result<Option<std::result::Result<Reply, Refusal>>> {
-        let until = Instant::now() + ANSWER_LIMIT;
+        let until = Instant::now() + self.answer_limit;
         let mut wanted = Some((id, None));
         while Instant::now() < until {
             self.receive(&mut wanted)?;
