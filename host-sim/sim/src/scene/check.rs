@@ -178,7 +178,7 @@ fn motion(scene: &Scene) -> Option<Problem> {
 }
 
 fn recording(recorded: &Recorded) -> Option<Problem> {
-    if !recorded.file.is_file() {
+    if !recorded.file.exists() || recorded.file.is_dir() {
         return Some(Problem::new(
             "operator.motion.file",
             format!("no file {}", recorded.file.display()),

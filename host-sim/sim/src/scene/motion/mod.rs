@@ -1,6 +1,7 @@
 //! The hand's rest point as a function of time.
 
 mod held;
+mod odd;
 mod press;
 mod recording;
 mod resample;

@@ -28,10 +28,14 @@ pub(super) struct Press {
     wiggle_hz: f64,
 }
 
+/// Below this stiffness a wall is none: a newton metre would take a million radians, N·m/rad.
+const LEAST_STIFFNESS: f64 = 1e-6;
+
 /// Rest point's shift for one newton metre of static torque against a wall that displays its desired stiffness,
-/// rad/(N·m).
+/// rad/(N·m). A wall of no stiffness holds no torque, however far: there the hand's own spring alone is counted.
 fn shift_per_n_m(hand: &Hand, wall: &Wall) -> f64 {
-    hand.compliance_rad_per_n_m() + 1.0 / wall.k_desired_n_m_per_rad
+    let k = wall.k_desired_n_m_per_rad;
+    hand.compliance_rad_per_n_m() + if k < LEAST_STIFFNESS { 0.0 } else { 1.0 / k }
 }
 
 impl Press {

@@ -1,6 +1,9 @@
 //! Recordings of a hand: CSV with a time and an angle column, units from the header.
 
+use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
@@ -18,6 +21,18 @@ const OWN_ANGLES: [&str; 5] = [
 ];
 /// What every file of the program has beside them: traces of runs and the records of `monitor`.
 const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
+
+/// Longest file, bytes.
+const MOST_BYTES: u64 = 200_000_000;
+/// Most samples: an hour at 1 kHz.
+const MOST_SAMPLES: usize = 3_600_000;
+/// Shortest recording, s.
+const SHORTEST_S: f64 = 1e-5;
+/// Largest angle, rad.
+const LARGEST_RAD: f64 = 1e6;
+
+/// What came through pipes, which tell it once: a scene asks for its recording several times.
+static PIPES: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
 
 /// A recorded motion in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +66,7 @@ impl Recording {
     /// it: no or an ambiguous column, fewer than two rows, a missing or non-finite number, times that do not rise,
     /// more than 3.6 million steps.
     pub fn read(file: &Path) -> Result<Recording> {
-        let text = std::fs::read_to_string(file).map_err(|error| {
+        let text = text_of(file).map_err(|error| {
             let (problem, fix) = match error.kind() {
                 std::io::ErrorKind::NotFound => (
                     "no such file".to_owned(),
@@ -60,6 +75,10 @@ impl Recording {
                 std::io::ErrorKind::InvalidData => (
                     "is not text in UTF-8".to_owned(),
                     "export the recording as CSV in UTF-8",
+                ),
+                std::io::ErrorKind::FileTooLarge => (
+                    format!("is longer than {} MB", MOST_BYTES / 1_000_000),
+                    "cut the recording, or keep time and angle alone",
                 ),
                 _ => (error.to_string(), "give a readable file"),
             };
@@ -135,15 +154,49 @@ impl Recording {
         let (mut first, mut previous) = (None, f64::NEG_INFINITY);
         for row in rows {
             let row = row.map_err(not_csv)?;
-            let line = line_of(text, &row);
+            let line = || line_of(text, &row);
             let cell = |column: &Column| {
-                cell(&row, column).map_err(|(problem, fix)| error(line, &column.name, problem, fix))
+                cell(&row, column)
+                    .map_err(|(problem, fix)| error(line(), &column.name, problem, fix))
             };
+            if row.len() < header.len()
+                || row.iter().skip(header.len()).any(|more| !more.is_empty())
+            {
+                let problem = format!("{} cells, where the header has {}", row.len(), header.len());
+                let fix =
+                    "put texts and numbers with commas in quotes, or write decimals with a point";
+                return Err(error(line(), "row", problem, fix));
+            }
             let (t, x) = (cell(&time)?, cell(&angle)?);
-            if t <= previous {
-                let problem = format!("{t} comes after {previous}, but times must rise");
+            if (x * angle.si).abs() > LARGEST_RAD {
+                let problem = format!(
+                    "{} is no angle of a hand, above {LARGEST_RAD} rad",
+                    short(x)
+                );
                 return Err(error(
-                    line,
+                    line(),
+                    &angle.name,
+                    problem,
+                    "check the column and its unit",
+                ));
+            }
+            if times_s.len() == MOST_SAMPLES {
+                let problem = format!("more than {MOST_SAMPLES} samples");
+                return Err(error(
+                    line(),
+                    "row",
+                    problem,
+                    "cut the recording to an hour, at 1 kHz",
+                ));
+            }
+            if t <= previous {
+                let problem = format!(
+                    "{} comes after {}, but times must rise",
+                    short(t),
+                    short(previous)
+                );
+                return Err(error(
+                    line(),
                     &time.name,
                     problem,
                     "sort the rows by time and remove repeated ones",
@@ -171,11 +224,20 @@ impl Recording {
             times_s,
             angles_rad,
         };
-        let steps = recording.length_s() / step_s(recording.interval_s());
+        if recording.length_s() < SHORTEST_S {
+            let problem = format!("the recording takes {:e} s", recording.length_s());
+            return Err(error(
+                header_line,
+                &time.name,
+                problem,
+                "check the unit of time: 10 µs is the least",
+            ));
+        }
+        let steps = recording.length_s() / step_s(recording.length_s(), recording.times_s.len());
         if steps > MOST_STEPS {
             let problem = format!(
                 "the recording takes {} s, too long to smooth in steps of at most 1 ms",
-                recording.length_s()
+                short(recording.length_s())
             );
             return Err(error(
                 header_line,
@@ -185,6 +247,11 @@ impl Recording {
             ));
         }
         Ok(recording)
+    }
+
+    /// Name of the angle's column.
+    pub(super) fn angle(&self) -> &str {
+        &self.angle
     }
 
     /// Length, s.
@@ -231,14 +298,15 @@ impl Recording {
     /// What was chosen, in one line.
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
+        let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
         format!(
             "{}, {}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
-             from {:.3} to {:.3} rad, inside the wall {:.0} % of the time",
+             from {:.3} to {:.3} rad, inside the wall {:.0} % of the time{odd}",
             self.file.display(),
             self.angle,
             self.times_s.len(),
             self.length_s(),
-            1.0 / self.interval_s(),
+            (self.times_s.len() - 1) as f64 / self.length_s(),
             surface_rad,
             spec.offset_rad,
             spec.scale,
@@ -248,6 +316,33 @@ impl Recording {
             100.0 * curve.share_above(surface_rad),
         )
     }
+}
+
+/// A number as text, without its three hundred digits.
+fn short(number: f64) -> String {
+    match number.abs() < 1e15 {
+        true => number.to_string(),
+        false => format!("{number:e}"),
+    }
+}
+
+/// A file's text, of whatever kind the file is; a pipe's is kept.
+fn text_of(file: &Path) -> std::io::Result<String> {
+    let mut kept = PIPES.lock().unwrap_or_else(|broken| broken.into_inner());
+    if let Some(text) = kept.get(file) {
+        return Ok(text.clone());
+    }
+    let opened = std::fs::File::open(file)?;
+    let is_plain = opened.metadata()?.is_file();
+    let mut text = String::new();
+    opened.take(MOST_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST_BYTES {
+        return Err(std::io::ErrorKind::FileTooLarge.into());
+    }
+    if !is_plain {
+        kept.insert(file.to_owned(), text.clone());
+    }
+    Ok(text)
 }
 
 /// Line of a row. The reader notes where it began to look, which is before any comments and empty lines.
@@ -275,6 +370,59 @@ fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     })
 }
 
+/// What a column of times begins with.
+const TIMES: [&str; 7] = [
+    "time",
+    "t",
+    "timestamp",
+    "zeit",
+    "temps",
+    "elapsed",
+    "clock",
+];
+
+/// Units as they are written out.
+const WORDS: [(&str, &str); 15] = [
+    ("sec", "s"),
+    ("secs", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("msec", "ms"),
+    ("millis", "ms"),
+    ("milliseconds", "ms"),
+    ("usec", "us"),
+    ("micros", "us"),
+    ("microseconds", "us"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("radians", "rad"),
+    ("turns", "rev"),
+    ("revolutions", "rev"),
+];
+
+/// A column's name in small letters with `_` between: `Angle [deg]` and `angle (deg)` are as clear as `angle_deg`, and `[°/s]` is a speed.
+fn plain(name: &str) -> String {
+    let name = name
+        .to_lowercase()
+        .replace('°', "_deg")
+        .replace(['µ', 'μ'], "u")
+        .replace('/', "_per_")
+        .replace(|c: char| !c.is_alphanumeric(), "_");
+    let words: Vec<&str> = name.split('_').filter(|word| !word.is_empty()).collect();
+    words.join("_")
+}
+
+/// The unit that ends a column's name.
+fn unit_of(name: &str) -> Option<&'static units::Unit> {
+    let plain = plain(name);
+    let (stem, last) = plain.rsplit_once('_').unwrap_or(("", &plain));
+    match WORDS.iter().find(|(word, _)| *word == last) {
+        Some((_, suffix)) if stem != "per" && !stem.ends_with("_per") => units::by_suffix(suffix),
+        Some(_) => None,
+        None => units::at_end_of(&plain),
+    }
+}
+
 /// The one column whose name ends in a unit of this dimension.
 fn find(
     header: &csv::StringRecord,
@@ -287,24 +435,47 @@ fn find(
         .map(|unit| format!("_{}", unit.suffix))
         .collect();
     let accepted = accepted.join(", ");
-    let mut found = header.iter().enumerate().filter_map(|(index, name)| {
-        // `Angle [deg]` and `angle (deg)` are as clear as `angle_deg`.
-        let plain = name
-            .to_lowercase()
-            .replace(|c: char| !c.is_alphanumeric(), "_");
-        let unit =
-            units::at_end_of(plain.trim_matches('_')).filter(|unit| unit.dimension == dimension)?;
-        Some(Column {
-            index,
-            name: name.to_owned(),
-            si: unit.si,
+    let mut found: Vec<Column> = header
+        .iter()
+        .enumerate()
+        .filter_map(|(index, name)| {
+            let unit = unit_of(name).filter(|unit| unit.dimension == dimension)?;
+            Some(Column {
+                index,
+                name: name.to_owned(),
+                si: unit.si,
+            })
         })
-    });
-    let names = header.iter().collect::<Vec<_>>().join(", ");
+        .collect();
+    // `axis_s` ends as a time does; beside a column that calls itself one it is none.
+    if dimension == Dimension::Time && found.len() > 1 {
+        let is_named = |column: &Column| {
+            TIMES.contains(&plain(&column.name).split('_').next().unwrap_or_default())
+        };
+        if found.iter().filter(|column| is_named(column)).count() == 1 {
+            found.retain(is_named);
+        }
+    }
+    let mut found = found.into_iter();
+    // A quote that nothing closes makes a name of all that follows.
+    let cut = |name: &str| -> String {
+        name.split(['\n', '\r'])
+            .next()
+            .unwrap_or_default()
+            .chars()
+            .take(40)
+            .collect()
+    };
+    let names: Vec<String> = header.iter().take(20).map(cut).collect();
+    let names = names.join(", ");
     match (found.next(), found.next()) {
         (Some(column), None) => Ok(column),
         (Some(one), Some(other)) => Err((
-            format!("both {} and {} look like it", one.name, other.name),
+            format!(
+                "both {} and {} look like it",
+                cut(&one.name),
+                cut(&other.name)
+            ),
             "keep one of the two columns".to_owned(),
         )),
         (None, _) => {
@@ -323,12 +494,8 @@ fn cell(
     row: &csv::StringRecord,
     column: &Column,
 ) -> std::result::Result<f64, (String, &'static str)> {
-    let Some(text) = row.get(column.index) else {
-        return Err((
-            format!("missing, the row has {} columns", row.len()),
-            "complete or remove the row",
-        ));
-    };
+    // Rows are as long as the header.
+    let text = row.get(column.index).unwrap_or_default();
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err((

@@ -18,9 +18,19 @@ const STEP_S: f64 = 1e-3;
 /// Most steps of a curve: an hour in milliseconds, 29 MB.
 pub(super) const MOST_STEPS: f64 = 3.6e6;
 
-/// Step for a recording with this median interval, s: no coarser than the recording itself.
-pub(super) fn step_s(interval_s: f64) -> f64 {
-    interval_s.min(STEP_S)
+/// Finest step, s: what a recording has above its half is no hand, and the low-pass costs the square of its inverse.
+const FINEST_S: f64 = 1e-4;
+
+/// Steps of a curve that is smoothed in steps of less than [`STEP_S`].
+const MOST_FINE_STEPS: f64 = 6e5;
+
+/// Step for a recording of this length with so many samples, s: the mean interval, as samples may come in bursts.
+pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
+    let mean_s = length_s / samples.saturating_sub(1).max(1) as f64;
+    mean_s
+        .max(FINEST_S)
+        .max(length_s / MOST_FINE_STEPS)
+        .min(STEP_S)
 }
 
 /// A smooth curve over time, given at equal steps from time 0; constant before and after.
@@ -33,9 +43,9 @@ pub struct Curve {
 impl Curve {
     /// Smooth curve through samples at rising times (at least two, the first at time 0), all in s; values in any unit.
     pub fn smooth(times_s: &[f64], values: &[f64]) -> Self {
-        let step_s = step_s(median_interval_s(times_s));
-        let through = Monotone::new(times_s, values);
         let last = times_s.last().copied().unwrap_or(0.0);
+        let step_s = step_s(last, times_s.len());
+        let through = Monotone::new(times_s, values);
         let steps = (last / step_s).ceil() as usize + 1;
         let dense: Vec<f64> = (0..steps)
             .map(|i| through.at((i as f64 * step_s).min(last)))

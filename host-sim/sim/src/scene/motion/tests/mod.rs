@@ -1,5 +1,6 @@
 //! Tests of the hand's motions and of recordings.
 
 mod recordings;
+mod recordings_as_people_have_them;
 mod resampling;
 mod shapes;

@@ -1,0 +1,77 @@
+//! What is odd about a recording, each told by the number that gave it away.
+
+use super::recording::Recording;
+use std::f64::consts::TAU;
+
+/// Faster than a hand turns a knob, rad/s: a wrist reaches some 25.
+const FASTEST_RAD_PER_S: f64 = 60.0;
+/// A speed is one over at least this time, so that a sensor's step between two close samples is none, s.
+const OVER_S: f64 = 5e-3;
+/// A gap is longer than this, s: a hand does much in it that the curve does not know.
+const GAP_S: f64 = 0.1;
+
+impl Recording {
+    /// Notes, none for a recording as it should be.
+    pub(super) fn odd(&self) -> Vec<String> {
+        [self.gap(), self.bursts(), self.wraps(), self.speed()]
+            .into_iter()
+            .flatten()
+            .collect()
+    }
+
+    fn gap(&self) -> Option<String> {
+        let times = self.times_s();
+        let (after, longest) = times
+            .windows(2)
+            .map(|pair| (pair[0], pair[1] - pair[0]))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let usual = self.interval_s();
+        (longest > GAP_S && longest > 10.0 * usual).then(|| {
+            format!("a gap of {longest:.3} s after {after:.3} s, where the interval is {usual:.6} s: what the hand did there is a guess")
+        })
+    }
+
+    fn bursts(&self) -> Option<String> {
+        let mean = self.length_s() / (self.times_s().len() - 1) as f64;
+        let usual = self.interval_s();
+        let is_burst = self.times_s().len() > 10 && usual < 0.25 * mean && mean < GAP_S;
+        is_burst.then(|| {
+            format!("samples come in bursts, {usual:.6} s apart where {mean:.6} s is the mean: are the times those of the transfer?")
+        })
+    }
+
+    fn wraps(&self) -> Option<String> {
+        let jump = |pair: &[f64]| (pair[1] - pair[0]).abs();
+        let is_wrap = |jump: f64| (jump - TAU).abs() < 0.1 * TAU;
+        let wraps = self
+            .angles_rad()
+            .windows(2)
+            .filter(|pair| is_wrap(jump(pair)));
+        let wraps = wraps.count();
+        (wraps > 0).then(|| {
+            format!("the angle jumps by a whole turn between neighbours, {wraps} times: unwrap it")
+        })
+    }
+
+    fn speed(&self) -> Option<String> {
+        let (times, angles) = (self.times_s(), self.angles_rad());
+        let mut worst = (0.0, 0.0);
+        let mut from = 0;
+        for to in 1..times.len() {
+            // The last sample that is far enough before this one.
+            while from + 1 < to && times[to] - times[from + 1] >= OVER_S {
+                from += 1;
+            }
+            let speed = (angles[to] - angles[from]).abs() / (times[to] - times[from]).max(OVER_S);
+            if speed > worst.0 {
+                worst = (speed, times[to]);
+            }
+        }
+        (worst.0 > FASTEST_RAD_PER_S).then(|| {
+            format!(
+                "{:.0} rad/s near {:.3} s is faster than a hand: is it one bad sample, or is {} in another unit, such as degrees?",
+                worst.0, worst.1, self.angle()
+            )
+        })
+    }
+}

@@ -1,0 +1,300 @@
+//! Recordings as people have them: what must read the same, what is refused by its line, what is noted by its number; 10^5 by a generator.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use crate::scene::{Curve, Recording};
+
+fn read(text: &str) -> Result<Recording, String> {
+    Recording::parse(text, Path::new("m.csv")).map_err(|error| error.to_string())
+}
+
+/// A second of 0.3·sin at 1 kHz, at these times and of this angle.
+fn sine(header: &str, row: impl Fn(usize, f64) -> String) -> String {
+    let mut text = format!("{header}\n");
+    for n in 0..1000 {
+        let angle = 0.3 * libm::sin(std::f64::consts::TAU * n as f64 / 1000.0);
+        let _ = writeln!(text, "{}", row(n, angle));
+    }
+    text
+}
+
+#[test]
+fn usual_headers_are_understood() {
+    let plain = read(&sine("time_s,angle_rad", |n, x| {
+        format!("{},{x}", n as f64 / 1e3)
+    }))
+    .unwrap();
+    let seconds = |n: usize, x: f64| format!("{},{x},0", n as f64 / 1e3);
+    let degrees = |n: usize, x: f64| format!("{},{},0", n as f64 / 1e3, x.to_degrees());
+    for (text, header) in [
+        ("rad", "time [s],angle [rad],omega [rad/s]"),
+        ("rad", "Time (s),Angle (rad),Velocity (rad/s)"),
+        ("rad", "time_s,angle_rad,velocity_rad_per_s"),
+        ("rad", "time_s,angle_rad,axis_s"),
+        ("rad", "seconds,angle in radians,note"),
+        ("rad", "t(s),q[rad],tau[N·m]"),
+        ("deg", "Zeit in s,Winkel in °,Moment"),
+        ("deg", "time [s],angle [°],speed [°/s]"),
+        ("deg", "time [s],angle [deg],speed [deg/s]"),
+        (
+            "deg",
+            "elapsed seconds,angle in degrees,acceleration [deg/s²]",
+        ),
+    ] {
+        let text = if text == "rad" {
+            sine(header, seconds)
+        } else {
+            sine(header, degrees)
+        };
+        let found = read(&text).unwrap_or_else(|error| panic!("{header}: {error}"));
+        assert_eq!(found.times_s(), plain.times_s(), "{header}");
+        let off = found
+            .angles_rad()
+            .iter()
+            .zip(plain.angles_rad())
+            .map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{header}");
+        assert_eq!(found.odd(), Vec::<String>::new(), "{header}");
+    }
+    let error = read(&sine("omega [rad/s],angle [rad],x", seconds)).unwrap_err();
+    assert!(
+        error.starts_with("m.csv:1: time: no column with a time unit"),
+        "{error}"
+    );
+}
+
+#[test]
+fn rows_of_another_length_are_refused_by_their_line() {
+    for (text, expected) in [
+        (
+            "time_ms,angle_deg\n0,0,000\n1,0,126\n",
+            "m.csv:2: row: 3 cells, where the header has 2",
+        ),
+        (
+            "time_s,note,angle_rad\n0,free,0\n1,a, b,1\n",
+            "m.csv:3: row: 4 cells, where the header has 3",
+        ),
+        (
+            "time_s,angle_rad,x\n0,1,2\n1,1\n",
+            "m.csv:3: row: 2 cells, where the header has 3",
+        ),
+        (
+            "time_s,angle_rad\n0,1\n\n# x\n1,2,,3\n",
+            "m.csv:5: row: 4 cells, where the header has 2",
+        ),
+        (
+            "time_s,angle_rad\ns,rad\n0,1\n1,2\n",
+            "m.csv:2: time_s: \"s\" is not a number",
+        ),
+        (
+            "time_s,angle_rad\n0,1\n1,2\ntime_s,angle_rad\n0,1\n",
+            "m.csv:4: time_s: \"time_s\" is not a number",
+        ),
+        (
+            "time_s,angle_rad\n0,1\n1,1e7\n",
+            "m.csv:3: angle_rad: 10000000 is no angle of a hand",
+        ),
+        (
+            "time_s,angle_rad\n0,1\n1e-11,2\n4e-11,1\n",
+            "m.csv:1: time_s: the recording takes 4e-11 s",
+        ),
+        (
+            "time_s,angle_rad\n-1e308,1\n1e308,2\n",
+            "m.csv:1: time_s: the recording takes inf s",
+        ),
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(error.starts_with(expected), "{error}");
+    }
+    // A comma at the end of every row is a spreadsheet's.
+    let found = read("time_s,angle_rad\n0,1,\n1,2,,\n").unwrap();
+    assert_eq!(found.angles_rad(), [1.0, 2.0]);
+}
+
+#[test]
+fn what_is_odd_is_noted_by_its_number() {
+    let at = |n: usize| n as f64 / 1e3;
+    let angle = "time_s,angle_rad";
+    for (text, expected) in [
+        (
+            sine(angle, |n, x| {
+                format!("{},{x}", at(n) + if n < 500 { 0.0 } else { 3500.0 })
+            }),
+            "a gap of 3500.001 s after 0.499 s",
+        ),
+        (
+            sine(angle, |n, x| {
+                format!("{},{x}", at(n) + if n < 900 { 0.0 } else { 0.2 })
+            }),
+            "a gap of 0.201 s after 0.899 s",
+        ),
+        (
+            sine(angle, |n, x| {
+                format!("{},{x}", at(n - n % 16) + (n % 16) as f64 * 1e-6)
+            }),
+            "in bursts, 0.000001 s apart where 0.000",
+        ),
+        (
+            sine(angle, |n, x| {
+                format!("{},{x}", at(n - n % 8) + (n % 8) as f64 * 1e-4)
+            }),
+            "in bursts, 0.000100 s apart",
+        ),
+        (
+            sine("time_s,angle_deg", |n, x| {
+                format!("{},{}", at(n), (x.to_degrees() + 360.0) % 360.0)
+            }),
+            "by a whole turn between neighbours",
+        ),
+        (
+            sine(angle, |n, _| {
+                format!("{},{}", at(n), (n as f64 * 0.02) % std::f64::consts::TAU)
+            }),
+            "neighbours, 3 times",
+        ),
+        (
+            sine(angle, |n, x| {
+                format!("{},{}", at(n), if n == 500 { 1e3 } else { x })
+            }),
+            "is faster than a hand",
+        ),
+        (
+            sine(angle, |n, x| format!("{},{}", at(n), x.to_degrees())),
+            "such as degrees?",
+        ),
+        (
+            sine("time_ms,angle_rad", |n, x| {
+                format!("{},{x}", 0.01 * n as f64)
+            }),
+            "is faster than a hand",
+        ),
+    ] {
+        let notes = read(&text).unwrap().odd();
+        assert!(
+            notes.iter().any(|note| note.contains(expected)),
+            "{expected}: {notes:?}"
+        );
+    }
+    // A sensor's step between two samples of a burst is no speed.
+    let steps = sine(angle, |n, x| {
+        format!(
+            "{},{}",
+            at(n - n % 16) + (n % 16) as f64 * 1e-6,
+            (x / 1e-3).round() * 1e-3
+        )
+    });
+    assert_eq!(read(&steps).unwrap().odd().len(), 1);
+}
+
+#[test]
+fn the_cost_does_not_depend_on_how_samples_bunch() {
+    for apart_s in [200e-6, 20e-6, 1e-6, 1e-9] {
+        let times: Vec<f64> = (0..2000)
+            .map(|n| 1e-3 * (n - n % 16) as f64 + apart_s * (n % 16) as f64)
+            .collect();
+        let values = vec![0.5; times.len()];
+        let begun = Instant::now();
+        let curve = Curve::smooth(&times, &values);
+        assert!((curve.at(1.0) - 0.5).abs() < 1e-12);
+        // Two million products, where it once was 10^11: no machine is that busy.
+        assert!(
+            begun.elapsed() < Duration::from_secs(20),
+            "{apart_s} s apart"
+        );
+    }
+}
+
+/// Numbers by a seed.
+struct Seeded(u64);
+
+impl Seeded {
+    fn below(&mut self, most: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % most
+    }
+
+    fn of<'a>(&mut self, words: &[&'a str]) -> &'a str {
+        words[self.below(words.len())]
+    }
+}
+
+/// A recording by structure: a header, rows mostly as they should be, now and then one that is not.
+fn made(seeded: &mut Seeded) -> String {
+    let times = ["time_s", "t_ms", "Time [us]", "seconds", "time", "°"];
+    let angles = [
+        "angle_rad",
+        "Winkel in °",
+        "q[deg]",
+        "turn_rev",
+        "omega [rad/s]",
+    ];
+    let ends = ["\n", "\r\n", "\r"];
+    let (end, odd) = (ends[seeded.below(3)], seeded.below(30) + 1);
+    let mut text = format!(
+        "{},{}{}{end}",
+        seeded.of(&times),
+        seeded.of(&angles),
+        seeded.of(&["", "", ",x", ",\"a"])
+    );
+    let mut time = [0.0, 1.7e9, -1e300][seeded.below(3)];
+    for _ in 0..seeded.below(20) {
+        time += [1e-3, 1.0, 1e-12, 3600.0][seeded.below(4)];
+        let angle = seeded.below(1000) as f64 / 500.0 - 1.0;
+        let _ = match seeded.below(10 * odd) {
+            0 => write!(text, "{time}{end}"),
+            1 => write!(
+                text,
+                "{time},{},{angle}{end}",
+                seeded.of(&["NaN", "inf", "", "1e308", "\u{feff}", "0x1"])
+            ),
+            2 => write!(text, "# {time}{end}"),
+            3 => write!(text, "{end}{end}"),
+            4 => write!(text, "\"{time}\",\"{angle}\"{end}"),
+            _ => write!(text, "{time},{angle}{end}"),
+        };
+    }
+    text
+}
+
+fn campaign(number: usize, seed: u64) {
+    let mut seeded = Seeded(seed);
+    let [mut good, mut refused] = [0, 0];
+    for case in 0..number {
+        let text = made(&mut seeded);
+        match read(&text) {
+            Ok(recording) => {
+                let _ = recording.odd();
+                good += 1;
+            }
+            Err(error) => {
+                assert!(
+                    !error.contains('\n') && error.len() < 500,
+                    "{case}: {error}\n{text}"
+                );
+                refused += 1;
+            }
+        }
+    }
+    // Both ways are tried, or the generator is worth nothing.
+    assert!(
+        good > number / 20 && refused > number / 20,
+        "{good} read, {refused} refused"
+    );
+}
+
+#[test]
+fn made_recordings_are_read_or_refused_in_a_line() {
+    campaign(100_000, 51);
+}
+
+/// `cargo test -p touchstone-sim --lib a_million_recordings -- --ignored`
+#[test]
+#[ignore = "a minute"]
+fn a_million_recordings() {
+    campaign(1_000_000, 52);
+}
