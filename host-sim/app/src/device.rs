@@ -13,6 +13,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
 use touchstone_drive::Reason;
+use touchstone_lab::report::csv::decimal;
 use touchstone_link::words::{described, name_of, number_of, page};
 use touchstone_protocol::{
     Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Phase, Reply, Request, ResetReason,
@@ -367,22 +368,22 @@ fn ring(client: &mut Client, out: &Path) -> Result<()> {
 }
 
 fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {
-    let mut file = csv::Writer::from_path(out)?;
+    let mut file = csv::Writer::from_writer(Vec::new());
     file.write_record(RING_COLUMNS)?;
     for record in records {
         let phase = Phase::ALL.get(usize::from(record.phase));
         file.write_record([
             record.tick.to_string(),
             record.count.to_string(),
-            (f64::from(record.force) / 4096.0).to_string(),
-            (f64::from(record.current_q) / 1024.0).to_string(),
+            decimal(f64::from(record.force) / 4096.0),
+            decimal(f64::from(record.current_q) / 1024.0),
             (u32::from(record.lateness_64) * 64).to_string(),
             record.limits.to_string(),
             phase.map_or("unknown", |phase| phase.name()).to_owned(),
         ])?;
     }
-    file.flush()?;
-    Ok(())
+    let text = file.into_inner().map_err(csv::IntoInnerError::into_error)?;
+    Ok(super::whole::write(out, text)?)
 }
 
 #[cfg(test)]

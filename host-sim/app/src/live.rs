@@ -180,10 +180,5 @@ fn write(path: &Path, page: &str) -> Result<()> {
         }
         _ => {}
     }
-    // Whole or not at all: a page that is half there is none.
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".part");
-    let beside = PathBuf::from(beside);
-    std::fs::write(&beside, page).map_err(io)?;
-    std::fs::rename(&beside, path).map_err(io)
+    crate::whole::write(path, page).map_err(io)
 }

@@ -39,10 +39,12 @@ mod thesis;
 mod thesis_space;
 mod tune;
 mod wall_options;
+mod whole;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use out::say;
 use scene_options::SceneOptions;
+use shell::command_line;
 use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, Scene};
@@ -231,17 +233,4 @@ fn scenes() -> Result<()> {
             Ok(())
         },
     )
-}
-
-/// The command line as it was given, to be printed in reports.
-fn command_line() -> String {
-    let mut words = vec!["touchstone".to_owned()];
-    words.extend(std::env::args().skip(1).map(|word| {
-        if word.contains(' ') {
-            format!("\"{word}\"")
-        } else {
-            word
-        }
-    }));
-    words.join(" ")
 }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
+use touchstone_lab::report::csv::decimal;
 use touchstone_link::counted::Counted;
 use touchstone_link::words::{name_of, page};
 use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
@@ -243,18 +244,18 @@ impl Table {
         };
         let written = self.file.write_record([
             record.tick.to_string(),
-            time.to_string(),
+            decimal(time),
             record.count.to_string(),
-            record.penetration_rad.to_string(),
-            record.force_n_m.to_string(),
-            record.offset_rad.to_string(),
-            record.energy_j.to_string(),
+            decimal(record.penetration_rad),
+            decimal(record.force_n_m),
+            decimal(record.offset_rad),
+            decimal(record.energy_j),
             Phase::name(record.phase).to_owned(),
             fault,
             limits(record.limits),
             record.cycles.to_string(),
             record.lateness_cycles.to_string(),
-            (f64::from(record.current_q_ma) / 1e3).to_string(),
+            decimal(f64::from(record.current_q_ma) / 1e3),
         ]);
         written.map_err(|error| io(&self.path, &error))
     }

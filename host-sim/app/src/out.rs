@@ -61,9 +61,20 @@ pub fn result(
     }
 }
 
+/// A text as it may come to a terminal or a log: names and texts from files, boards and services may have control characters, which a
+/// terminal would obey.
+pub fn shown(text: &str) -> String {
+    let harmless = |letter: char| match letter {
+        '\n' | '\t' => letter,
+        _ if letter.is_control() => '\u{fffd}',
+        _ => letter,
+    };
+    text.chars().map(harmless).collect()
+}
+
 /// `println!` without the panic: what was asked for.
 macro_rules! say {
-    ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", format_args!($($text)*)))? };
+    ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", $crate::out::shown(&format!($($text)*))))? };
 }
 /// The same for progress and summaries, which neither programs nor quiet people want.
 macro_rules! tell {
@@ -71,6 +82,6 @@ macro_rules! tell {
 }
 /// A note or a warning, on standard error.
 macro_rules! note {
-    ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!($($text)*) } };
+    ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!("{}", $crate::out::shown(&format!($($text)*))) } };
 }
 pub(crate) use {note, say, tell};

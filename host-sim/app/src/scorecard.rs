@@ -128,7 +128,7 @@ fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
     scene.wall.surface_rad += options.place.unwrap_or_default() * count_rad;
     let text = programme_csv(&scene, &grips, &options.deeds)?;
-    let written = std::fs::write(file, &text);
+    let written = crate::whole::write(file, &text);
     written.map_err(|error| Error::Io {
         path: file.to_owned(),
         problem: error.to_string(),

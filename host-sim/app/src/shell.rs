@@ -8,6 +8,34 @@ use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 
+/// The command line as it was given, as a line that a shell takes for the same; a letter that is none in UTF-8 is shown as such.
+pub fn command_line() -> String {
+    let given = std::env::args_os().skip(1);
+    let words = given.map(|given| word(&given.to_string_lossy()));
+    let words = std::iter::once("touchstone".to_owned()).chain(words);
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell takes it for that word and nothing else. Control characters, which a terminal would obey before any shell, are shown
+/// as U+FFFD.
+pub fn word(text: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "_-.,/:=+@%".contains(letter);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return text.to_owned();
+    }
+    let shown: String = text
+        .chars()
+        .map(|letter| {
+            if letter.is_control() {
+                '\u{fffd}'
+            } else {
+                letter
+            }
+        })
+        .collect();
+    format!("'{}'", shown.replace('\'', r"'\''"))
+}
+
 /// Options of `completions`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Completions {
@@ -55,5 +83,59 @@ fn io(path: &Path, error: &std::io::Error) -> Error {
         path: path.to_owned(),
         problem: error.to_string(),
         fix: "give another folder".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_stays_one_word() {
+        for (text, shown) in [
+            ("press-hold", "press-hold"),
+            (
+                "wall.k_desired_n_m_per_rad=1e-3",
+                "wall.k_desired_n_m_per_rad=1e-3",
+            ),
+            ("", "''"),
+            ("my scene.toml", "'my scene.toml'"),
+            ("a;rm -rf ~", "'a;rm -rf ~'"),
+            ("$(id)`id`", "'$(id)`id`'"),
+            ("it's", r"'it'\''s'"),
+            ("'; id; '", r"''\''; id; '\'''"),
+            ("~", "'~'"),
+            ("*", "'*'"),
+            ("a\n\u{1b}[31m\u{3}", "'a\u{fffd}\u{fffd}[31m\u{fffd}'"),
+        ] {
+            assert_eq!(word(text), shown);
+        }
+    }
+
+    /// What a shell makes of it, asked of one.
+    #[cfg(unix)]
+    #[test]
+    fn a_shell_takes_it_for_the_same() {
+        for text in [
+            "$HOME",
+            "a'b\"c",
+            "\\",
+            "!!",
+            "{a,b}",
+            "x y\u{e9}",
+            "-n",
+            "#",
+            "a&b|c>d",
+        ] {
+            let line = format!("printf %s {}", word(text));
+            let out = std::process::Command::new("sh")
+                .args(["-c", &line])
+                .output();
+            assert_eq!(
+                String::from_utf8(out.unwrap().stdout).unwrap(),
+                text,
+                "{line}"
+            );
+        }
     }
 }

@@ -240,7 +240,10 @@ fn print(results: &Value, folder: &Path) -> Result<()> {
 
 /// The command without what does not change the whole's bytes: where to, which part, how fast, how loud.
 fn plain_command() -> String {
-    let words: Vec<String> = std::env::args().skip(1).collect();
+    let given = std::env::args_os().skip(1);
+    let words: Vec<String> = given
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
     let mut plain = vec!["touchstone".to_owned()];
     let mut words = words.into_iter();
     while let Some(word) = words.next() {
@@ -253,8 +256,7 @@ fn plain_command() -> String {
                 words.next();
             }
             "--out" | "--shard" | "--threads" | "--force" | "--quiet" | "-q" | "--json" => {}
-            _ if word.contains(' ') => plain.push(format!("\"{word}\"")),
-            _ => plain.push(word),
+            _ => plain.push(super::shell::word(&word)),
         }
     }
     plain.join(" ")

@@ -81,7 +81,7 @@ pub fn main(options: &Options) -> Result<()> {
     let card = scorecard::with_reference(&scene, &[entry], tuned.reference, |_| ());
     let text = settings::toml(&tuned);
     if let Some(file) = &options.out {
-        std::fs::write(file, &text).map_err(|error| Error::Io {
+        crate::whole::write(file, &text).map_err(|error| Error::Io {
             path: file.clone(),
             problem: error.to_string(),
             fix: "choose another file".to_owned(),

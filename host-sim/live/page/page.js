@@ -230,6 +230,12 @@ function setAim(angle) {
 function letGo() { aim = null; tell("aim", { rad: null }); }
 const standing = () => aim ?? runs[0]?.last?.angle_rad ?? 0;
 
+/** A word as a shell takes it for that word and nothing else: an address comes from others. Control characters are shown as U+FFFD. */
+function shellWord(text) {
+  if (/^[\w.,/:=+@%-]+$/.test(text)) return text;
+  return `'${text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, "\ufffd").replaceAll("'", "'\\''")}'`;
+}
+
 /** The address with these settings, and the shell's command for them. */
 function share() {
   const query = new URLSearchParams();
@@ -241,15 +247,15 @@ function share() {
   if (chosen.speed !== 1) query.set("speed", chosen.speed);
   if (chosen.strength !== 0.3) query.set("strength", chosen.strength);
   history.replaceState(null, "", `#${query}`);
-  const word = (line) => (/[^\w.=/-]/.test(line) ? `'${line}'` : line);
-  $("command").textContent = ["touchstone live", chosen.base === "own" ? content.source : chosen.base, ...pairs(chosen.sets).map((line) => (line.startsWith("preset=") ? `--preset ${line.slice(7)}` : `--set ${word(line)}`))].join(" ");
+  const line = (pair) => (pair.startsWith("preset=") ? `--preset=${shellWord(pair.slice(7))}` : `--set=${shellWord(pair)}`);
+  $("command").textContent = ["touchstone live", shellWord(chosen.base === "own" ? content.source : chosen.base), ...pairs(chosen.sets).map(line)].join(" ");
 }
 function fromAddress() {
   const query = new URLSearchParams(location.hash.slice(1));
   const known = (name, least, most, otherwise) => { const n = Number(query.get(name) ?? otherwise); return n >= least && n <= most ? n : otherwise; };
   if (![...query.keys()].length) return false;
   chosen = {
-    base: query.get("base") ?? "own", step: known("step", 0, PRESETS.length, 0), sets: mapOf(query.getAll("set")),
+    base: /^[\w.][\w.-]*$/.test(query.get("base") ?? "") ? query.get("base") : "own", step: known("step", 0, PRESETS.length, 0), sets: mapOf(query.getAll("set")),
     b: query.has("beside") ? mapOf(query.getAll("b")) : null, automatic: query.has("press"), speed: known("speed", 0.001, 1, 1), strength: known("strength", 0.01, 10, 0.3),
   };
   return true;

@@ -178,7 +178,7 @@ fn export(client: &mut Client, file: Option<&Path>) -> Result<()> {
     let Some(file) = file else {
         return print(format_args!("{text}"));
     };
-    std::fs::write(file, text).map_err(|error| io(file, &error))?;
+    crate::whole::write(file, text).map_err(|error| io(file, &error))?;
     tell!("{}: {} settings", file.display(), FIELDS.len());
     Ok(())
 }

@@ -140,7 +140,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         most,
     );
     let written = |file: &PathBuf, text: String| {
-        std::fs::write(file, text).map_err(|error| Error::Io {
+        crate::whole::write(file, text).map_err(|error| Error::Io {
             path: file.clone(),
             problem: error.to_string(),
             fix: "give another file".into(),

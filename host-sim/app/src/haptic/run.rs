@@ -186,6 +186,11 @@ pub fn main(options: &Options) -> Result<ExitCode> {
             1e3 * mesh.size_m(),
             mesh.left_out()
         );
+        let reach = sheet.workspace;
+        let most = [reach.radius_m, reach.radius_m, reach.half_height_m];
+        for odd in mesh.notes([most.map(|value| -value), most]) {
+            note!("note: {}: {odd}", options.object);
+        }
     }
     tell!(
         "wall      {}, {} {} N/mm at {rate_hz} Hz, {source}; up to {force_n} N, {}",

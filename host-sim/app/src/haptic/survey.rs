@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
         fix: "give another file with --out".into(),
     };
     let text = survey.to_toml().map_err(|error| wrong(error.to_string()))?;
-    std::fs::write(&options.out, text).map_err(|error| wrong(error.to_string()))?;
+    crate::whole::write(&options.out, text).map_err(|error| wrong(error.to_string()))?;
     out::result(
         || {
             serde_json::json!({

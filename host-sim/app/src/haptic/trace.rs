@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use touchstone_device::servo::ServoTick;
+use touchstone_lab::report::csv::decimal;
 use touchstone_sim::error::{Error, Result};
 
 /// Places and forces along the three axes.
@@ -47,7 +48,7 @@ impl DeviceTrace {
             problem: error.to_string(),
             fix: "choose another file with --csv".into(),
         };
-        let mut file = csv::Writer::from_path(path).map_err(wrong)?;
+        let mut file = csv::Writer::from_writer(Vec::new());
         file.write_record(COLUMNS).map_err(wrong)?;
         for tick in &self.ticks {
             let time_s = tick.due as f64 / f64::from(rate_hz);
@@ -55,9 +56,11 @@ impl DeviceTrace {
                 .into_iter()
                 .chain(tick.position_m)
                 .chain(tick.force_n);
-            file.write_record(numbers.map(|x| x.to_string()))
-                .map_err(wrong)?;
+            file.write_record(numbers.map(decimal)).map_err(wrong)?;
         }
-        file.flush().map_err(|error| wrong(error.into()))
+        let text = file
+            .into_inner()
+            .map_err(|error| wrong(error.into_error().into()))?;
+        crate::whole::write(path, text).map_err(|error| wrong(error.into()))
     }
 }

@@ -135,10 +135,7 @@ impl Kept {
     /// All at once or not at all: what a cut of power leaves is the state before.
     fn write(&self) -> Result<()> {
         let text = format!("{:#}\n", Value::Object(self.done.clone()));
-        let new = self.file.with_extension("new");
-        std::fs::write(&new, text)
-            .and_then(|()| std::fs::rename(&new, &self.file))
-            .map_err(|error| io(&self.file, &error))
+        crate::whole::write(&self.file, text).map_err(|error| io(&self.file, &error))
     }
 }
 

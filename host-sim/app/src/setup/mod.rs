@@ -246,7 +246,7 @@ fn uncogged(
 const BEFORE: &str = "before.toml";
 
 fn write(file: &Path, text: &str) -> Result<()> {
-    std::fs::write(file, text).map_err(|error| io(file, &error))
+    crate::whole::write(file, text).map_err(|error| io(file, &error))
 }
 
 /// Connects; where nobody answers, with the firmware first, if the board is known.

@@ -3,6 +3,7 @@
 use super::held::rest_point_rad;
 use super::told::Told;
 use super::{HandWas, closest, rms};
+use crate::report::csv::decimal;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -230,7 +231,8 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
     let mut text = String::from("time_s,rest_rad\n");
     for (time, rest) in told.time_s.iter().zip(rest) {
         // Writing into a string cannot fail.
-        let _ = writeln!(text, "{},{}", time - told.time_s[0], rest + surface_rad);
+        let row = [time - told.time_s[0], rest + surface_rad].map(decimal);
+        let _ = writeln!(text, "{}", row.join(","));
     }
     let file = folder.join(HAND_FILE);
     let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&file, text));

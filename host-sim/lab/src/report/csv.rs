@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::columns::{self, COLUMNS};
+use std::fmt::Display;
 use touchstone_sim::run::record::Trace;
 
 /// Writes every `every`th tick of `trace`, from the first on. Every number has as many digits as it takes to read the very same `f64` back; what does not exist is `NaN`.
@@ -23,6 +24,17 @@ pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
         csv.write_record(None::<&[u8]>)?;
     }
     csv.flush()
+}
+
+/// A decimal as every table of the program has it: with a point, for a reader that sees thousands of rows of `0` takes the column for one
+/// of integers, and rounds or refuses what follows.
+pub fn decimal(number: impl Display) -> String {
+    let mut text = number.to_string();
+    let digits = text.strip_prefix('-').unwrap_or(&text);
+    if digits.bytes().all(|digit| digit.is_ascii_digit()) {
+        text.push_str(".0");
+    }
+    text
 }
 
 /// A number's shortest exact decimal form, with an exponent where plain digits would be long.
@@ -54,6 +66,27 @@ mod tests {
     use super::*;
     use crate::report::synthetic;
     use touchstone_control::LawKind;
+
+    #[test]
+    fn a_decimal_has_a_point_and_is_the_same_number() {
+        for (number, text) in [
+            (0.0, "0.0"),
+            (-0.0, "-0.0"),
+            (5.0, "5.0"),
+            (-17.0, "-17.0"),
+            (4.9457, "4.9457"),
+            (1e15, "1000000000000000.0"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(decimal(number), text);
+        }
+        for number in [f64::MAX, f64::MIN_POSITIVE, 5e-324, 0.1 + 0.2, 1e22] {
+            let text = decimal(number);
+            assert!(text.contains('.'), "{text}");
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), number.to_bits());
+        }
+    }
 
     #[test]
     fn every_third_tick_is_every_third_line() {

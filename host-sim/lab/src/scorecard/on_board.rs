@@ -18,6 +18,7 @@ pub use recording::BoardRecording;
 use super::cases::{Deed, GRIPS, Programme};
 use super::measure::Measure;
 use super::watch::{Seen, seen, seen_of};
+use crate::report::csv::decimal;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -78,10 +79,12 @@ pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<
                 // Writing into a string cannot fail.
                 let _ = writeln!(
                     text,
-                    "{},{},{time_s},{surface},{}",
+                    "{},{},{},{},{}",
                     grip.name(),
                     deed_word(deed),
-                    path.rest_rad(time_s)
+                    decimal(time_s),
+                    decimal(surface),
+                    decimal(path.rest_rad(time_s))
                 );
             }
         }
