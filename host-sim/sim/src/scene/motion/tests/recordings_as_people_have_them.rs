@@ -239,11 +239,11 @@ fn made(seeded: &mut Seeded) -> String {
         "{},{}{}{end}",
         seeded.of(&times),
         seeded.of(&angles),
-        seeded.of(&["", "", ",x", ",\"a"])
+        seeded.of(&["", "", "", "", "", "", ",x", ",\"a"])
     );
-    let mut time = [0.0, 1.7e9, -1e300][seeded.below(3)];
+    let mut time = [0.0, 0.0, 0.0, 1.7e9, -1e300][seeded.below(5)];
     for _ in 0..seeded.below(20) {
-        time += [1e-3, 1.0, 1e-12, 3600.0][seeded.below(4)];
+        time += [1e-3, 1e-3, 1e-3, 1.0, 1.0, 1.0, 1e-12, 3600.0][seeded.below(8)];
         let angle = seeded.below(1000) as f64 / 500.0 - 1.0;
         let _ = match seeded.below(10 * odd) {
             0 => write!(text, "{time}{end}"),
