@@ -27,7 +27,7 @@ fn json_and_silence_go_with_every_command() {
     assert!(states.contains(&"there") && states.contains(&"missing"));
 
     let results = run_in(&here, &["thesis", "--json"]).ended(0).json();
-    assert_eq!(results["runs"].as_array().unwrap().len(), 126);
+    assert_eq!(results["runs"].as_array().unwrap().len(), 156);
     assert!(results["claims"][0]["outcome"].is_string());
     assert!(here.join(results["report"].as_str().unwrap()).is_file());
 

@@ -195,6 +195,7 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
     Summary {
         scene: "synthetic".to_owned(),
         law,
+        shown_as: None,
         number: "f64".to_owned(),
         k_desired: k,
         grip: "medium".to_owned(),

@@ -51,7 +51,7 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
             format!(
                 "<option value=\"{index}\"{}>{}, k_de {} · {}{}</option>",
                 if *index == chosen { " selected" } else { "" },
-                label::law(s.law),
+                label::run_name(s),
                 plain(s.k_desired),
                 label::verdict(s.verdict),
                 escape(&condition)

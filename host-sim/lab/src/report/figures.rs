@@ -81,7 +81,7 @@ impl View<'_> {
         figure.title = format!(
             "{}: {}, k_de {} N·m/rad",
             kind.title(),
-            label::law(summary.law),
+            label::run_name(summary),
             summary.k_desired
         );
         figure.description = self.description(kind);

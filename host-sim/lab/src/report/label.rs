@@ -47,6 +47,11 @@ pub fn law(law: LawKind) -> &'static str {
     law_words(law).name
 }
 
+/// A run's name for people: its law's, unless the report gives it another.
+pub fn run_name(run: &Summary) -> &'static str {
+    run.shown_as.unwrap_or(law(run.law))
+}
+
 /// A law's place in tables: simplest first.
 pub fn law_order(law: LawKind) -> usize {
     law as usize
@@ -138,7 +143,10 @@ pub fn file_stem(summary: &Summary) -> String {
         .map_or("exact".to_owned(), |c| format!("{}cpr", plain(c)));
     let parts = [
         summary.scene.clone(),
-        summary.law.word().to_owned(),
+        match summary.shown_as {
+            Some(name) => name.to_lowercase(),
+            None => summary.law.word().to_owned(),
+        },
         format!("k{}", plain(summary.k_desired)),
         summary.grip.clone(),
         counts,

@@ -1,8 +1,37 @@
 //! Sorts runs into tables: one for each set of conditions, desired stiffness downwards, laws across.
 
-use super::label::Condition;
+use super::label::{self, Condition};
 use touchstone_control::LawKind;
-use touchstone_sim::run::record::Run;
+use touchstone_sim::run::record::{Run, Summary};
+
+/// A column: a law, or one of its settings that the report names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Column {
+    /// A name in place of the law's own. First, so that what has one stands last.
+    shown_as: Option<&'static str>,
+    /// The law.
+    pub law: LawKind,
+}
+
+impl Column {
+    /// Where a run stands.
+    pub fn of(run: &Summary) -> Self {
+        Self {
+            shown_as: run.shown_as,
+            law: run.law,
+        }
+    }
+
+    /// Whether the report names it.
+    pub fn is_named(self) -> bool {
+        self.shown_as.is_some()
+    }
+
+    /// Its head.
+    pub fn name(self) -> &'static str {
+        self.shown_as.unwrap_or(label::law(self.law))
+    }
+}
 
 /// Runs under the same conditions as a table of `k_de` × law.
 pub struct Matrix {
@@ -13,7 +42,7 @@ pub struct Matrix {
     /// Rows: desired stiffness, N·m/rad, rising.
     pub stiffnesses: Vec<f64>,
     /// Columns.
-    pub laws: Vec<LawKind>,
+    pub laws: Vec<Column>,
     /// `cells[row][column]` holds indices into the runs, several if the same cell was run more than once.
     pub cells: Vec<Vec<Vec<usize>>>,
 }
@@ -53,16 +82,17 @@ pub fn matrices(runs: &[Run]) -> Vec<Matrix> {
                 .collect();
             stiffnesses.sort_by(f64::total_cmp);
             stiffnesses.dedup();
-            let mut laws: Vec<LawKind> = members
+            let mut laws: Vec<Column> = members
                 .iter()
-                .map(|&index| runs[index].summary.law)
+                .map(|&index| Column::of(&runs[index].summary))
                 .collect();
             // Simplest first, as they stand in the enum.
             laws.sort_unstable();
             laws.dedup();
-            let at = |k: f64, law: LawKind| {
+            let at = |k: f64, law: Column| {
                 let here = |&&i: &&usize| {
-                    runs[i].summary.law == law && runs[i].summary.k_desired.total_cmp(&k).is_eq()
+                    Column::of(&runs[i].summary) == law
+                        && runs[i].summary.k_desired.total_cmp(&k).is_eq()
                 };
                 members.iter().filter(here).copied().collect()
             };
@@ -112,12 +142,27 @@ mod tests {
         assert_eq!(tables.len(), 2);
         assert_eq!(tables[1].distinction, "light grip");
         assert_eq!(tables[0].stiffnesses, [0.5, 5.0]);
-        assert_eq!(tables[0].laws, [LawKind::Spring, LawKind::Tdpa]);
+        let names: Vec<&str> = tables[0].laws.iter().map(|law| law.name()).collect();
+        assert_eq!(names, ["Spring", "TDPA"]);
         assert_eq!(
             tables[0].cells,
             [vec![vec![1], vec![]], vec![vec![2], vec![0]]]
         );
         assert_eq!(tables[1].row(1).collect::<Vec<_>>(), [5, 3]);
         assert!(matrices(&[]).is_empty());
+    }
+    #[test]
+    fn what_a_report_names_has_a_column_of_its_own_at_the_end() {
+        let mut named = synthetic::run(LawKind::Spring, 5.0, 0.01);
+        named.summary.shown_as = Some("Shipped");
+        let runs = [
+            named,
+            synthetic::run(LawKind::Spring, 5.0, 0.01),
+            synthetic::run(LawKind::Tdpa, 5.0, 0.01),
+        ];
+        let [table] = matrices(&runs).try_into().ok().expect("one table");
+        let names: Vec<&str> = table.laws.iter().map(|law| law.name()).collect();
+        assert_eq!(names, ["Spring", "TDPA", "Shipped"]);
+        assert_eq!(table.cells, [vec![vec![1], vec![2], vec![0]]]);
     }
 }

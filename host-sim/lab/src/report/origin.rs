@@ -207,7 +207,11 @@ fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) ->
     scenes.iter().map(text).collect()
 }
 
-/// Names of the runs by their conditions; where several share one, what differs between their scenes is added.
+/// Longest name of a trace, without its endings: file systems take 255 bytes.
+const STEM_MAX: usize = 160;
+
+/// Names of the runs by their conditions; where several share one, what differs between their scenes is added, or a number where that
+/// is too long for a file's name.
 fn stems(input: &ReportInput) -> Vec<String> {
     let mut stems: Vec<String> = input
         .runs
@@ -238,11 +242,19 @@ fn stems(input: &ReportInput) -> Vec<String> {
             .filter(|path| *path != "description")
             .collect();
         differing.sort();
-        for (&index, leaves) in members.iter().zip(&leaves) {
-            for path in &differing {
-                let name = path.rsplit('.').next().unwrap_or(path);
-                let value = leaves.get(*path).map_or("none", String::as_str);
-                stems[index] += &format!("_{}", label::safe(&format!("{name}-{value}")));
+        for (place, (&index, leaves)) in members.iter().zip(&leaves).enumerate() {
+            let difference: String = differing
+                .iter()
+                .map(|path| {
+                    let name = path.rsplit('.').next().unwrap_or(path);
+                    let value = leaves.get(*path).map_or("none", String::as_str);
+                    format!("_{}", label::safe(&format!("{name}-{value}")))
+                })
+                .collect();
+            if stems[index].len() + difference.len() <= STEM_MAX {
+                stems[index] += &difference;
+            } else {
+                stems[index] += &format!("_{}", place + 1);
             }
         }
     }
@@ -279,6 +291,31 @@ mod tests {
         // FIPS 180-2, appendix B.1.
         let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(sha256(b"abc"), abc);
+    }
+
+    #[test]
+    fn runs_that_differ_in_many_fields_are_numbered() {
+        let base = Scene::load("tap").unwrap();
+        let other = Scene::load("thesis-knob").unwrap();
+        let runs: Vec<Run> = [0, 1]
+            .map(|_| synthetic::run(LawKind::Spring, 1.0, 0.01))
+            .into();
+        let other = Scene {
+            name: base.name.clone(),
+            ..other
+        };
+        let scenes = [base, other];
+        let input = ReportInput {
+            runs: &runs,
+            scenes: &scenes,
+            ..Default::default()
+        };
+        let names = stems(&input);
+        assert!(
+            names.iter().all(|name| name.len() <= STEM_MAX + 4),
+            "{names:?}"
+        );
+        assert_ne!(names[0], names[1]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::ReportInput;
 use super::figure::{Axis, Figure, Line, Range, Shape, Wall};
 use super::figures::Kind;
 use super::label;
-use super::matrix::{Matrix, matrices};
+use super::matrix::{Column, Matrix, matrices};
 use super::quantity::{plain, with_unit};
 use super::svg::{self, Size, escape};
 use super::view::View;
@@ -42,6 +42,15 @@ pub fn figures(input: &ReportInput) -> Vec<Figure> {
     figures.extend(shown(input.runs, leading));
     figures.extend(over_each_other(input, leading));
     figures
+}
+
+/// Class of a column's lines.
+fn column_class(column: Column) -> &'static str {
+    if column.is_named() {
+        "law-h"
+    } else {
+        law_class(column.law)
+    }
 }
 
 /// Class of a law's lines.
@@ -103,8 +112,8 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
             }
         }
         stems.retain(|stem| stem[1].1 != 0.0);
-        let class = law_class(*law);
-        figure.line(class, label::law(*law), Shape::Path(stems));
+        let class = column_class(*law);
+        figure.line(class, law.name(), Shape::Path(stems));
         figure.line(class, "", Shape::Signs(signs));
     }
     let held = |v: Verdict| v < Verdict::LimitCycle;
@@ -152,10 +161,12 @@ pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
         s.k_displayed
             .map_or(f64::INFINITY, |k| (k / s.k_desired - 1.0).abs())
     };
+    // Of those that show what was asked for, the one with the best verdict.
+    let rank = |i: usize| (off(i) > 0.05, runs[i].summary.verdict);
     let best = members
         .iter()
         .copied()
-        .min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
+        .min_by(|&a, &b| rank(a).cmp(&rank(b)).then(off(a).total_cmp(&off(b))))?;
     let worst = members
         .iter()
         .copied()
@@ -181,7 +192,7 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
             .unwrap_or_default();
         format!(
             "{} ({}{stiffness})",
-            label::law(s.law),
+            label::run_name(s),
             label::verdict(s.verdict)
         )
     };
@@ -205,14 +216,17 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
             .copied()
             .zip(trace.angle_rad.iter().copied());
         figure.line(
-            law_class(view.run.summary.law),
+            column_class(Column::of(&view.run.summary)),
             &words(view.run),
             Shape::Series(points.collect()),
         );
     }
     let beyond = |x: &f64| !(angle.min..=angle.max).contains(x);
     let leaves = if other.trace.angle_rad.iter().any(beyond) {
-        format!(" {} leaves the figure.", label::law(other.run.summary.law))
+        format!(
+            " {} leaves the figure.",
+            label::run_name(&other.run.summary)
+        )
     } else {
         String::new()
     };

@@ -42,7 +42,7 @@ pub fn alone(input: &ReportInput, origin: &Origin) -> String {
             page,
             "<article id=\"{}\">\n<header><h2>{}, k<sub>de</sub> {}</h2>{}{}</header>\n",
             run_id(0),
-            label::law(run.summary.law),
+            label::run_name(&run.summary),
             plain(run.summary.k_desired),
             badge(run.summary.verdict),
             links(origin, 0)
@@ -81,7 +81,7 @@ pub fn row(
         .iter()
         .map(|(_, view)| {
             let s = &view.run.summary;
-            format!("{} {}", label::law(s.law), badge(s.verdict))
+            format!("{} {}", label::run_name(s), badge(s.verdict))
         })
         .collect();
     let _ = writeln!(
@@ -106,7 +106,7 @@ pub fn row(
             "<details class=\"run\" id=\"{}\"{}><summary><h3>{}, k<sub>de</sub> {}</h3> {}</summary><p class=\"files\">{}</p>",
             run_id(*index),
             if views.len() == 1 { " open" } else { "" },
-            label::law(s.law),
+            label::run_name(s),
             plain(s.k_desired),
             badge(s.verdict),
             links(origin, *index)
@@ -138,10 +138,16 @@ fn found(views: &[(usize, View)]) -> String {
             .filter(|s| s.verdict == verdict);
         let names: Vec<String> = runs
             .map(|s| match s.k_displayed {
-                Some(k) => format!("{} shows {}", label::law(s.law), with_unit(k, "N·m/rad", 3)),
+                Some(k) => format!(
+                    "{} shows {}",
+                    label::run_name(s),
+                    with_unit(k, "N·m/rad", 3)
+                ),
                 None => match s.limit_cycle_peak_to_peak {
-                    Some(a) => format!("{} moves by {}", label::law(s.law), with_unit(a, "rad", 3)),
-                    None => label::law(s.law).to_owned(),
+                    Some(a) => {
+                        format!("{} moves by {}", label::run_name(s), with_unit(a, "rad", 3))
+                    }
+                    None => label::run_name(s).to_owned(),
                 },
             })
             .collect();
@@ -189,7 +195,7 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
                 strip,
                 "<figure><figcaption><a href=\"#{}\">{}</a>{}</figcaption>{}</figure>",
                 run_id(*index),
-                label::law(summary.law),
+                label::run_name(summary),
                 badge(summary.verdict),
                 svg::draw(&figure, SMALL, &id)
             );

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::ReportInput;
 use super::anchor::{row_id, run_id};
 use super::label;
-use super::matrix::Matrix;
+use super::matrix::{Column, Matrix};
 use super::origin::Origin;
 use super::picture;
 use super::quantity::{plain, with_unit};
@@ -36,12 +36,12 @@ pub fn compared(input: &ReportInput, matrices: &[Matrix]) -> String {
     if let [run] = runs {
         return format!(
             "One run of {} at k_de = {} N·m/rad: {conditions}.",
-            label::law(run.summary.law),
+            label::run_name(&run.summary),
             plain(run.summary.k_desired)
         );
     }
-    let mut laws: Vec<LawKind> = runs.iter().map(|run| run.summary.law).collect();
-    laws.sort_by_key(|&law| label::law_order(law));
+    let mut laws: Vec<Column> = runs.iter().map(|run| Column::of(&run.summary)).collect();
+    laws.sort_unstable();
     laws.dedup();
     let mut stiffnesses: Vec<f64> = runs.iter().map(|run| run.summary.k_desired).collect();
     stiffnesses.sort_by(f64::total_cmp);
@@ -51,7 +51,7 @@ pub fn compared(input: &ReportInput, matrices: &[Matrix]) -> String {
     format!(
         "{} runs: {} at k_de = {} N·m/rad, under {} ({conditions}). {}",
         runs.len(),
-        names(laws.iter().map(|&law| label::law(law).to_owned()).collect()),
+        names(laws.iter().map(|law| law.name().to_owned()).collect()),
         names(stiffnesses.iter().map(|&k| plain(k)).collect()),
         match matrices.len() {
             1 => "one set of conditions".to_owned(),
@@ -96,6 +96,13 @@ pub fn words(page: &mut String, input: &ReportInput) {
     for law in laws {
         let words = label::law_words(law);
         word(&escape(words.name), words.meaning);
+    }
+    if let Some(run) = input.runs.iter().find(|run| run.summary.shown_as.is_some()) {
+        let meaning = format!(
+            "{} with the settings that come with the program, behind the energy guard",
+            label::law(run.summary.law)
+        );
+        word(&escape(label::run_name(&run.summary)), &meaning);
     }
     page.push_str("</dl>\n");
 }
@@ -167,12 +174,15 @@ pub fn tables(page: &mut String, input: &ReportInput, origin: &Origin, matrices:
 }
 
 /// How often the cell's law came to rest at its stiffness, over all conditions.
-fn over_conditions(runs: &[Run], all: &[Matrix], law: LawKind, k: f64) -> (usize, usize) {
+fn over_conditions(runs: &[Run], all: &[Matrix], law: Column, k: f64) -> (usize, usize) {
     let mut held = 0;
     let mut total = 0;
     for matrix in all {
         for row in (0..matrix.stiffnesses.len()).filter(|&row| matrix.stiffnesses[row] == k) {
-            for index in matrix.row(row).filter(|&i| runs[i].summary.law == law) {
+            for index in matrix
+                .row(row)
+                .filter(|&i| Column::of(&runs[i].summary) == law)
+            {
                 total += 1;
                 held += usize::from(runs[index].summary.verdict < Verdict::LimitCycle);
             }
@@ -201,7 +211,7 @@ fn table(
         let _ = write!(
             page,
             "<th scope=\"col\" role=\"columnheader\">{}</th>",
-            label::law(*law)
+            law.name()
         );
     }
     page.push_str("</tr></thead>\n<tbody role=\"rowgroup\">\n");
@@ -251,7 +261,7 @@ fn cell(page: &mut String, run: &Run, index: usize, often: Option<(usize, usize)
         "<a class=\"cell {}\" href=\"#{}\"><span class=\"law\">{}</span><b>{}</b><span>{}</span><span class=\"muted\">{}</span>{often}</a>",
         label::verdict_words(s.verdict).key,
         run_id(index),
-        label::law(s.law),
+        label::run_name(s),
         verdict(s.verdict),
         typeset(&stiffness),
         typeset(&cycle),
@@ -274,7 +284,7 @@ fn without_figures(page: &mut String, input: &ReportInput, origin: &Origin) {
             "<li id=\"{}\">{} {}, k<sub>de</sub> {}, {}{}</li>",
             run_id(index),
             badge(s.verdict),
-            label::law(s.law),
+            label::run_name(s),
             plain(s.k_desired),
             escape(&label::Condition::of(s).text()),
             command(origin, index)

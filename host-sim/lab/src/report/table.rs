@@ -67,7 +67,7 @@ pub fn render(runs: &[Run], colour: Colour) -> String {
 fn single(s: &Summary, colour: Colour) -> String {
     let mut out = format!(
         "{}, k_de {} N·m/rad · {}\n",
-        label::law(s.law),
+        label::run_name(s),
         s.k_desired,
         label::Condition::of(s).text()
     );
@@ -110,7 +110,7 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
         Some(a) => significant(a / cycle_unit.factor, 2),
         None => "–".to_owned(),
     };
-    let heads: Vec<&str> = matrix.laws.iter().map(|law| label::law(*law)).collect();
+    let heads: Vec<&str> = matrix.laws.iter().map(|law| law.name()).collect();
     let width = |column: usize| {
         let cells = matrix
             .cells

@@ -96,6 +96,29 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
+/// Name of what ships in tables and figures.
+pub const SHIPPED: &str = "Shipped";
+
+/// The wall that ships, `base` with all its own settings, at every stiffness, grip and encoder of [`cells`].
+///
+/// # Errors
+/// As [`cell`].
+pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
+    let mut cells = Vec::new();
+    for counts in COUNTS {
+        for grip in GRIPS {
+            let plotted = counts == COUNTS[0] && grip == GRIPS[0];
+            for k_desired in STIFFNESSES.into_iter().chain([BEYOND]) {
+                cells.push(Cell {
+                    scene: cell(base, k_desired, base.law.kind, grip, counts)?,
+                    plotted,
+                });
+            }
+        }
+    }
+    Ok(cells)
+}
+
 /// Runs the cells on all cores, in their order; `done` is told of each that is finished.
 ///
 /// # Errors

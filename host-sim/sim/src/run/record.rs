@@ -15,6 +15,9 @@ pub struct Summary {
     /// Law.
     #[serde(serialize_with = "crate::scene::word")]
     pub law: LawKind,
+    /// Name in tables and figures in place of the law's own, where a report compares two settings of one law.
+    #[serde(skip)]
+    pub shown_as: Option<&'static str>,
     /// Number format of the law: `fixed32`, `fixed16`, `f32` or `f64`.
     pub number: String,
     /// Desired stiffness `k_de`, N·m/rad.
@@ -93,6 +96,7 @@ impl Summary {
         Self {
             scene: scene.name.clone(),
             law: scene.law.kind,
+            shown_as: None,
             number: touchstone_control::Choice::word(scene.law.number).to_owned(),
             k_desired: scene.wall.k_desired_n_m_per_rad,
             grip: scene.operator.grip.name().to_owned(),
