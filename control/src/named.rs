@@ -69,11 +69,17 @@ mod tests {
     #[test]
     fn numbers_words_and_flags_are_set_by_their_paths() {
         let mut settings = Settings::default();
-        assert_eq!(settings.set_by_path("wall.k_desired_n_m_per_rad", "7.5"), Ok(()));
+        assert_eq!(
+            settings.set_by_path("wall.k_desired_n_m_per_rad", "7.5"),
+            Ok(())
+        );
         assert_eq!(settings.set_by_path("timing.rate_hz", "2000"), Ok(()));
         assert_eq!(settings.set_by_path("law.kind", "tdpa"), Ok(()));
         assert_eq!(settings.set_by_path("law.guard.on", "false"), Ok(()));
-        assert_eq!(settings.set_by_path("law.estimator.delay_s", "0.001"), Ok(()));
+        assert_eq!(
+            settings.set_by_path("law.estimator.delay_s", "0.001"),
+            Ok(())
+        );
         assert_eq!(settings.k_desired, Si::lit("7.5"));
         assert_eq!((settings.rate_hz, settings.law), (2000, LawKind::Tdpa));
         assert!(!settings.guard.on);
@@ -84,7 +90,11 @@ mod tests {
     fn what_is_no_setting_or_no_value_changes_nothing() {
         let mut settings = Settings::default();
         for path in ["", "law", "law.kin", "law.kind ", "k_desired"] {
-            assert_eq!(settings.set_by_path(path, "1"), Err(NotSet::UnknownPath), "{path}");
+            assert_eq!(
+                settings.set_by_path(path, "1"),
+                Err(NotSet::UnknownPath),
+                "{path}"
+            );
         }
         for (path, text) in [
             ("law.kind", "TDPA"),
@@ -96,7 +106,11 @@ mod tests {
             ("law.force_limit_n_m", "nan"),
             ("law.force_limit_n_m", "9e99"),
         ] {
-            assert_eq!(settings.set_by_path(path, text), Err(NotSet::NoValue), "{path}");
+            assert_eq!(
+                settings.set_by_path(path, text),
+                Err(NotSet::NoValue),
+                "{path}"
+            );
         }
         assert_eq!(settings, Settings::default());
     }

@@ -95,13 +95,13 @@ struct Lossy {
 }
 impl Tamper for Lossy {
     fn input(&mut self, tick: u32, input: &mut ControlInput) -> bool {
-        if tick > 8_000 && self.tick.is_some_and(|every| tick % every == 0) {
+        if tick > 8_000 && self.tick.is_some_and(|every| tick.is_multiple_of(every)) {
             input.encoder = EncoderReading::Silent;
         }
         true
     }
     fn change(&mut self, tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
-        let lost = tick > 8_000 && self.change.is_some_and(|every| tick % every == 0);
+        let lost = tick > 8_000 && self.change.is_some_and(|every| tick.is_multiple_of(every));
         (!lost).then_some(reading)
     }
 }
