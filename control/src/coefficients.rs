@@ -167,9 +167,9 @@ fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError>
 /// The same of the enhanced law's spring, up to `k_v`: in proportion to `k_de`, since a wall of half the stiffness under the same damper
 /// would creep for twice as long.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
-    let per_tick = settings.derived().virtual_damping_per_tick;
+    let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
-    stiffness(Field::VirtualDamping, per_tick.saturating_mul(share))
+    stiffness(Field::VirtualDamping, whole.saturating_mul(share))
 }
 
 /// A share over `k_v`.

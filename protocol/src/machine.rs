@@ -277,7 +277,7 @@ mod tests {
             assert_eq!(FaultCode::from_wire(code.to_wire()), Some(code));
         }
         assert_eq!(FaultCode::from_wire(0), None);
-        assert_eq!(FaultCode::from_wire(24), None);
+        assert_eq!(FaultCode::from_wire(26), None);
     }
 
     #[test]

@@ -128,7 +128,7 @@ fn a_programme_is_written_and_what_is_no_recording_of_it_is_named() {
     let said = run(&words);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let text = std::fs::read_to_string(&file).unwrap();
-    assert!(text.starts_with("grip,deed,time_s,surface_rad,rest_rad\nmedium,press,0,0.5,"));
+    assert!(text.starts_with("grip,deed,time_s,surface_rad,rest_rad\nmedium,press,0.0,0.5,"));
     // 4.45 s, and the heading.
     assert_eq!(text.lines().count(), 4_451);
     let mut wrong = words.clone();

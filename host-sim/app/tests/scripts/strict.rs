@@ -11,7 +11,14 @@ fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
         ),
         (
             // 2 (5e-4 - 2e-4)/T
-            &["--law", "spring-damper", "--k-desired", "0.7"],
+            &[
+                "--law",
+                "spring-damper",
+                "--k-desired",
+                "0.7",
+                "--set",
+                "law.virtual_damping_n_m_s_per_rad=0.0002",
+            ],
             &["k_de = 0.7", "2 (c_i - B)/T = 0.6000", "give below 0.6"],
         ),
         (

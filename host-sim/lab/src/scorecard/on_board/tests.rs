@@ -182,7 +182,7 @@ fn a_programme_has_a_row_a_tick_of_every_deed_that_is_named() {
         text.lines()
             .nth(1)
             .unwrap()
-            .starts_with("firm,press,0,0.5,0.45")
+            .starts_with("firm,press,0.0,0.5,0.45")
     );
     assert_eq!(deed_words().len(), 8);
 }
