@@ -1,6 +1,7 @@
 //! A scene of a measured knob: the simulator runs it, `tune` makes its wall.
 
 use std::fmt::Write;
+use touchstone_control::Choice as _;
 use touchstone_drive::Hardware;
 use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
@@ -9,6 +10,8 @@ use touchstone_protocol::DeviceSettings;
 /// Time from a reading to its command at the motor, PWM periods: half a one in the mean until the current loop takes the command, one until the
 /// compare values act in the middle.
 const DELAY_PERIODS: f64 = 1.5;
+/// The guard is told this part of the damping that was measured: its bound rests on there being no less.
+pub const GUARD_SHARE: f64 = 0.8;
 /// A press takes this part of what the motor gives, at most the thesis' 0.1 N·m.
 const PRESS_SHARE: f64 = 0.6;
 
@@ -19,6 +22,7 @@ pub fn text(
     hardware: &Hardware,
     who: &str,
 ) -> String {
+    let guard = &settings.law.guard;
     let (it, constant) = (&motor.mechanics, motor.torque_constant_n_m_per_a.value);
     let current: f64 = settings.motor.current_limit_a.to_num();
     let continuous: f64 = settings.motor.continuous_current_a.to_num();
@@ -69,6 +73,10 @@ damping_n_m_s_per_rad = {damping:.4e}
 [law.guard]
 # Rather less than more.
 damping_n_m_s_per_rad = {:.4e}
+# As the board has them.
+change = \"{}\"
+delay_s = {:.4e}
+lag_s = {:.4e}
 
 [operator]
 grip = \"medium\"
@@ -91,7 +99,10 @@ push_torque_n_m = {press:.4e}
         settings.timing.rate_hz,
         DELAY_PERIODS / f64::from(hardware.pwm_hz),
         settings.wall.k_desired_n_m_per_rad,
-        0.8 * damping,
+        GUARD_SHARE * damping,
+        guard.change.word(),
+        guard.delay_s.to_num::<f64>(),
+        guard.lag_s.to_num::<f64>(),
         0.2 * press,
     );
     text

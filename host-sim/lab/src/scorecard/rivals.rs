@@ -182,7 +182,8 @@ fn told(scene: &mut Scene) {
     law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     let guard = &mut law.guard;
     guard.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
-    guard.delay_s = scene.timing.computational_delay_s;
+    // Never less than the scene says of it.
+    guard.delay_s = guard.delay_s.max(scene.timing.computational_delay_s);
     let late = (guard.delay_s + guard.lag_s) / period_s;
     // A guard answers for a tick of delay at most.
     guard.on &= late <= 1.0;
