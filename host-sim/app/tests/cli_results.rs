@@ -200,8 +200,8 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     }
     let results: serde_json::Value =
         serde_json::from_slice(&std::fs::read(report.join("results.json")).unwrap()).unwrap();
-    // Three grips, two encoders, four stiffnesses of five laws, and one row beyond.
-    assert_documented(&results, 3 * 2 * (4 * 5 + 1));
+    // Three grips, two encoders, four stiffnesses of five laws and of what ships, and one row beyond for two of them.
+    assert_documented(&results, 3 * 2 * (4 * 6 + 2));
 
     let mut traces = 0;
     for run in results["runs"].as_array().unwrap() {
@@ -218,5 +218,5 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
         assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
     }
     // The plotted comparison: one grip, one encoder.
-    assert_eq!(traces, 4 * 5 + 1);
+    assert_eq!(traces, 4 * 6 + 2);
 }
