@@ -432,10 +432,11 @@ fn with_knob(
     Ok(all)
 }
 
-/// Whatever a file of the law's settings says: the guard is told no less delay and no less reading than it was on the board, and no more
+/// Whatever a file of the law's settings says: a guard that was on stays on, and is told no less delay and no less reading than it was on the board, and no more
 /// damping than is sure to be there. Its bound rests on these.
 fn keep_the_boards_guard(all: &mut DeviceSettings, board: &DeviceSettings, sure_damping: Si) {
     let (guard, was) = (&mut all.law.guard, &board.law.guard);
+    guard.on |= was.on;
     guard.delay_s = guard.delay_s.max(was.delay_s);
     guard.lag_s = guard.lag_s.max(was.lag_s);
     guard.damping_n_m_s_per_rad = guard.damping_n_m_s_per_rad.min(sure_damping);
@@ -467,12 +468,14 @@ mod tests {
             was.law.guard.lag_s = Si::lit("0.00002");
             let mut all = was.clone();
             // What `tune` writes of a knob with a short delay.
+            all.law.guard.on = false;
             all.law.guard.change = ChangeOfForce::Estimated;
             all.law.guard.delay_s = Si::lit("0.000075");
             all.law.guard.lag_s = Si::ZERO;
             all.law.guard.damping_n_m_s_per_rad = Si::lit("0.0004");
             keep_the_boards_guard(&mut all, &was, sure);
             let guard = &all.law.guard;
+            assert!(guard.on && was.law.guard.on, "{board:?}");
             assert_eq!(guard.change, ChangeOfForce::Measured, "{board:?}");
             assert_eq!(guard.change, was.law.guard.change, "{board:?}");
             assert_eq!(guard.delay_s, was.law.guard.delay_s, "{board:?}");
