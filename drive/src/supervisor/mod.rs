@@ -43,6 +43,9 @@ use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
+/// Whether the motor is held against its model: the smaller chips have no room for it.
+const HAS_MODEL: bool = cfg!(feature = "large");
+
 /// Why, and the value that goes into the context.
 pub type Found = (FaultCode, i32);
 
@@ -72,8 +75,11 @@ impl SupervisorConfig {
         Self {
             shaft: ShaftConfig::new(settings, hardware),
             motor: (settings.drive.kind == DriveKind::ThreePhase).then_some(motor),
-            model: ModelConfig::new(settings, hardware)
-                .filter(|_| settings.drive.kind == DriveKind::ThreePhase),
+            model: if HAS_MODEL && settings.drive.kind == DriveKind::ThreePhase {
+                ModelConfig::new(settings, hardware)
+            } else {
+                None
+            },
             asked: AskedConfig::new(settings),
             period: hardware.core_hz / rate,
         }
@@ -218,7 +224,7 @@ impl Supervisor {
             None
         };
         let model_fault = match &config.model {
-            Some(model) if driven => {
+            Some(model) if driven && HAS_MODEL => {
                 let speed = self.shaft.speed(&config.shaft);
                 let along = if against {
                     speed.saturating_neg()
