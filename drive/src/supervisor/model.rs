@@ -9,14 +9,18 @@
 //! this is the balance of power, `3/2 (v·i - R i²)` against the torque that was told times the speed, one axis at a time: the windings'
 //! heat, whose resistance nobody knows to a third, is in one of them only. A voltage across the current is a matter of the angle.
 //!
-//! What `a` allows: windings 100 K warmer (39 % more resistance) and 10 % of an error beside it; ±30 % of the torque constant and 20 % of
-//! the speed, which is late; on the `d` axis an alignment 14 electrical degrees off, and gains of the sensors that differ by 6 %. The
-//! constants are for dead time (0.3 V at 24 V and 500 ns), rounding, and for `L di/dt`, which the mean leaves `L Δi` over its time of:
-//! 0.5 V for the whole 2 A of the small motor. Both `r` and `a` go through the same mean of 10 to 20 ms. The mean is
+//! What `a` allows:
+//!
+//! - windings 100 K warmer (39 % more resistance), and an error of 10 % beside it;
+//! - ±30 % of the torque constant, and 20 % of the speed, which is late;
+//! - on the `d` axis an alignment 14 electrical degrees off, and gains of the sensors that differ by 6 %;
+//! - as constants: dead time (0.3 V at 24 V and 500 ns), rounding, and `L di/dt` (0.5 V for a step of 2 A in the small motor).
+//!
+//! Both `r` and `a` go through the same mean of 10 to 20 ms. The mean is
 //! linear and positive: a device that keeps `|r| <= a` in each tick keeps it in the mean, so there is no alarm.
 //!
-//! What it does not see: an error while the shaft hardly turns and the current is as told, for then no power goes that nobody told of;
-//! and a board that measures no current, whose current is computed of these very equations.
+//! What it does not see: an error while the shaft hardly turns and the current is the commanded one, since no power is then missing. A
+//! board that measures no current computes it by these very equations, so that there is nothing to compare.
 
 use crate::current::CurrentReport;
 use crate::hardware::Hardware;
