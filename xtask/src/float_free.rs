@@ -87,10 +87,9 @@ fn in_host_code(subject: &Subject) -> Outcome {
 
 fn in_thumb_code(subject: &Subject) -> Outcome {
     let target = toolchain::SOFT_FLOAT;
-    let Some(compiler) = toolchain::find(target) else {
-        return Outcome::NotRun(format!(
-            "no compiler for {target} (rustup target add {target})"
-        ));
+    let compiler = match toolchain::obtain(target) {
+        Ok(compiler) => compiler,
+        Err(outcome) => return outcome,
     };
     println!("with {compiler}");
     let folder = folder("thumb", &compiler.version);

@@ -17,28 +17,22 @@ fn folder() -> PathBuf {
 }
 
 /// What is told of the module beside it.
-fn about(compiler: &Compiler, bytes: &[u8]) -> Option<String> {
-    let hash = shell::capture(
-        shell::program("git")
-            .args(["hash-object", "--no-filters"])
-            .arg(folder().join(NAME)),
-    )?;
-    Some(format!(
-        "made by    cargo xtask live\ncompiler   {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\ngit blob   {hash}\n",
+fn about(compiler: &Compiler, bytes: &[u8]) -> String {
+    format!(
+        "made by    cargo xtask live\ncompiler   {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\n",
         compiler.identity,
         compiler.library(),
         bytes.len()
-    ))
+    )
 }
 
 pub fn run(args: &[String]) -> Outcome {
     if !args.is_empty() {
         return Outcome::Usage("cargo xtask live".into());
     }
-    let Some(compiler) = compiler() else {
-        return Outcome::NotRun(format!(
-            "no compiler for {TARGET} (rustup target add {TARGET})"
-        ));
+    let compiler = match toolchain::obtain(TARGET) {
+        Ok(compiler) => compiler,
+        Err(outcome) => return outcome,
     };
     let bytes = match build(&compiler) {
         Ok(bytes) => bytes,
@@ -48,17 +42,10 @@ pub fn run(args: &[String]) -> Outcome {
     if let Err(error) = std::fs::write(&file, &bytes) {
         return Outcome::Failed(format!("{}: {error}", file.display()));
     }
-    let Some(about) = about(&compiler, &bytes) else {
-        return Outcome::Failed("git hash-object failed".into());
-    };
-    match std::fs::write(folder().join("MADE.txt"), about) {
+    match std::fs::write(folder().join("MADE.txt"), about(&compiler, &bytes)) {
         Ok(()) => Outcome::Ok(format!("{NAME}, {} kB", bytes.len() / 1000)),
         Err(error) => Outcome::Failed(format!("MADE.txt: {error}")),
     }
-}
-
-fn compiler() -> Option<Compiler> {
-    toolchain::find(TARGET)
 }
 
 /// Builds the module; gives its bytes.

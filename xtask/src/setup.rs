@@ -7,7 +7,7 @@
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
 use crate::prove::{allocator, coq};
-use crate::{emulator, shell, toolchain};
+use crate::{emulator, toolchain};
 
 /// Which gate needs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,8 +72,7 @@ const TOOLS: &[Tool] = &[
         purpose: "float-free: looks at the microcontroller's code",
         version: || toolchain::find(toolchain::SOFT_FLOAT).map(|found| found.to_string()),
         hint: "rustup target add thumbv7em-none-eabi",
-        // A compiler with its library's source, where rustup cannot fetch the target.
-        packages: &["rustc-web", "rust-web-src"],
+        packages: &[],
     },
     Tool {
         name: "python3",
@@ -184,10 +183,7 @@ pub fn run(args: &[String]) -> Outcome {
             if install == "--install" && (rest.is_empty() || rest == ["--full"]) =>
         {
             let is_full = !rest.is_empty();
-            // rustup first: it fetches the target itself where it has a network.
-            if toolchain::find(toolchain::SOFT_FLOAT).is_none() {
-                shell::run(shell::program("rustup").args(["target", "add", toolchain::SOFT_FLOAT]));
-            }
+            let _ = toolchain::obtain(toolchain::SOFT_FLOAT);
             let packages: Vec<_> = TOOLS
                 .iter()
                 .filter(|tool| is_full || tool.need != Need::Full)

@@ -2,9 +2,9 @@
 //! has the library as source, such as Debian's.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
-use std::sync::{Once, OnceLock};
+use std::sync::{Mutex, Once, PoisonError};
 
 use crate::outcome::Outcome;
 use crate::{packages, shell};
@@ -32,6 +32,8 @@ const QUICK_BUILTINS: [&str; 2] = [
 enum Origin {
     /// The one that runs this program.
     Active,
+    /// The same where it is not one of rustup's releases but was linked under this name: it may be anything, whatever it calls itself.
+    Linked(String),
     /// Another of rustup's toolchains, by name.
     Toolchain(String),
     /// A system package, beside rustup.
@@ -52,6 +54,7 @@ pub struct Compiler {
 }
 
 /// A compiler that may or may not be able to do it.
+#[derive(Clone)]
 struct Candidate {
     origin: Origin,
     version: String,
@@ -65,7 +68,7 @@ const SYSTEM: &str = "/usr/bin/rustc";
 impl Origin {
     fn rustc(&self) -> Command {
         match self {
-            Origin::Active => shell::program("rustc"),
+            Origin::Active | Origin::Linked(_) => shell::program("rustc"),
             Origin::Toolchain(name) => {
                 let mut rustup = shell::program("rustup");
                 rustup.args(["run", name, "rustc"]);
@@ -79,10 +82,14 @@ impl Origin {
     fn look(self) -> Option<Candidate> {
         let version = shell::capture(self.rustc().arg("--version"))?;
         let sysroot = shell::capture(self.rustc().args(["--print", "sysroot"]))?;
+        let mut identity = version.trim().to_owned();
+        if let Origin::Linked(name) = &self {
+            identity = format!("{identity}, linked as {name}");
+        }
         is_new_enough(&version).then(|| Candidate {
             origin: self,
             version: version.split_whitespace().nth(1).unwrap_or("").to_owned(),
-            identity: version.trim().to_owned(),
+            identity,
             library: PathBuf::from(sysroot).join("lib/rustlib"),
         })
     }
@@ -91,7 +98,7 @@ impl Origin {
 impl fmt::Display for Compiler {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.origin {
-            Origin::Active => write!(f, "the active toolchain")?,
+            Origin::Active | Origin::Linked(_) => write!(f, "the active toolchain")?,
             Origin::Toolchain(name) => write!(f, "{name}")?,
             Origin::System => write!(f, "{SYSTEM}")?,
         }
@@ -119,7 +126,7 @@ impl Compiler {
     pub fn clippy(&self) -> Option<(Command, Vec<String>)> {
         let has_it = match &self.origin {
             _ if self.from_source => false,
-            Origin::Active => packages::missing_component("clippy").is_none(),
+            Origin::Active | Origin::Linked(_) => packages::missing_component("clippy").is_none(),
             Origin::Toolchain(name) => {
                 let mut rustup = shell::program("rustup");
                 shell::capture(rustup.args(["run", name, "cargo", "clippy", "--version"])).is_some()
@@ -132,7 +139,7 @@ impl Compiler {
     /// Any other command of cargo with it, and the options that belong to it.
     pub fn cargo_for(&self, subcommand: &str, libraries: &[&str]) -> (Command, Vec<String>) {
         let mut cargo = match &self.origin {
-            Origin::Active => shell::cargo_locked(subcommand),
+            Origin::Active | Origin::Linked(_) => shell::cargo_locked(subcommand),
             Origin::Toolchain(name) => {
                 let mut rustup = shell::program("rustup");
                 rustup.args(["run", name, "cargo", subcommand]);
@@ -144,7 +151,7 @@ impl Compiler {
             }
             Origin::System => {
                 let mut cargo = shell::cargo_locked(subcommand);
-                cargo.env("RUSTC", SYSTEM);
+                cargo.env("RUSTC", SYSTEM).env_remove("RUSTDOC");
                 // The system package comes without Rust's own linker for it.
                 let target = self.target.to_uppercase().replace('-', "_");
                 cargo.env(format!("CARGO_TARGET_{target}_LINKER"), "ld.lld");
@@ -165,8 +172,9 @@ impl Compiler {
 
 /// A compiler that has the target installed; failing that, one that has the library's source.
 pub fn find(target: &'static str) -> Option<Compiler> {
+    let candidates = candidates();
     let with = |part: &str, from_source| {
-        let mut having = candidates()
+        let mut having = candidates
             .iter()
             .filter(|candidate| candidate.library.join(part).is_dir());
         having.next().map(|candidate| Compiler {
@@ -180,20 +188,63 @@ pub fn find(target: &'static str) -> Option<Compiler> {
     with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
 }
 
-/// Has rustup fetch a target for the active toolchain, where it can.
-pub fn add(target: &str) {
-    let _ = shell::run(shell::program("rustup").args(["target", "add", target]));
+/// The same; where there is none, rustup fetches the target, and where it cannot, apt-get Debian's compiler with the library's source.
+pub fn obtain(target: &'static str) -> Result<Compiler, Outcome> {
+    let fetch: [fn(&str); 2] = [
+        |target| {
+            let _ = shell::run(shell::program("rustup").args(["target", "add", target]));
+        },
+        |_| packages::apt_get(&["rustc-web", "cargo-web", "rust-web-src", "lld"]),
+    ];
+    for fetch in fetch {
+        if let Some(compiler) = find(target) {
+            return Ok(compiler);
+        }
+        fetch(target);
+        forget();
+    }
+    find(target).ok_or_else(|| {
+        Outcome::NotRun(format!(
+            "no compiler for {target}: rustup target add {target}, or apt-get install rustc-web cargo-web rust-web-src lld"
+        ))
+    })
 }
 
-/// All compilers, asked once.
-fn candidates() -> &'static [Candidate] {
-    static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
-    ALL.get_or_init(|| {
-        let mut origins = vec![Origin::Active];
-        origins.extend(toolchains().into_iter().map(Origin::Toolchain));
-        origins.push(Origin::System);
-        origins.into_iter().filter_map(Origin::look).collect()
-    })
+/// All compilers, once asked for. Every one of them takes two processes to ask.
+static CANDIDATES: Mutex<Option<Vec<Candidate>>> = Mutex::new(None);
+
+fn candidates() -> Vec<Candidate> {
+    let mut known = CANDIDATES.lock().unwrap_or_else(PoisonError::into_inner);
+    known.get_or_insert_with(ask).clone()
+}
+
+/// Asks for all compilers again when they are next wanted: something was installed.
+fn forget() {
+    *CANDIDATES.lock().unwrap_or_else(PoisonError::into_inner) = None;
+}
+
+fn ask() -> Vec<Candidate> {
+    let active = match linked() {
+        None => Origin::Active,
+        Some(name) => Origin::Linked(name),
+    };
+    let others = toolchains().into_iter().map(Origin::Toolchain);
+    let mut origins: Vec<_> = others.chain([Origin::System]).collect();
+    // One that somebody linked is taken where there is no other.
+    let place = if active == Origin::Active {
+        0
+    } else {
+        origins.len()
+    };
+    origins.insert(place, active);
+    origins.into_iter().filter_map(Origin::look).collect()
+}
+
+/// The name of the active toolchain, where it is one of rustup's but none of its releases.
+fn linked() -> Option<String> {
+    let shown = shell::capture(shell::program("rustup").args(["show", "active-toolchain"]))?;
+    let name = shown.split_whitespace().next()?.to_owned();
+    (!is_released(&name)).then_some(name)
 }
 
 /// Version of the compiler that runs this program.
@@ -236,12 +287,12 @@ fn is_released(name: &str) -> bool {
         && (matches!(channel, "stable" | "beta" | "nightly") || is_version())
 }
 
-/// Each target that a step builds for, and with what, for people.
+/// Each target that a step builds for, and with what, for people. What is missing is fetched now, as the step would.
 pub fn choices() -> Vec<String> {
     [BOARD, SOFT_FLOAT, WASM]
-        .map(|target| match find(target) {
-            Some(compiler) => compiler.to_string(),
-            None => format!("no compiler for {target} (rustup target add {target})"),
+        .map(|target| match obtain(target) {
+            Ok(compiler) => compiler.to_string(),
+            Err(why) => why.reason().to_owned(),
         })
         .to_vec()
 }
@@ -255,57 +306,15 @@ pub fn is_new_enough(version: &str) -> bool {
 
 /// `cargo build` of the first compiler that can, and its options; [`Outcome::NotRun`] where there is none.
 pub fn build_board() -> Result<(Command, Vec<String>), Outcome> {
-    find_board().ok_or_else(|| {
-        Outcome::NotRun(format!(
-            "no compiler for {BOARD} (rustup target add {BOARD})"
-        ))
-    })
+    let compiler = obtain(BOARD)?;
+    static SAID: Once = Once::new();
+    SAID.call_once(|| println!("with {compiler}"));
+    Ok(compiler.cargo(&["core"]))
 }
 
 /// `cargo clippy` of the first compiler that has one for the target, and its options.
 pub fn clippy_board() -> Option<(Command, Vec<String>)> {
     find(BOARD)?.clippy()
-}
-
-fn find_board() -> Option<(Command, Vec<String>)> {
-    let chosen = |compiler: Compiler| {
-        static SAID: Once = Once::new();
-        SAID.call_once(|| println!("with {compiler}"));
-        compiler.cargo(&["core"])
-    };
-    if let Some(compiler) = find(BOARD) {
-        return Some(chosen(compiler));
-    }
-    add(BOARD);
-    if let Some(compiler) = find(BOARD) {
-        return Some(chosen(compiler));
-    }
-    debian()
-}
-
-/// Debian's newer Rust, which has the library as source only.
-fn debian() -> Option<(Command, Vec<String>)> {
-    const CARGO: &str = "/usr/bin/cargo";
-    const CORE: &str = "/usr/lib/rustlib/src/rust/library/core";
-    if !Path::new(CORE).is_dir() {
-        packages::apt_get(&["rustc-web", "cargo-web", "rust-web-src", "lld"]);
-    }
-    if !Path::new(CORE).is_dir() {
-        return None;
-    }
-    let version = shell::capture(shell::program("/usr/bin/rustc").arg("--version"));
-    let version = version.unwrap_or_default();
-    println!("with Debian's compiler ({version}) for {BOARD}, its `core` built from source");
-    let mut cargo = shell::program(CARGO);
-    cargo
-        .arg("build")
-        .env("RUSTC", "/usr/bin/rustc")
-        .env("RUSTC_BOOTSTRAP", "1")
-        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld")
-        .env_remove("RUSTUP_TOOLCHAIN");
-    let options = [&format!("--target={BOARD}"), "-Zbuild-std=core"];
-    let options = options.into_iter().chain(QUICK_BUILTINS);
-    Some((cargo, options.map(str::to_owned).collect()))
 }
 
 #[cfg(test)]

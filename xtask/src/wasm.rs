@@ -10,13 +10,9 @@ pub fn run(args: &[String]) -> Outcome {
     if !args.is_empty() {
         return Outcome::Usage("cargo xtask wasm".into());
     }
-    if toolchain::find(TARGET).is_none() {
-        toolchain::add(TARGET);
-    }
-    let Some(compiler) = toolchain::find(TARGET) else {
-        return Outcome::NotRun(format!(
-            "no compiler for {TARGET} (rustup target add {TARGET}, or apt-get install rustc-web rust-web-src)"
-        ));
+    let compiler = match toolchain::obtain(TARGET) {
+        Ok(compiler) => compiler,
+        Err(outcome) => return outcome,
     };
     println!("with {compiler}");
     // Where the page's module is made again, code is made of them there.
