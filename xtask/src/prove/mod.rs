@@ -75,7 +75,11 @@ pub fn run(args: &[String]) -> Outcome {
     };
     let known = matches!(
         words.as_slice(),
-        [] | ["--bless"] | ["--resume"] | ["--bless", "--resume"] | ["--harness", _]
+        [] | ["--bless"]
+            | ["--resume"]
+            | ["--bless", "--resume"]
+            | ["--resume", "--bless"]
+            | ["--harness", _]
     );
     let Some(jobs) = jobs.filter(|_| known) else {
         return usage();
