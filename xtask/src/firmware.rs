@@ -117,7 +117,5 @@ fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Pat
         .arg(folder)
         .args(options)
         .args(["--no-default-features", "--features", board])
-        .args(["--bin", board])
-        .env_remove("RUSTFLAGS")
-        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+        .args(["--bin", board]);
 }

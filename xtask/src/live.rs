@@ -69,7 +69,6 @@ fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
         .map(|(from, to)| format!("--remap-path-prefix={}={to}", from.display()))
         .collect();
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join(separator));
-    cargo.env_remove("RUSTFLAGS");
     match shell::run(cargo.args(options)) {
         Outcome::Ok(_) => {}
         other => return Err(other),

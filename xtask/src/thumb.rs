@@ -54,9 +54,7 @@ fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
         .args(["--quiet", "--release", "--manifest-path"])
         .args(["tests/thumb/Cargo.toml", "--target-dir"])
         .arg(&folder)
-        .args(options)
-        .env_remove("RUSTFLAGS")
-        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+        .args(options);
     match shell::run(&mut cargo) {
         Outcome::Ok(_) => Ok(folder.join(BOARD).join("release/touchstone-thumb")),
         failed => Err(failed),

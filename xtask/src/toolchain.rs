@@ -158,6 +158,10 @@ impl Compiler {
                 cargo
             }
         };
+        // What somebody tells the compiler for this machine's own code, such as its processor, would be wrong for the target's.
+        cargo
+            .env_remove("RUSTFLAGS")
+            .env_remove("CARGO_ENCODED_RUSTFLAGS");
         let mut options = vec![format!("--target={}", self.target)];
         if self.from_source {
             cargo.env("RUSTC_BOOTSTRAP", "1");
