@@ -15,12 +15,12 @@ use touchstone_emulator::{count, fil, serve};
 
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
-  fil [--BOARD ELF]... [--sample | --only TEXT...]
+  fil [--BOARD ELF]... [--sample | --brief | --only TEXT...]
                               boot, calibrate, arm, press, and all fault injections, on the boards whose programs are named:
                               nucleo-g474re, nucleo-g474re-ihm16m1, nucleo-g474re-simplefoc-mini, nucleo-g431rb-ihm16m1,
                               b-g431b-esc1; those with one of the TEXTs in
                               `BOARD, ENCODER: INJECTION, STATE`; --sample: one injection of three, few checks but on
-                              nucleo-g474re-ihm16m1, no cogging
+                              nucleo-g474re-ihm16m1, no cogging; --brief: the same injections, and the checks that are done soon
   boot ELF [BOARD]            boot, calibrate, arm, press; nucleo-g474re if no other is named
   cycles [--BOARD ELF]...     instructions and table cycles of law, control interrupt, current loop; the stack
   noise ELF FRAMES            random frames at the serial port
@@ -41,16 +41,16 @@ const WRONG_USAGE: u8 = 2;
 /// What of the campaign is wanted.
 #[derive(Debug, Default)]
 struct Wanted<'a> {
-    sample: bool,
+    sample: Option<Asked<'a>>,
     only: Vec<&'a str>,
 }
 
 impl Wanted<'_> {
     fn asked(&self) -> Asked<'_> {
         match (self.sample, self.only.as_slice()) {
-            (true, _) => Asked::Sample,
-            (false, []) => Asked::Everything,
-            (false, texts) => Asked::Only(texts),
+            (Some(sample), _) => sample,
+            (None, []) => Asked::Everything,
+            (None, texts) => Asked::Only(texts),
         }
     }
 }
@@ -100,8 +100,13 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     let mut wanted = Wanted::default();
     while let [option, more @ ..] = options {
         options = more;
-        if *option == "--sample" {
-            wanted.sample = true;
+        let sample = match *option {
+            "--sample" => Some(Asked::Sample),
+            "--brief" => Some(Asked::Brief),
+            _ => None,
+        };
+        if sample.is_some() {
+            wanted.sample = sample;
             continue;
         }
         let [value, more @ ..] = options else {
@@ -116,7 +121,7 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
             _ => return Err(usage()),
         }
     }
-    if programs.count() == 0 || wanted.sample && !wanted.only.is_empty() {
+    if programs.count() == 0 || wanted.sample.is_some() && !wanted.only.is_empty() {
         return Err(usage());
     }
     Ok((programs, wanted))

@@ -1,8 +1,9 @@
-//! `cargo xtask fil [--sample | --only TEXT] [--board BOARD]`: the firmware in the loop. The real programs of all boards, or of one, on an
+//! `cargo xtask fil [--sample | --brief | --only TEXT] [--board BOARD]`: the firmware in the loop. The real programs of all boards, or of one, on an
 //! emulated chip with a simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the
 //! bit, and every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`]. `--scorecard`: what
 //! a hand feels of the reference board, [`board_scorecard`]; a press of it is in the run of everything and in that of
-//! the sample, which has one injection of three, all but the longest check on the reference board, and few checks on the others.
+//! the sample, which has one injection of three, all but the longest check on the reference board, and few checks on the others; the brief run
+//! has the same injections, and the checks that are done soon.
 
 use crate::firmware::{self, BOARDS, REFERENCE};
 use crate::outcome::Outcome;
@@ -10,10 +11,12 @@ use crate::step::Share;
 use crate::{board_scorecard, emulator, sabotage};
 
 const SAMPLE: &str = "--sample";
+const BRIEF: &str = "--brief";
 /// What the first gate runs of it.
 pub const ONE_BOARD: Share = Share::Part(
-    &[SAMPLE, "--board", REFERENCE],
-    "two of three injections, the map of the cogging, the other four boards, and with them whether every fault code is latched",
+    &[BRIEF, "--board", REFERENCE],
+    "two of three injections; the checks of starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
+     whether every fault code is latched",
 );
 /// What the full gate runs of it.
 pub const SAMPLED: Share = Share::Part(
@@ -28,13 +31,13 @@ pub fn run(args: &[String]) -> Outcome {
         words => (words, BOARDS.to_vec()),
     };
     match words {
-        [] | [SAMPLE] => with_a_press(words, &boards),
+        [] | [SAMPLE | BRIEF] => with_a_press(words, &boards),
         ["--only", _] => emulator::call("fil", &boards, words),
         ["--scorecard"] => board_scorecard::run(true),
         ["--scorecard", "press"] => board_scorecard::run(false),
         ["--sabotage", rest @ ..] => sabotage::run(rest),
         _ => Outcome::Usage(format!(
-            "cargo xtask fil [--sample | --only TEXT] [--board {}] | --scorecard [press] | --sabotage [--only TEXT]",
+            "cargo xtask fil [--sample | --brief | --only TEXT] [--board {}] | --scorecard [press] | --sabotage [--only TEXT]",
             firmware::BOARDS.join("|")
         )),
     }

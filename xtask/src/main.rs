@@ -153,7 +153,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "fil",
-        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--sample | --only TEXT] [--board BOARD]`; parts of \
+        about: "all boards' programs on an emulated chip with motor and hand; all fault injections: `fil [--sample | --brief | --only TEXT] [--board BOARD]`; parts of \
                 their safety taken out, which rows must notice: `fil --sabotage [--only TEXT]`; a board's scorecard beside the desktop's: \
                 `fil --scorecard [press]`",
         gates: Gates {

@@ -33,6 +33,14 @@ const ON_ALL_BOARDS: [&str; 4] = [
     "over-current by the comparators",
 ];
 
+/// The checks of a brief run beside [`ON_ALL_BOARDS`]: those that play seconds and not minutes.
+const BRIEF: [&str; 4] = [
+    "damaged settings",
+    "more than one wall",
+    "random frames",
+    "cable pulled",
+];
+
 /// The longest check, a tenth of everything; it is in no sample.
 const LONGEST: &str = "cogging";
 
@@ -92,19 +100,31 @@ pub enum Asked<'a> {
     Everything,
     /// One injection of three on every board, the checks on the reference board, and a few of them on the others.
     Sample,
+    /// The same injections, and of the checks those that are done soon.
+    Brief,
     /// What has one of these in its name.
     Only(&'a [&'a str]),
 }
 
 impl Asked<'_> {
     fn has_check(self, board: &str, name: &str) -> bool {
-        self != Self::Sample
-            || name != LONGEST && (board == REFERENCE || ON_ALL_BOARDS.contains(&name))
+        let is_of_all = ON_ALL_BOARDS.contains(&name);
+        match self {
+            Self::Everything | Self::Only(_) => true,
+            Self::Sample => is_of_all || name != LONGEST && board == REFERENCE,
+            Self::Brief => is_of_all || BRIEF.contains(&name),
+        }
+    }
+
+    /// Whether it has not all that there is.
+    #[must_use]
+    pub fn is_sample(self) -> bool {
+        matches!(self, Self::Sample | Self::Brief)
     }
 
     fn is_named(self, name: &str) -> bool {
         match self {
-            Self::Everything | Self::Sample => true,
+            Self::Everything | Self::Sample | Self::Brief => true,
             Self::Only(texts) => texts.iter().any(|text| name.contains(text)),
         }
     }
@@ -187,7 +207,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
             checked.push(board);
         }
         rows.retain(|row| is_named(&row.title()));
-        if asked == Asked::Sample {
+        if asked.is_sample() {
             rows = rows
                 .into_iter()
                 .skip(set % OF_ROWS)
@@ -267,7 +287,7 @@ mod tests {
 
     #[test]
     fn what_a_sample_chooses_by_name_is_there() {
-        for name in ON_ALL_BOARDS.into_iter().chain([LONGEST]) {
+        for name in ON_ALL_BOARDS.into_iter().chain(BRIEF).chain([LONGEST]) {
             let mut all = CHECKS.iter().chain([&OF_THE_EMULATOR]);
             assert!(all.any(|(check, _)| *check == name), "{name}");
         }

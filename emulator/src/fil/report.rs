@@ -87,7 +87,7 @@ pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
     for line in &wrong {
         println!("WRONG: {line}");
     }
-    let sample = if asked == Asked::Sample {
+    let sample = if asked.is_sample() {
         "; a sample, all of it by cargo xtask fil"
     } else {
         ""
