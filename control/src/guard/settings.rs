@@ -30,7 +30,7 @@ struct Derived {
     distance: Si,
     /// `D = d + δ`, rounded up.
     reach: Si,
-    /// Share of a tick after which a force acts, in the mean: exact, for the rate is a whole number.
+    /// Share of a tick after which a force acts, in the mean: exact, for the rate is a whole number. Above 1 only by rounding, so 1 then.
     late: Si,
 }
 
@@ -48,7 +48,11 @@ impl GuardSettings {
             damping,
             distance,
             reach: distance.saturating_add(device.count),
-            late: self.delay.saturating_add(self.lag).saturating_mul(rate),
+            late: self
+                .delay
+                .saturating_add(self.lag)
+                .saturating_mul(rate)
+                .min(Si::ONE),
         }
     }
 
@@ -70,8 +74,9 @@ impl GuardSettings {
                 coarsest,
             });
         }
-        // A tick in the digits of a setting is rounded down: a delay of a whole tick is one of these.
-        let tick = over(Si::ONE, rate);
+        // Settings are read to the nearest digit and this quotient is rounded down. So a delay of a whole tick, or a delay and a lag that
+        // make one, are up to a digit more.
+        let tick = over(Si::ONE, rate).saturating_add(Si::DELTA);
         within(Field::GuardDelay, self.delay, tick)?;
         within(Field::GuardLag, self.lag, tick.saturating_sub(self.delay))
     }

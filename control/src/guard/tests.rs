@@ -362,6 +362,47 @@ fn settings_are_validated_from_both_sides() {
     assert!(Guard::<Fixed32>::new(&late, &device()).is_err());
 }
 
+/// Settings are read to the nearest digit, whichever side of the exact quotient that is.
+#[test]
+fn a_delay_of_a_whole_tick_is_taken_at_every_rate_and_a_longer_one_at_none() {
+    let rates = (1..=200)
+        .map(|i| 50 * i)
+        .chain([7, 333, 1201, 44_100, 100_000]);
+    for rate_hz in rates {
+        let d = GuardedDevice {
+            rate_hz,
+            ..device()
+        };
+        let tick = 1.0 / f64::from(rate_hz);
+        for (delay, lag) in [(1.0, 0.0), (0.0, 1.0), (0.25, 0.75), (0.7, 0.3)] {
+            for change in [ChangeOfForce::Estimated, ChangeOfForce::Measured] {
+                let s = GuardSettings {
+                    delay: Si::from_num(delay * tick),
+                    lag: Si::from_num(lag * tick),
+                    change,
+                    // A tick at 7 Hz and the default's overspeed are a long way.
+                    overspeed: Si::from_num(0.01 / tick).min(Si::ONE),
+                    ..settings("0")
+                };
+                let made = Guard::<Fixed32>::new(&s, &d);
+                assert!(made.is_ok(), "{rate_hz} Hz, {delay} and {lag}: {made:?}");
+            }
+        }
+        let longer = GuardSettings {
+            delay: Si::from_num(tick) + Si::DELTA + Si::DELTA,
+            ..settings("0")
+        };
+        let field = match Guard::<Fixed32>::new(&longer, &d) {
+            Err(SettingsError::OutOfRange { field, .. }) => field,
+            other => panic!("{rate_hz} Hz: {other:?}"),
+        };
+        assert!(
+            matches!(field, Field::GuardDelay),
+            "{rate_hz} Hz: {field:?}"
+        );
+    }
+}
+
 #[test]
 fn warnings_name_what_is_given_away() {
     let quiet = GuardSettings {

@@ -1,9 +1,11 @@
-//! `touchstone certify`: is a wall stable, and for whom?
+//! `touchstone certify`: does a wall rest, how does it feel, and in whose hand?
 
 use super::SceneOptions;
 use super::out::{json, say};
-use touchstone_lab::certify::hands::Family;
+use touchstone_lab::certify::hands::{Family, HYPOTHETICAL};
+use touchstone_lab::certify::judge::HandReport;
 use touchstone_lab::certify::{Certificate, Options as Asked, certify};
+use touchstone_lab::tune::outcome::Outcome;
 use touchstone_sim::error::{Error, Result};
 
 /// Options of `certify`.
@@ -14,7 +16,7 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Only the scene's hand and the three grips, no search over all hands.
+    /// Leaves out the search for the worst hand of the whole family, which is hypothetical.
     #[arg(long)]
     grips: bool,
     /// Leaves out the margins, which take most of the time.
@@ -48,21 +50,55 @@ pub fn main(options: &Options) -> Result<()> {
         current_loop_hz: options.current_loop_hz,
     };
     let certificate = certify(&scene, &asked)?;
+    let feel = Outcome::of(&scene)?;
     if json() {
-        say!("{:#}", serde_json::json!(certificate));
+        let mut value = serde_json::json!(certificate);
+        value["feel"] = serde_json::json!(feel);
+        value["feel"]["holds"] = feel.holds().into();
+        say!("{value:#}");
         return Ok(());
     }
-    print(&certificate)
+    print(&certificate, &feel)
 }
 
-fn print(certificate: &Certificate) -> Result<()> {
+/// What is said first: of whom, whether the wall rests, and how it feels.
+fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
+    let worst = &certificate.hands[certificate.worst];
+    let mut said = vec![
+        format!(
+            "grips that people have, at rest: {} (worst: {})",
+            certificate.verdict.word(),
+            worst.name
+        ),
+        format!(
+            "three grips, feel: {}: {}",
+            if feel.holds() {
+                "holds"
+            } else {
+                "does not hold"
+            },
+            feel.words()
+        ),
+    ];
+    if let Some(verdict) = certificate.every_hand {
+        said.push(format!(
+            "hypothetical hand, the worst of the whole family: {}",
+            verdict.word()
+        ));
+    }
+    said
+}
+
+fn print(certificate: &Certificate, feel: &Outcome) -> Result<()> {
     say!(
-        "{}: {}  (k_de {} N·m/rad, T sqrt(k_de/J) {:.3})",
+        "{}  (k_de {} N·m/rad, T sqrt(k_de/J) {:.3})",
         certificate.scene,
-        certificate.verdict.word(),
         certificate.k_desired,
         certificate.stiffness_per_tick
     );
+    for line in verdicts(certificate, feel) {
+        say!("{line}");
+    }
     say!("");
     say!(
         "{:<18}{:<11}{:>10}{:>12}{:>10}",
@@ -94,15 +130,21 @@ fn print(certificate: &Certificate) -> Result<()> {
             say!("  {cause}");
         }
     }
-    let worst = &certificate.hands[certificate.worst];
-    say!("");
-    say!("worst hand: {}", worst.name);
-    if let Some([inertia, damping, stiffness, pad_damping, pad_stiffness]) = worst.parameters {
+    let hypothetical = |hand: &&HandReport| hand.name == HYPOTHETICAL;
+    if let Some([inertia, damping, stiffness, pad_damping, pad_stiffness]) = certificate
+        .hands
+        .iter()
+        .find(hypothetical)
+        .and_then(|hand| hand.parameters)
+    {
+        say!("");
         say!(
-            "  inertia {inertia:.3e} kg·m², damping {damping:.3e} N·m·s/rad, stiffness {stiffness:.3e} N·m/rad, pad {pad_damping:.3e} N·m·s/rad and {pad_stiffness:.3e} N·m/rad"
+            "{HYPOTHETICAL}: inertia {inertia:.3e} kg·m², damping {damping:.3e} N·m·s/rad, stiffness {stiffness:.3e} N·m/rad, pad {pad_damping:.3e} N·m·s/rad and {pad_stiffness:.3e} N·m/rad"
         );
     }
     if let Some(margins) = &certificate.margins {
+        say!("");
+        say!("margins of the grips:");
         say!(
             "margin in delay: {}{:.3} ms",
             if margins.delay_beyond {

@@ -13,6 +13,7 @@ mod config;
 mod device;
 mod doctor;
 mod expect;
+mod family;
 mod flash;
 mod haptic;
 mod hard;
@@ -200,8 +201,8 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Accuracy(options) => accuracy::main(options),
         Command::Sweep(options) => sweep::main(options),
         Command::Boundary(options) => boundary::main(options),
-        Command::Scorecard(options) => scorecard::main(options),
-        Command::Tune(options) => tune::main(options),
+        Command::Scorecard(options) => return scorecard::main(options),
+        Command::Tune(options) => return tune::main(options),
         Command::Scenes { json_schema: true } => {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }

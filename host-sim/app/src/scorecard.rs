@@ -1,5 +1,6 @@
 //! `touchstone scorecard`: what a hand feels of a wall, law by law.
 
+use super::family;
 use super::interrupt;
 use super::number;
 use super::out::{self, say, tell};
@@ -7,6 +8,8 @@ use super::progress;
 use super::report_options::program;
 use super::wall_options::WallOptions;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use touchstone_control::Choice as _;
 use touchstone_lab::report::{self, pages};
 use touchstone_lab::scorecard::{
     self, Entry,
@@ -27,7 +30,9 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     wall: WallOptions,
-    /// Laws to compare, default: all.
+    #[command(flatten)]
+    family: family::Options,
+    /// Laws to compare, default: all; with --family the scene's own.
     #[arg(long = "law", value_name = "NAME", num_args = 1.., value_parser = clap::builder::PossibleValuesParser::new(RIVALS.map(|rival| rival.name)))]
     laws: Vec<String>,
     /// Tunes every law for this device first, as `touchstone tune` does.
@@ -36,7 +41,7 @@ pub struct Options {
     /// With --tuned: looks for seconds instead of minutes.
     #[arg(long, requires = "tuned")]
     quick: bool,
-    /// With --tuned: seed of the search.
+    /// With --tuned: seed of the search; with --family: of what is drawn.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Writes a page, results.json and, with --tuned, the settings of every law to this folder.
@@ -61,10 +66,15 @@ pub struct Options {
 }
 
 /// Runs it.
-pub fn main(options: &Options) -> Result<()> {
+pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.scene)?;
     if let Some(file) = &options.programme {
-        return programme(&scene, options, file);
+        return programme(&scene, options, file).map(|()| ExitCode::SUCCESS);
+    }
+    if options.family.is_asked() {
+        return options
+            .family
+            .main(&scene, &laws(&scene, options)?, options.seed);
     }
     let command = super::command_line();
     if let Some(folder) = &options.out {
@@ -107,7 +117,16 @@ pub fn main(options: &Options) -> Result<()> {
         let written = pages::write(&page, folder)?;
         tell!("page  {}", written.page.display());
     }
-    Ok(())
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The laws of a family: the scene's own, or those that were named.
+fn laws(scene: &Scene, options: &Options) -> Result<Vec<(String, Scene)>> {
+    if options.laws.is_empty() {
+        return Ok(vec![(scene.law.kind.word().to_owned(), scene.clone())]);
+    }
+    let of = |name: &String| Ok((name.clone(), Rival::named(name)?.of(scene)));
+    options.laws.iter().map(of).collect()
 }
 
 /// A deed's word.

@@ -1,17 +1,22 @@
 //! `touchstone tune`: settings for a device.
 
+use super::expect::NOT_MET;
 use super::interrupt;
 use super::number;
-use super::out::{self, json, note, say, tell};
+use super::out::{self, json, say, tell};
 use super::progress;
 use super::report_options::program;
 use super::wall_options::WallOptions;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use touchstone_lab::report::{self, Block, Section, pages};
-use touchstone_lab::scorecard::{self, Entry, Scorecard, page, rivals::Rival};
+use touchstone_lab::scorecard::rivals::{MOST_DELAY_TICKS, Rival, delay_ticks};
+use touchstone_lab::scorecard::{self, Entry, Scorecard, page};
+use touchstone_lab::tune::diagnosis::{FailureCause, of_row};
 use touchstone_lab::tune::pareto::{self, Point};
 use touchstone_lab::tune::{self, Effort, Tuned, settings};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
 
 /// Options of `tune`.
 #[derive(Debug, Clone, clap::Args)]
@@ -34,20 +39,21 @@ pub struct Options {
     /// delays, 1.1 of it where that is a whole tick.
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
-    /// Writes the settings to this file, for `touchstone config import` and for `--settings`.
+    /// Writes the settings to this file where they hold (exit code 3 where they do not), for `touchstone config import` and for `--settings`.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Writes a page with scorecard, Pareto table and its plot, results.json and the settings to this folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replaces what another command left in the folder.
+    /// Replaces what another command left in the folder, and writes settings that do not hold every device within every limit.
     #[arg(long)]
     force: bool,
 }
 
 /// Runs it.
-pub fn main(options: &Options) -> Result<()> {
+pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.device)?;
+    refuse_late(&scene)?;
     let rival = Rival::named(&options.law)?;
     let command = super::command_line();
     if let Some(folder) = &options.report {
@@ -80,30 +86,77 @@ pub fn main(options: &Options) -> Result<()> {
     };
     let card = scorecard::with_reference(&scene, &[entry], tuned.reference, |_| ());
     let text = settings::toml(&tuned);
-    if let Some(file) = &options.out {
+    let row = &card.rows[0];
+    let cause = of_row(&tuned.scene, row, &tuned.reference);
+    let kept = cause.is_none() || options.force;
+    if let Some(file) = options.out.as_ref().filter(|_| kept) {
         crate::whole::write(file, &text).map_err(|error| Error::Io {
             path: file.clone(),
             problem: error.to_string(),
             fix: "choose another file".to_owned(),
         })?;
     }
-    if let Some(folder) = &options.report {
+    if let Some(folder) = options.report.as_ref().filter(|_| kept) {
         written(options, folder, &command, &tuned, &card, &points, &text)?;
     }
     if json() {
-        return out::print(format_args!("{:#}\n", value(&tuned, &card, &points)));
+        let mut value = value(&tuned, &card, &points);
+        value["cause"] = serde_json::json!(cause);
+        out::print(format_args!("{value:#}\n"))?;
+    } else {
+        print(&tuned, &card, &points)?;
+        match &options.out {
+            Some(file) if kept => tell!("settings  {}", file.display()),
+            _ => say!("\n{}", text.trim_end()),
+        }
     }
-    print(&tuned, &card, &points)?;
-    match &options.out {
-        Some(file) => tell!("settings  {}", file.display()),
-        None => say!("\n{}", text.trim_end()),
+    let Some(cause) = cause else {
+        return Ok(ExitCode::SUCCESS);
+    };
+    complain(&scene, options, &row.fails, cause);
+    Ok(ExitCode::from(NOT_MET))
+}
+
+/// One line: where, what fails, why, what to do.
+fn complain(scene: &Scene, options: &Options, fails: &[String], cause: FailureCause) {
+    let worst = fails.first().map_or("no run was possible", String::as_str);
+    let unwritten = options.out.is_some() || options.report.is_some();
+    let mut fix = vec!["ask for a softer wall"];
+    if options.quick {
+        fix.push("look longer: without --quick");
     }
-    if !card.rows.iter().all(|row| row.passes) {
-        note!(
-            "note: no setting was found that holds every device within every limit; `touchstone certify` says what a wall lacks"
-        );
+    if unwritten && !options.force {
+        fix.push("write it all the same: with --force");
     }
-    Ok(())
+    eprintln!(
+        "error: {}: no setting was found that holds every device within every limit: {worst}; cause: {}{}; {}",
+        scene.name,
+        cause.words(),
+        if unwritten && !options.force {
+            "; nothing was written"
+        } else {
+            ""
+        },
+        fix.join(", or ")
+    );
+}
+
+/// A tuned wall is a device's, and so behind the guard.
+fn refuse_late(scene: &Scene) -> Result<()> {
+    let ticks = delay_ticks(scene);
+    if ticks <= MOST_DELAY_TICKS {
+        return Ok(());
+    }
+    let rate_hz = f64::from(scene.timing.rate_hz) / ticks;
+    Err(Error::Option {
+        option: "timing.computational_delay_s".to_owned(),
+        problem: format!(
+            "with the guard's own delay it is {ticks:.3} ticks, and the energy guard answers for one at most"
+        ),
+        fix: format!(
+            "take a rate of {rate_hz:.0} Hz or less (--set timing.rate_hz=), or shorten the delay"
+        ),
+    })
 }
 
 fn value(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> serde_json::Value {

@@ -84,6 +84,57 @@ fn tuned_settings_go_into_a_scene() {
 }
 
 #[test]
+fn what_does_not_hold_is_written_only_where_that_is_asked_for() {
+    let folder = folder("tune-fails");
+    // Force bounding alone never holds five times the critical stiffness.
+    let tune = ["tune", "--law", "fba", "--quick", "--out", "found.toml"];
+    let said = run_in(&folder, &tune).ended(3);
+    let line = said.err.lines().last().unwrap();
+    assert!(line.starts_with("error: thesis-knob: no setting"), "{line}");
+    assert!(
+        line.contains("cause: ") && line.contains("--force"),
+        "{line}"
+    );
+    assert!(names(&folder).is_empty());
+    run_in(&folder, &[&tune[..], &["--force"]].concat()).ended(3);
+    assert_eq!(names(&folder), ["found.toml"]);
+    // A guard answers for a tick of delay at most, so a device that has more is given no file at all.
+    run(&["tune", "--set", "timing.computational_delay_s=0.0015"]).refused(&[
+        "timing.computational_delay_s",
+        "1.500 ticks",
+        "667 Hz",
+    ]);
+}
+
+#[test]
+fn a_certificate_speaks_of_the_grips_first() {
+    let said = run(&["certify", "low-stiffness", "--no-margins"]).ended(0);
+    let text = &said.out;
+    let place = |words: &str| {
+        text.find(words)
+            .unwrap_or_else(|| panic!("{words}: {text}"))
+    };
+    assert!(place("at rest: stable") < place("feel: holds"));
+    assert!(place("feel: holds") < place("hypothetical hand"));
+    let json = run(&["certify", "low-stiffness", "--no-margins", "--json"])
+        .ended(0)
+        .json();
+    assert_eq!(json["verdict"], "stable");
+    assert_eq!(json["feel"]["holds"], true);
+    assert!(json["every_hand"].is_string());
+    let json = run(&[
+        "certify",
+        "low-stiffness",
+        "--grips",
+        "--no-margins",
+        "--json",
+    ])
+    .ended(0)
+    .json();
+    assert!(json["every_hand"].is_null());
+}
+
+#[test]
 fn a_boundary_is_a_drawing_with_its_cells_and_goes_on() {
     let folder = folder("boundary");
     let small = [

@@ -5,6 +5,8 @@ use super::law::{Phases, Switching};
 use super::linear_law::LinearLaw;
 use super::plant::{Clock, Mechanics, sampled};
 use super::state_space::{Mode, StateSpace};
+use super::touch::PRESS_N_M;
+use crate::scorecard::cases::{MOST_OF_THE_TORQUE, most_torque_n_m};
 use nalgebra::{DMatrix, DVector};
 use touchstone_control::AnyLaw;
 use touchstone_sim::error::Result;
@@ -35,6 +37,8 @@ pub struct Contact {
     pub k_desired: f64,
     /// Torque of the scene's press, N·m, where its motion has one.
     pub press_n_m: Option<f64>,
+    /// Press that is played: the scene's or, where it has none, one that the wall can give, N·m.
+    pub played_press_n_m: f64,
     /// Torque of the light touch before it, N·m, where its motion has one.
     pub touch_n_m: Option<f64>,
     /// Time of the scene's last hold, s, where its motion has one.
@@ -51,6 +55,14 @@ impl Contact {
     pub fn of(scene: &Scene) -> Result<Self> {
         let controller = AnyLaw::<f64>::new(&scene.settings()?)
             .map_err(|error| settings::refused(scene, &error))?;
+        let press_n_m = match &scene.operator.motion {
+            MotionSpec::RampAndHold(press) => Some(press.push_torque_n_m),
+            MotionSpec::TouchAndPress(press) => Some(press.push_torque_n_m),
+            MotionSpec::PressWiggleRelease(press) => {
+                Some(press.push_torque_n_m + press.wiggle_amplitude_n_m)
+            }
+            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
+        };
         Ok(Self {
             phases: Phases::of(&controller),
             device: plan::device(scene),
@@ -66,14 +78,9 @@ impl Contact {
                 MotionSpec::TouchAndPress(press) => Some(press.touch_torque_n_m),
                 _ => None,
             },
-            press_n_m: match &scene.operator.motion {
-                MotionSpec::RampAndHold(press) => Some(press.push_torque_n_m),
-                MotionSpec::TouchAndPress(press) => Some(press.push_torque_n_m),
-                MotionSpec::PressWiggleRelease(press) => {
-                    Some(press.push_torque_n_m + press.wiggle_amplitude_n_m)
-                }
-                MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
-            },
+            press_n_m,
+            played_press_n_m: press_n_m
+                .unwrap_or(PRESS_N_M.min(MOST_OF_THE_TORQUE * most_torque_n_m(scene))),
             hold_s: scene.hold_window_s().map(|(from, to)| 2.0 * (to - from)),
             c_i: scene.law.device_damping_n_m_s_per_rad,
         })

@@ -67,6 +67,9 @@ pub const GRIPS: [(&str, Hand); 3] = [
     ("firm", plant::FIRM),
 ];
 
+/// The name of the worst hand in the ranges, whom nobody has met.
+pub const HYPOTHETICAL: &str = "worst of all";
+
 /// A place in the ranges, each coordinate from 0 to 1: geometric but for the stiffness, which may be zero.
 fn at(place: [f64; 5]) -> Hand {
     from_parameters(std::array::from_fn(|index| {

@@ -97,17 +97,19 @@ impl Default for Options {
 pub struct Certificate {
     /// The scene.
     pub scene: String,
-    /// The worst over the hands that can press; nobody's device is only pushed out.
+    /// The worst over the scene's hand and the grips; without either, of a device that nobody holds.
     pub verdict: Verdict,
+    /// Of the hypothetical hand that is worst in the whole family; absent where none was looked for.
+    pub every_hand: Option<Verdict>,
     /// `k_de`, N·m/rad.
     pub k_desired: f64,
     /// `T sqrt(k_de/J)`.
     pub stiffness_per_tick: f64,
     /// Every hand.
     pub hands: Vec<HandReport>,
-    /// Index of the worst hand in `hands`.
+    /// Index in `hands` of the one that `verdict` is of.
     pub worst: usize,
-    /// Margins over all hands in `hands` that can press.
+    /// Margins over the scene's hand and the grips.
     pub margins: Option<Margins>,
     /// What the certificate says nothing of.
     pub not_covered: Vec<String>,
@@ -135,13 +137,13 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
         }
         if options.family == Family::All {
             let (hand, _) = hands::worst(|hand| contact.radius(Some(hand)));
-            holders.push(("worst of all".to_owned(), Some(hand)));
+            holders.push((hands::HYPOTHETICAL.to_owned(), Some(hand)));
         }
     }
     if options.family != Family::Own || holders.is_empty() {
         holders.push(("nobody".to_owned(), None));
     }
-    let hands: Vec<_> = holders
+    let hands: Vec<HandReport> = holders
         .iter()
         .map(|(name, hand)| {
             let played = Played {
@@ -165,15 +167,15 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
             Ok(report)
         })
         .collect::<Result<_>>()?;
-    let pressing = |report: &&HandReport| report.parameters.is_some() || hands.len() == 1;
-    let verdict = hands
+    let every_hand = hands
         .iter()
-        .filter(pressing)
-        .map(|report| report.verdict)
-        .max()
-        .unwrap_or(Verdict::Undecided);
+        .find(|report| report.name == hands::HYPOTHETICAL)
+        .map(|report| report.verdict);
+    // A device that nobody holds is only pushed out.
+    let counts =
+        |report: &HandReport| report.name != hands::HYPOTHETICAL && report.parameters.is_some();
     let worst = (0..hands.len())
-        .filter(|&index| pressing(&&hands[index]))
+        .filter(|&index| hands.len() == 1 || counts(&hands[index]))
         .max_by(|&a, &b| {
             (hands[a].verdict, hands[a].radius)
                 .partial_cmp(&(hands[b].verdict, hands[b].radius))
@@ -181,12 +183,19 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
         })
         .unwrap_or(0);
     let margins = options.margins.then(|| {
-        let pressing: Vec<_> = holders.iter().filter_map(|(_, hand)| *hand).collect();
+        let pressing: Vec<_> = holders
+            .iter()
+            .filter(|(name, _)| name != hands::HYPOTHETICAL)
+            .filter_map(|(_, hand)| *hand)
+            .collect();
         margins::of(scene, &contact, &pressing)
     });
     Ok(Certificate {
         scene: scene.name.clone(),
-        verdict,
+        verdict: hands
+            .get(worst)
+            .map_or(Verdict::Undecided, |report| report.verdict),
+        every_hand,
         k_desired: contact.k_desired,
         stiffness_per_tick: per_tick(&contact),
         hands,

@@ -2,7 +2,7 @@
 //! such a press borrows more of a loan than a touch does.
 
 use super::contact::Contact;
-use super::touch::{PRESS_N_M, hold_s, of_plant};
+use super::touch::{hold_s, of_plant};
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict;
@@ -28,7 +28,7 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let mut found = [f64::INFINITY, 0.0_f64];
     for ramp_s in RAMPS_S {
         let press = RampAndHold {
-            push_torque_n_m: contact.press_n_m.unwrap_or(PRESS_N_M),
+            push_torque_n_m: contact.played_press_n_m,
             ramp_s,
             hold_s: hold_s(contact),
             ..RampAndHold::default()

@@ -176,7 +176,7 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
 /// # Errors
 /// Settings that the law cannot take.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
-    let push_n_m = contact.press_n_m.unwrap_or(PRESS_N_M);
+    let push_n_m = contact.played_press_n_m;
     let touched = Touched::of(scene, contact, hand, push_n_m);
     let (period_s, inertia) = (contact.clock.period_s, contact.device.inertia);
     let swing_ticks = std::f64::consts::TAU * (inertia / contact.k_desired).sqrt() / period_s;
@@ -218,7 +218,7 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let ticks = (hold_s(contact) / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
     let mut found = [f64::INFINITY, 0.0_f64];
-    let press_n_m = contact.press_n_m.unwrap_or(PRESS_N_M);
+    let press_n_m = contact.played_press_n_m;
     for push_n_m in [Some(press_n_m), contact.touch_n_m].into_iter().flatten() {
         let touched = Touched::of(scene, contact, Some(hand), push_n_m);
         for share in SPEEDS_TO_THE_END {
@@ -268,7 +268,9 @@ const ENDLESS_J: f64 = 1e3;
 /// A hand that holds no place pushes through a spring so soft, N·m/rad, that it is a force.
 const LEAST_STIFFNESS: f64 = 2e-3;
 
-pub(super) fn of_plant(hand: &Hand) -> scene::Hand {
+/// A plant's hand as a scene writes it.
+#[must_use]
+pub fn of_plant(hand: &Hand) -> scene::Hand {
     scene::Hand {
         inertia_kg_m2: hand.inertia,
         damping_n_m_s_per_rad: hand.damping,

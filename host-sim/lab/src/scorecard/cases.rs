@@ -102,6 +102,19 @@ pub enum Deed {
     Move(f64),
 }
 
+/// Share of the most torque that a press may be: a hand that moves pushes with 1.3 times the press, and the wall needs some to brake a touch.
+pub const MOST_OF_THE_TORQUE: f64 = 0.6;
+
+/// A moving hand's amplitude over its press.
+pub const MOVES_WITH: f64 = 0.3;
+
+/// The most torque that a wall can give: the law's limit, or the motor's where that is less, N·m.
+#[must_use]
+pub fn most_torque_n_m(scene: &Scene) -> f64 {
+    let motor = scene.device.torque_limit_n_m.unwrap_or(f64::INFINITY);
+    motor.min(scene.law.force_limit_n_m)
+}
+
 /// What is done to every device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Programme {
@@ -112,10 +125,11 @@ pub struct Programme {
 }
 
 impl Programme {
-    /// The scene's own press, where it has one, with a touch before it; and a hand that moves at 1, 2 and 4 Hz.
+    /// The scene's own press, where it has one, with a touch before it; and a hand that moves at 1, 2 and 4 Hz. A press is at most
+    /// [`MOST_OF_THE_TORQUE`] of what the wall can give, and its touch is less in proportion.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        let press = match &scene.operator.motion {
+        let mut press = match &scene.operator.motion {
             MotionSpec::TouchAndPress(press) => press.clone(),
             MotionSpec::RampAndHold(press) => pressing(press.push_torque_n_m, press.approach_rad),
             MotionSpec::PressWiggleRelease(press) => {
@@ -125,6 +139,11 @@ impl Programme {
                 TouchAndPress::default()
             }
         };
+        let share = MOST_OF_THE_TORQUE * most_torque_n_m(scene) / press.push_torque_n_m;
+        if share < 1.0 {
+            press.push_torque_n_m *= share;
+            press.touch_torque_n_m *= share;
+        }
         Self {
             press,
             frequencies_hz: vec![1.0, 2.0, 4.0],
@@ -185,7 +204,7 @@ impl Programme {
                     hold_s: 0.1,
                     release_s: press.release_s,
                     push_torque_n_m: press.push_torque_n_m,
-                    wiggle_amplitude_n_m: 0.3 * press.push_torque_n_m,
+                    wiggle_amplitude_n_m: MOVES_WITH * press.push_torque_n_m,
                     wiggle_frequency_hz: frequency_hz,
                     approach_rad: press.approach_rad,
                 });

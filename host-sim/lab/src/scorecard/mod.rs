@@ -1,11 +1,12 @@
 //! A scorecard: what a hand feels of a wall under several laws, on the device as it is and as it may also be.
 //!
-//! [`cases`] has the devices and what a hand does; [`measure`] the figures with their limits, [`watch`] takes them of one run;
+//! [`cases`] has the devices and what a hand does, [`family`] devices of which all is different at once; [`measure`] the figures with their limits, [`watch`] takes them of one run;
 //! [`rivals`] are the laws, [`mod@reference`] what ripple is measured by. Every figure is the worst of three grips. [`words`] says in
 //! plain sentences where each law fails and where a spring with damping does better; [`page`] writes it all for people.
 
 pub mod cases;
 pub mod direction;
+pub mod family;
 pub mod in_turn;
 pub mod measure;
 pub mod noticed;
@@ -49,7 +50,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    fn new(case: &Case, figures: Figures, beside: Beside, limits: Limits) -> Self {
+    pub(crate) fn new(case: &Case, figures: Figures, beside: Beside, limits: Limits) -> Self {
         let shares = figures.shares(&limits);
         let (measure, share) = Measure::ALL
             .into_iter()

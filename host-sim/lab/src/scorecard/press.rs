@@ -3,7 +3,7 @@
 use super::measure::{Figures, Measure};
 
 /// Counts below which a stiffness cannot be told.
-const SHALLOW_COUNTS: f64 = 10.0;
+pub const SHALLOW_COUNTS: f64 = 10.0;
 /// From the end of a ramp until a press is judged as held, s.
 pub const HELD_AFTER_S: f64 = 0.05;
 

@@ -3,13 +3,17 @@
 //! Ripple is the price of damping that is taken from the difference of two counts, and damping is what holds a delay. So the
 //! measure of it is the least ripple of a spring-damper that holds this wall on the nominal device with a whole tick of delay or,
 //! where none does, with as much of it as any does.
+//!
+//! A limit never grows with a spring-damper that is itself broken. The encoder's noise is left out. What shakes by more than a count of its damping
+//! every tick is a limit cycle, which holds nothing. And no law may have more than a tenth of the press.
 
-use super::cases::{Case, Change, Deed, GRIPS, LATE_TICKS, Programme};
+use super::cases::{Case, Change, Deed, GRIPS, LATE_TICKS, MOVES_WITH, Programme};
 use super::measure::{Figures, Limits, Measure};
 use super::rivals::Rival;
 use super::watch::watch;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
@@ -24,6 +28,8 @@ pub struct Reference {
     pub ripple_n_m: f64,
     /// What a law's ripple may be on the nominal device, N·m.
     pub limit_n_m: f64,
+    /// What it may be on any device, N·m.
+    pub most_n_m: f64,
 }
 
 /// Delays that a spring-damper is asked to hold, ticks, the longest first.
@@ -34,6 +40,8 @@ const RATIOS: usize = 28;
 const WHERE_DAMPING_SUFFICES: f64 = 1.1;
 /// ... and where it does not.
 const WHERE_IT_DOES_NOT: f64 = 0.6;
+/// Most ripple over the press' torque: a change of torque that a hand tells is some 13 % (Jandura and Srinivasan 1994).
+const MOST_OF_THE_PRESS: f64 = 0.1;
 
 impl Reference {
     /// For a scene's device and wall.
@@ -41,6 +49,9 @@ impl Reference {
     /// # Errors
     /// Settings that the law cannot take.
     pub fn of(scene: &Scene) -> Result<Self> {
+        let mut scene = scene.clone();
+        scene.sensor.noise = None;
+        let scene = &scene;
         let programme = Programme::of(scene).shortened();
         let critical = 2.0 * (scene.wall.k_desired_n_m_per_rad * scene.device.inertia_kg_m2).sqrt();
         let dampings: Vec<f64> = (0..RATIOS)
@@ -69,14 +80,13 @@ impl Reference {
         let own_delay = scene.timing.computational_delay_s * f64::from(scene.timing.rate_hz);
         let ripple = figures(scene, &programme, damping, own_delay)?.get(Measure::RippleRmsNM);
         // A wall that is lost has a ripple of its own, which is no measure.
-        let count = scene
-            .encoder
-            .as_ref()
-            .map_or(0.0, |encoder| encoder.step_rad());
+        let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+        let most = a_count_every_tick(scene, &programme, damping);
         let ripple_n_m = match delay_ticks {
-            Some(_) if ripple.is_finite() => ripple,
-            _ => damping * f64::from(scene.timing.rate_hz) * count,
+            Some(_) => ripple.min(most),
+            None => damping * f64::from(scene.timing.rate_hz) * count,
         };
+        let most_n_m = MOST_OF_THE_PRESS * programme.press.push_torque_n_m;
         let share = match delay_ticks {
             Some(ticks) if ticks >= 1.0 => WHERE_DAMPING_SUFFICES,
             _ => WHERE_IT_DOES_NOT,
@@ -85,7 +95,8 @@ impl Reference {
             damping_n_m_s_per_rad: damping,
             delay_ticks,
             ripple_n_m,
-            limit_n_m: share * ripple_n_m,
+            limit_n_m: (share * ripple_n_m).min(most_n_m),
+            most_n_m,
         })
     }
 
@@ -97,6 +108,7 @@ impl Reference {
             delay_ticks: None,
             ripple_n_m: 0.0,
             limit_n_m: f64::INFINITY,
+            most_n_m: f64::INFINITY,
         }
     }
 
@@ -107,7 +119,7 @@ impl Reference {
             Change::Counts(share) => share,
             _ => 1.0,
         };
-        Limits::new(case.is_late(), self.limit_n_m / counts)
+        Limits::new(case.is_late(), (self.limit_n_m / counts).min(self.most_n_m))
     }
 }
 
@@ -135,5 +147,18 @@ fn held(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Resul
     let holds = [Measure::ModulusError, Measure::PhaseDeg]
         .iter()
         .all(|measure| figures.get(*measure) <= limits.of(*measure));
-    Ok(holds.then(|| figures.get(Measure::RippleRmsNM)))
+    let ripple = figures.get(Measure::RippleRmsNM);
+    Ok((holds && ripple <= a_count_every_tick(scene, programme, damping)).then_some(ripple))
+}
+
+/// Ripple of a spring-damper whose position changes by a count in every tick, there and back, and that of the hand's motion itself, N·m.
+fn a_count_every_tick(scene: &Scene, programme: &Programme, damping: f64) -> f64 {
+    let Some(encoder) = &scene.encoder else {
+        return f64::INFINITY;
+    };
+    let rate_hz = f64::from(scene.timing.rate_hz);
+    let per_count = damping * rate_hz + scene.wall.k_desired_n_m_per_rad;
+    let fastest_hz = programme.frequencies_hz.iter().copied().fold(0.0, f64::max);
+    let moved = MOVES_WITH * programme.press.push_torque_n_m * TAU * fastest_hz / rate_hz;
+    per_count * encoder.step_rad() + moved
 }

@@ -1,11 +1,12 @@
 //! The laws of a scorecard, each as a change of one scene.
 
+use super::cases::most_torque_n_m;
 use touchstone_control::choices::{
     ChangeOfForce, FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate, StatesKind,
     VelocityKind,
 };
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::{Preset, Scene, nearest};
+use touchstone_sim::scene::{Law, Preset, Scene, nearest};
 
 /// A law of the comparison.
 #[derive(Debug, Clone, Copy)]
@@ -171,22 +172,39 @@ const MOST_CAPACITY_J: f64 = 16.0;
 /// Delay in ticks from which on positions are also taken when the force changes: estimated, every change would be charged for more.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// What estimator and guard are told of the device, as it was measured. The guard's capacity and refill are what the device asks for,
+/// Most delay in ticks that a guard answers for; beyond it there is none. The sum of two settings in ticks is rounded.
+pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
+
+/// Most delay of the scene's device and guard, ticks.
+#[must_use]
+pub fn delay_ticks(scene: &Scene) -> f64 {
+    let guard = &scene.law.guard;
+    (guard.delay_s.max(scene.timing.computational_delay_s) + guard.lag_s) / scene.timing.period_s()
+}
+
+/// What estimator and guard are told of the device, as it was measured, and of its torque. The guard's capacity and refill are what the device asks for,
 /// and no less than the scene's: a coarse encoder at a stiff wall asks for much.
 fn told(scene: &mut Scene) {
     let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
     let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
     let k = scene.wall.k_desired_n_m_per_rad;
+    let late = delay_ticks(scene);
+    let most_n_m = most_torque_n_m(scene);
     let (device, law) = (&scene.device, &mut scene.law);
+    law.force_limit_n_m = most_n_m;
     law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
     law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     let guard = &mut law.guard;
-    guard.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
+    // A scene that says nothing of it has the thesis' knob's; one that does is never told more.
+    let said = guard.damping_n_m_s_per_rad;
+    let unsaid = said == Law::default().guard.damping_n_m_s_per_rad;
+    guard.damping_n_m_s_per_rad = match unsaid {
+        true => device.damping_n_m_s_per_rad,
+        false => said.min(device.damping_n_m_s_per_rad),
+    };
     // Never less than the scene says of it.
     guard.delay_s = guard.delay_s.max(scene.timing.computational_delay_s);
-    let late = (guard.delay_s + guard.lag_s) / period_s;
-    // A guard answers for a tick of delay at most.
-    guard.on &= late <= 1.0;
+    guard.on = late <= MOST_DELAY_TICKS;
     if late > MEASURED_FROM_TICKS {
         guard.change = ChangeOfForce::Measured;
     }
@@ -226,15 +244,16 @@ impl Rival {
         self.damped_spring || self.estimated
     }
 
-    /// The scene with this law as it is tuned.
+    /// The scene with this law as it is tuned: for a device, so behind the guard, whichever law it is.
     #[must_use]
     pub fn to_tune(&self, scene: &Scene) -> Scene {
-        let mut scene = self.of(scene);
+        let mut tuned = self.of(scene);
         if self.estimated {
-            scene.law.states = StatesKind::Estimated;
-            told(&mut scene);
+            tuned.law.states = StatesKind::Estimated;
         }
-        scene
+        tuned.law.guard = scene.law.guard.clone();
+        told(&mut tuned);
+        tuned
     }
 
     /// The scene with this law.

@@ -6,7 +6,7 @@ use super::reference::Reference;
 use super::rivals::{RIVALS, Rival};
 use super::{Entry, asked, figures, scorecard};
 use std::path::Path;
-use touchstone_control::choices::StatesKind;
+use touchstone_control::choices::{ChangeOfForce, StatesKind};
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::Scene;
 
@@ -74,7 +74,9 @@ fn what_is_worse_is_found_worse() {
     // A force limit below the press: the hand finds no wall of this stiffness.
     let mut soft = estimated(5.0, 0.005948);
     soft.law.force_limit_n_m = 0.08;
-    assert!(of(&soft).get(Measure::StiffnessErrorHeld) > 0.1);
+    let whole = programme(&estimated(5.0, 0.005948));
+    let (softened, _) = figures(&soft, &whole, &CASES[0], false).expect("runs");
+    assert!(softened.get(Measure::StiffnessErrorHeld) > 0.1);
 }
 
 #[test]
@@ -253,4 +255,83 @@ fn every_law_has_a_name_of_its_own_and_runs_in_the_shipped_scene() {
         .expect_err("no law")
         .to_string();
     assert!(wrong.contains("did you mean spring-damper?"), "{wrong}");
+}
+
+#[test]
+fn a_press_leaves_the_wall_some_of_its_torque() {
+    let mut weak = knob(1.0);
+    let whole = Programme::of(&weak).press;
+    weak.device.torque_limit_n_m = Some(0.05);
+    let press = Programme::of(&weak).press;
+    assert!((press.push_torque_n_m - 0.03).abs() < 1e-12);
+    let touch = whole.touch_torque_n_m / whole.push_torque_n_m * press.push_torque_n_m;
+    assert!((press.touch_torque_n_m - touch).abs() < 1e-12);
+    // The law's own limit counts where it is the lower one; a strong motor changes nothing.
+    weak.law.force_limit_n_m = 0.02;
+    assert!((Programme::of(&weak).press.push_torque_n_m - 0.012).abs() < 1e-12);
+    weak = knob(1.0);
+    weak.device.torque_limit_n_m = Some(10.0);
+    assert_eq!(Programme::of(&weak).press, whole);
+}
+
+#[test]
+fn a_tuned_law_is_behind_a_guard_that_is_told_no_more_than_there_is() {
+    let mut scene = knob(5.0);
+    scene.device.damping_n_m_s_per_rad = 3e-4;
+    scene.device.torque_limit_n_m = Some(0.2);
+    scene.timing.computational_delay_s = 2e-4;
+    for rival in &RIVALS {
+        let law = |scene: &Scene| rival.to_tune(scene).law;
+        let plain = law(&scene);
+        assert!(plain.guard.on, "{}", rival.name);
+        assert_eq!(plain.guard.damping_n_m_s_per_rad, 3e-4);
+        assert_eq!(plain.guard.delay_s, 2e-4);
+        assert_eq!(plain.force_limit_n_m, 0.2);
+        // What a scene says of its guard is kept, where it is the more careful.
+        let mut said = scene.clone();
+        said.law.guard.damping_n_m_s_per_rad = 2.4e-4;
+        said.law.guard.delay_s = 7e-4;
+        said.law.guard.lag_s = 1e-4;
+        said.law.guard.change = ChangeOfForce::Measured;
+        said.law.guard.on = false;
+        let kept = law(&said).guard;
+        assert_eq!(
+            (kept.damping_n_m_s_per_rad, kept.delay_s, kept.lag_s),
+            (2.4e-4, 7e-4, 1e-4)
+        );
+        assert_eq!(kept.change, ChangeOfForce::Measured);
+        assert!(kept.on);
+        // And not where it is the less careful.
+        said.law.guard.damping_n_m_s_per_rad = 9e-4;
+        said.law.guard.delay_s = 1e-4;
+        let kept = law(&said).guard;
+        assert_eq!((kept.damping_n_m_s_per_rad, kept.delay_s), (3e-4, 2e-4));
+        said.law.guard.on = true;
+        rival.to_tune(&said).settings().expect(rival.name);
+    }
+}
+
+#[test]
+fn the_limit_of_ripple_does_not_grow_with_a_rival_that_shakes() {
+    let quiet = Reference::of(&knob(5.0)).expect("runs");
+    let mut noisy = knob(5.0);
+    noisy.sensor.noise = Some(touchstone_sim::scene::SensorNoise::default());
+    assert_eq!(Reference::of(&noisy).expect("runs"), quiet);
+    // A difference spring-damper at 10 kHz shakes by ten times as much, and holds; a hand is shaken by a tenth of its press at most.
+    for k_desired in [1.0, 5.0, 20.0, 50.0, 200.0] {
+        for rate_hz in [500, 1000, 10_000] {
+            let mut scene = knob(k_desired);
+            scene.timing.rate_hz = rate_hz;
+            let press = Programme::of(&scene).press.push_torque_n_m;
+            let reference = Reference::of(&scene).expect("runs");
+            for case in &CASES {
+                let limit = reference.limits(case).ripple_n_m;
+                assert!(
+                    limit > 0.0 && limit <= 0.1 * press,
+                    "{k_desired} {rate_hz} {}: {limit}",
+                    case.name
+                );
+            }
+        }
+    }
 }

@@ -3,8 +3,14 @@
 //! A certificate speaks of the linear loop alone. A wall that it rightly calls stable may still chatter by a count, be held back
 //! by its guard, or show too little: this says which.
 
+use super::campaign::certificate;
 use super::outcome::Outcome;
 use crate::certify::Verdict as Said;
+use crate::scorecard::cases::{CASES, Programme};
+use crate::scorecard::measure::Measure;
+use crate::scorecard::press::SHALLOW_COUNTS;
+use crate::scorecard::reference::Reference;
+use crate::scorecard::{Cell, Row, figures};
 use serde::{Deserialize, Serialize};
 use touchstone_sim::scene::{MotionSpec, Number, Scene};
 
@@ -22,6 +28,8 @@ pub enum FailureCause {
     TorqueLimit,
     /// In `f64` it holds.
     LawRounding,
+    /// Without the sensor's noise it holds.
+    Noise,
     /// With the exact angle it holds: a limit cycle by counts, or a wall too shallow for them.
     Counts,
     /// Without dry friction it holds: the device sticks where the hand should move it.
@@ -45,12 +53,13 @@ pub enum FailureCause {
 
 impl FailureCause {
     /// All.
-    pub const ALL: [FailureCause; 14] = [
+    pub const ALL: [FailureCause; 15] = [
         FailureCause::Refused,
         FailureCause::UnstableLoop,
         FailureCause::Guard,
         FailureCause::TorqueLimit,
         FailureCause::LawRounding,
+        FailureCause::Noise,
         FailureCause::Counts,
         FailureCause::Friction,
         FailureCause::LightTouch,
@@ -71,7 +80,8 @@ impl FailureCause {
             Self::Guard => "the energy guard holds the force back",
             Self::TorqueLimit => "the torque limit",
             Self::LawRounding => "rounding inside the law",
-            Self::Counts => "limit cycle or offset by counts",
+            Self::Noise => "noise of the position sensor",
+            Self::Counts => "counts: a limit cycle, an offset, or a press too shallow for them",
             Self::Friction => "dry friction holds what the hand should move",
             Self::LightTouch => "the light touch chatters, the press rests",
             Self::Slow => "too slow: it rests later",
@@ -87,7 +97,7 @@ impl FailureCause {
 /// What a wall's failure is made of, one thing changed at a time.
 type Remedy = (FailureCause, fn(&mut Scene));
 
-const REMEDIES: [Remedy; 9] = [
+const REMEDIES: [Remedy; 10] = [
     (FailureCause::Guard, |scene| scene.law.guard.on = false),
     (FailureCause::TorqueLimit, |scene| {
         scene.device.torque_limit_n_m = None;
@@ -97,6 +107,7 @@ const REMEDIES: [Remedy; 9] = [
     (FailureCause::LawRounding, |scene| {
         scene.law.number = Number::F64
     }),
+    (FailureCause::Noise, |scene| scene.sensor.noise = None),
     (FailureCause::Counts, |scene| scene.encoder = None),
     (FailureCause::Friction, |scene| scene.device.friction = None),
     (FailureCause::LightTouch, |scene| {
@@ -123,6 +134,19 @@ const REMEDIES: [Remedy; 9] = [
     }),
 ];
 
+/// The first cause whose remedy makes a wall hold.
+fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause> {
+    let mut pressed = scene.clone();
+    // More torque is no reason to press harder.
+    pressed.operator.motion = MotionSpec::TouchAndPress(Programme::of(scene).press);
+    let found = REMEDIES.iter().find(|(_, remedy)| {
+        let mut mended = pressed.clone();
+        remedy(&mut mended);
+        holds(&mended)
+    });
+    found.map(|(cause, _)| *cause)
+}
+
 /// The cause of a failure; `fails` is told what came of a run and says whether it still fails.
 #[must_use]
 pub fn cause(
@@ -131,18 +155,56 @@ pub fn cause(
     certificate: Said,
     fails: fn(&Outcome) -> bool,
 ) -> FailureCause {
-    for (cause, remedy) in REMEDIES {
-        let mut mended = scene.clone();
-        remedy(&mut mended);
-        // What the law refuses mends nothing.
-        if Outcome::of(&mended).is_ok_and(|outcome| !fails(&outcome)) {
-            return cause;
-        }
-    }
-    match certificate {
-        Said::Unstable => FailureCause::UnstableLoop,
+    // What the law refuses mends nothing.
+    let holds = |scene: &Scene| Outcome::of(scene).is_ok_and(|outcome| !fails(&outcome));
+    match (mended(scene, holds), certificate) {
+        (Some(cause), _) => cause,
+        (None, Said::Unstable) => FailureCause::UnstableLoop,
         _ if !found.rests() && found.ends_at_rest() => FailureCause::Stiffness,
         _ if found.rests() => FailureCause::Dynamics,
         _ => FailureCause::Unexplained,
     }
+}
+
+/// Why a row of a scorecard fails: the cause on the device that fails most. `None` where it passes.
+#[must_use]
+pub fn of_row(scene: &Scene, row: &Row, reference: &Reference) -> Option<FailureCause> {
+    if row.passes {
+        return None;
+    }
+    let share = |cell: &Cell| cell.worst.1.unwrap_or(f64::INFINITY);
+    let Some(worst) = row
+        .cells
+        .iter()
+        .max_by(|a, b| share(a).total_cmp(&share(b)))
+    else {
+        return Some(FailureCause::Refused);
+    };
+    let case = CASES.iter().find(|case| case.name == worst.case)?;
+    let changed = case.of(scene);
+    let count_rad = changed.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+    let depth_rad = Programme::of(scene).press.push_torque_n_m / scene.wall.k_desired_n_m_per_rad;
+    if depth_rad <= SHALLOW_COUNTS * count_rad {
+        return Some(FailureCause::Counts);
+    }
+    let holds = |scene: &Scene| {
+        let mut programme = Programme::of(scene);
+        if let MotionSpec::TouchAndPress(press) = &scene.operator.motion {
+            programme.press = press.clone();
+        }
+        let felt = figures(scene, &programme, &CASES[0], false);
+        felt.is_ok_and(|(felt, _)| {
+            Cell::new(case, felt, worst.beside, reference.limits(case)).passes()
+        })
+    };
+    let unstable = || certificate(&changed).is_ok_and(|said| said.verdict == Said::Unstable);
+    Some(match (mended(&changed, holds), worst.worst.0) {
+        (Some(cause), _) => cause,
+        _ if unstable() => FailureCause::UnstableLoop,
+        (_, Measure::StiffnessErrorHeld) if worst.worst.1.is_some() => FailureCause::Stiffness,
+        (_, Measure::ModulusError | Measure::PhaseDeg) if worst.worst.1.is_some() => {
+            FailureCause::Dynamics
+        }
+        _ => FailureCause::Unexplained,
+    })
 }

@@ -3,6 +3,7 @@
 use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
 use crate::scorecard::figures;
 use crate::scorecard::measure::Measure;
+use serde::Serialize;
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict;
@@ -16,7 +17,7 @@ pub const MODULUS: f64 = 0.15;
 pub const PHASE_DEG: f64 = 15.0;
 
 /// The worst of three grips.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Outcome {
     /// How the worst press ended.
     pub ended: Verdict,
@@ -72,6 +73,29 @@ impl Outcome {
     pub fn moves(&self) -> bool {
         self.modulus_error.is_some_and(|error| error <= MODULUS)
             && self.phase_deg.is_some_and(|phase| phase <= PHASE_DEG)
+    }
+
+    /// What a hand feels of it in a line: what fails where something does.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let resting = match self.displayed_error {
+            None => "a press does not come to rest".to_owned(),
+            Some(error) => format!(
+                "a press rests at k_de within {} (may be {})",
+                percent(error),
+                percent(RESTING)
+            ),
+        };
+        let moving = match self.modulus_error.zip(self.phase_deg) {
+            None => "a moving hand leaves the wall".to_owned(),
+            Some((error, phase)) => format!(
+                "a moving hand feels it within {} and {phase:.1}° (may be {} and {PHASE_DEG}°)",
+                percent(error),
+                percent(MODULUS)
+            ),
+        };
+        format!("{resting}; {moving}")
     }
 
     /// Both.

@@ -147,6 +147,13 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
                 (0.02 * k).max(0.01),
                 0.98 * k,
             ),
+            // Beside the augmented wall; at the least it is next to none.
+            axis(
+                parameter!(virtual_damping_n_m_s_per_rad),
+                0.05 * unit,
+                1e-4 * unit,
+                2.0 * unit,
+            ),
         ],
     }
 }

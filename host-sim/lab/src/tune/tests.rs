@@ -2,12 +2,14 @@
 
 use super::campaign::{Budget, Class, row, scene};
 use super::cost::{Cost, Judgement};
+use super::diagnosis::{FailureCause, of_row};
 use super::parameters::{at, axes};
 use super::search::{Until, minimise};
 use super::{Effort, Options, pareto, settings, tune};
 use crate::scorecard::reference::Reference;
 use crate::scorecard::rivals::{RIVALS, Rival};
-use touchstone_sim::scene::Scene;
+use crate::scorecard::{Entry, with_reference};
+use touchstone_sim::scene::{Encoder, Scene, SensorNoise};
 
 fn knob(k_desired: f64) -> Scene {
     let mut scene = Scene::load("thesis-knob").expect("a shipped scene");
@@ -177,4 +179,69 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
         rest += u32::from(row.rests);
     }
     assert!(rest >= 6, "{rest} of 10 rest");
+}
+
+#[test]
+fn what_is_tuned_is_never_worse_than_what_was_there() {
+    let rival = Rival::named("enhanced").expect("a law");
+    // A search that may look at next to nothing, with its starts made useless by a device that is not the settings'.
+    for (k_desired, inertia) in [(5.0, 1.0), (5.0, 1.6), (14.0, 1.0)] {
+        let mut scene = knob(k_desired);
+        scene.device.inertia_kg_m2 *= inertia;
+        let options = Options {
+            seed: 1,
+            effort: Effort::Ticks(1.0),
+            ripple_n_m: None,
+        };
+        let tuned = tune(&scene, rival, &options, |_, _| ()).expect("runs");
+        let whole = Judgement::new(&scene, tuned.reference, false);
+        let (found, own) = (whole.cost(&tuned.scene), whole.cost(&scene));
+        assert!(
+            found.value <= own.value,
+            "{k_desired} {inertia}: {found:?} {own:?}"
+        );
+    }
+}
+
+#[test]
+fn a_wall_that_fails_says_why() {
+    let fails = |scene: &Scene| {
+        let rival = Rival::named("spring-damper-estimated").expect("a law");
+        let reference = Reference::none();
+        let entry = Entry {
+            rival,
+            scene: scene.clone(),
+            tuned: true,
+        };
+        let card = with_reference(scene, &[entry], reference, |_| ());
+        of_row(scene, &card.rows[0], &reference)
+    };
+    let rival = Rival::named("spring-damper-estimated").expect("a law");
+    let scene = knob(5.0);
+    let good = at(
+        rival,
+        &scene,
+        &axes(rival, &scene),
+        &[-0.29, 0.02, -0.47, 0.03],
+    );
+    assert_eq!(fails(&good), None);
+    // A guard that has nothing to pay with holds back every force.
+    let mut empty = good.clone();
+    empty.law.guard.capacity_j = 1e-5;
+    assert_eq!(fails(&empty), Some(FailureCause::Guard));
+    let mut refused = good.clone();
+    refused.law.guard.delay_s = 1.0;
+    assert_eq!(fails(&refused), Some(FailureCause::Refused));
+    let mut noisy = good.clone();
+    noisy.sensor.noise = Some(SensorNoise { rms_rad: 3e-3 });
+    assert_eq!(fails(&noisy), Some(FailureCause::Noise));
+    // A press of 0.1 N·m is nine counts deep at 5 N·m/rad with these.
+    let mut coarse = good.clone();
+    coarse.encoder = Some(Encoder {
+        counts_per_rev: 2830.0,
+    });
+    assert_eq!(fails(&coarse), Some(FailureCause::Counts));
+    let mut undamped = good;
+    undamped.law.virtual_damping_n_m_s_per_rad = 0.0;
+    assert_eq!(fails(&undamped), Some(FailureCause::UnstableLoop));
 }

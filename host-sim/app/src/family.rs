@@ -1,0 +1,105 @@
+//! `touchstone scorecard --family`: one setting on every device of a family.
+
+use super::expect::NOT_MET;
+use super::number;
+use super::out::{self, say};
+use super::progress;
+use std::process::ExitCode;
+use touchstone_lab::scorecard::family::{Around, Family, corners, judge, sample, text};
+use touchstone_sim::error::Result;
+use touchstone_sim::scene::Scene;
+
+/// Options of a family.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "The family: all of a device different at once, one setting")]
+pub struct Options {
+    /// Touches and presses the 216 corners of three grips, two encoders, half, once and double inertia and damping, and four delays up to a
+    /// tick. Exit code 3 where more are lost than --most-lost.
+    #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
+    family: bool,
+    /// Also so many members between the corners, in hands between and a little beyond the grips, which --seed draws.
+    #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
+    members: usize,
+    /// Stiffnesses, N·m/rad; default: the scene's.
+    #[arg(long, value_name = "K", requires = "family", num_args = 1.., value_parser = number::up_to(1e6, "N·m/rad"))]
+    walls: Vec<f64>,
+    /// Control rates, Hz, each with every noise; default: the scene's.
+    #[arg(long, value_name = "HZ", requires = "family", num_args = 1.., value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    rates: Vec<u32>,
+    /// Noise of the position sensor, degrees rms; default: the scene's.
+    #[arg(long, value_name = "DEG", requires = "family", num_args = 1.., value_parser = number::within(0.0, 10.0, "degrees"))]
+    noise: Vec<f64>,
+    /// Members of each wall that may be lost, without those that are beyond what any tuned law holds.
+    #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
+    most_lost: usize,
+    /// What the deepest press and touch may be, over F/k_de.
+    #[arg(long, value_name = "RATIO", requires = "family", value_parser = number::up_to(5.0, "times F/k_de"))]
+    deepest: Option<f64>,
+}
+
+impl Options {
+    /// Whether a family is to be judged.
+    pub fn is_asked(&self) -> bool {
+        self.family
+    }
+
+    /// Judges each law with each stiffness.
+    pub fn main(&self, scene: &Scene, laws: &[(String, Scene)], seed: u64) -> Result<ExitCode> {
+        let around = Around {
+            rates_hz: self.rates.clone(),
+            noise_deg: self.noise.clone(),
+        };
+        let mut walls = self.walls.clone();
+        if walls.is_empty() {
+            walls.push(scene.wall.k_desired_n_m_per_rad);
+        }
+        let mut families: Vec<Family> = Vec::new();
+        for (law, scene) in laws {
+            for k_desired in &walls {
+                let mut wall = scene.clone();
+                wall.wall.k_desired_n_m_per_rad = *k_desired;
+                let mut members = corners(&wall, &around);
+                members.extend(sample(&wall, &around, self.members, seed));
+                let bar = progress::bar(members.len() as u64, "touching the family");
+                let family = judge(law, &wall, &around, &members, || bar.inc(1))?;
+                bar.finish_and_clear();
+                families.push(family);
+            }
+        }
+        out::result(
+            || serde_json::json!({ "scene": scene.name, "seed": seed, "families": families }),
+            || {
+                say!("{}", text(&families).trim_end());
+                Ok(())
+            },
+        )?;
+        Ok(self.conclude(&families))
+    }
+
+    /// Names every wall that is not as it was asked for.
+    fn conclude(&self, families: &[Family]) -> ExitCode {
+        let mut code = ExitCode::SUCCESS;
+        for family in families {
+            let lost = family.lost - family.lost_beyond_map;
+            let deepest = family.deepest_press.max(family.deepest_touch);
+            let mut fails = Vec::new();
+            if lost > self.most_lost {
+                fails.push(format!("{lost} are lost, {} may be", self.most_lost));
+            }
+            if let Some(most) = self.deepest.filter(|most| deepest > *most) {
+                fails.push(format!("the deepest is {deepest:.3}, {most} may be"));
+            }
+            if !fails.is_empty() {
+                eprintln!(
+                    "error: {} at {} N·m/rad: of {} members {}; tune the law, or ask for less with --most-lost and --deepest",
+                    family.law,
+                    family.k_desired,
+                    family.members,
+                    fails.join(", and ")
+                );
+                code = ExitCode::from(NOT_MET);
+            }
+        }
+        code
+    }
+}
