@@ -62,9 +62,12 @@ fn tuned_settings_go_into_a_scene() {
         "1",
         "--out",
         "found.toml",
+        "--force",
         "--json",
     ];
-    let found = run_in(&folder, &tune).ended(0).json();
+    // Force bounding shows another stiffness, and its file is written only since that is asked for.
+    let found = run_in(&folder, &tune).ended(3).json();
+    assert_eq!(found["cause"], "stiffness");
     let c_i = &found["settings"]["law.device_damping_n_m_s_per_rad"];
     let printed = run_in(
         &folder,

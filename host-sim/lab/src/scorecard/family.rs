@@ -496,7 +496,8 @@ mod tests {
         // Half of the critical stiffness of the least damped, with the latest: k_c of half the damping and a tick of delay is a sixth.
         let soft = judged("spring", 0.1);
         assert_eq!((soft.members, soft.lost), (216, 0));
-        assert!(soft.deepest_press < 1.1, "{soft:?}");
+        // At once an undamped spring would go twice as deep as it rests.
+        assert!(soft.deepest_press < 2.0, "{soft:?}");
         assert!(soft.nominal[0].motion_at_rest_rad.is_some());
         let hard = judged("spring", 20.0);
         assert_eq!(hard.lost, 216);

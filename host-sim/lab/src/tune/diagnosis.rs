@@ -169,23 +169,27 @@ pub fn cause(
 /// Why a row of a scorecard fails: the cause on the device that fails most. `None` where it passes.
 #[must_use]
 pub fn of_row(scene: &Scene, row: &Row, reference: &Reference) -> Option<FailureCause> {
-    if row.passes {
-        return None;
-    }
+    (!row.passes).then(|| why(scene, row, reference))
+}
+
+/// Why a row that fails does.
+fn why(scene: &Scene, row: &Row, reference: &Reference) -> FailureCause {
     let share = |cell: &Cell| cell.worst.1.unwrap_or(f64::INFINITY);
     let Some(worst) = row
         .cells
         .iter()
         .max_by(|a, b| share(a).total_cmp(&share(b)))
     else {
-        return Some(FailureCause::Refused);
+        return FailureCause::Refused;
     };
-    let case = CASES.iter().find(|case| case.name == worst.case)?;
+    let Some(case) = CASES.iter().find(|case| case.name == worst.case) else {
+        return FailureCause::Unexplained;
+    };
     let changed = case.of(scene);
     let count_rad = changed.encoder.as_ref().map_or(0.0, |it| it.step_rad());
     let depth_rad = Programme::of(scene).press.push_torque_n_m / scene.wall.k_desired_n_m_per_rad;
     if depth_rad <= SHALLOW_COUNTS * count_rad {
-        return Some(FailureCause::Counts);
+        return FailureCause::Counts;
     }
     let holds = |scene: &Scene| {
         let mut programme = Programme::of(scene);
@@ -197,14 +201,19 @@ pub fn of_row(scene: &Scene, row: &Row, reference: &Reference) -> Option<Failure
             Cell::new(case, felt, worst.beside, reference.limits(case)).passes()
         })
     };
-    let unstable = || certificate(&changed).is_ok_and(|said| said.verdict == Said::Unstable);
-    Some(match (mended(&changed, holds), worst.worst.0) {
-        (Some(cause), _) => cause,
-        _ if unstable() => FailureCause::UnstableLoop,
-        (_, Measure::StiffnessErrorHeld) if worst.worst.1.is_some() => FailureCause::Stiffness,
-        (_, Measure::ModulusError | Measure::PhaseDeg) if worst.worst.1.is_some() => {
-            FailureCause::Dynamics
-        }
+    if let Some(cause) = mended(&changed, holds) {
+        return cause;
+    }
+    if certificate(&changed).is_ok_and(|said| said.verdict == Said::Unstable) {
+        return FailureCause::UnstableLoop;
+    }
+    let Ok(found) = Outcome::of(&changed) else {
+        return FailureCause::Refused;
+    };
+    match worst.worst.0 {
+        _ if found.ends_at_rest() && !found.rests() => FailureCause::Stiffness,
+        Measure::ModulusError | Measure::PhaseDeg => FailureCause::Dynamics,
+        _ if found.rests() && !found.moves() => FailureCause::Dynamics,
         _ => FailureCause::Unexplained,
-    })
+    }
 }
