@@ -162,6 +162,11 @@ impl Campaign {
         }
         match injection.expect {
             Expect::GoesOn => self.goes_on(injection),
+            Expect::OffAtLast(limit, codes) => {
+                self.bench.run(limit * US + WATCHED)?;
+                let off = self.is_off_at_last(begin, limit, outcome)?;
+                self.is_latched(off, injection, codes, outcome)
+            }
             Expect::Off(limit, codes) | Expect::Reset(limit, codes) => {
                 let watched = begin + limit * US + WATCHED;
                 while self.bench.now() < watched
@@ -224,6 +229,26 @@ impl Campaign {
             return Err(format!("later than {limit_us} us"));
         }
         Ok(())
+    }
+
+    /// When the outputs went off at last, in time: whatever they did before.
+    fn is_off_at_last(
+        &mut self,
+        begin: u64,
+        limit_us: u64,
+        outcome: &mut Outcome,
+    ) -> Result<u64, String> {
+        let changes = &self.bench.machine.chip().bridge.changes;
+        let since = changes.iter().filter(|(time, _)| *time >= begin);
+        let Some((time, false)) = since.last() else {
+            return Err("the outputs stay on".into());
+        };
+        let us = (time - begin) as f64 / US as f64;
+        outcome.off_us = Some(us);
+        match us > limit_us as f64 {
+            true => Err(format!("later than {limit_us} us")),
+            false => Ok(*time),
+        }
     }
 
     /// The fault is latched, and no command but `Stop` leaves it, nor does anything switch on.

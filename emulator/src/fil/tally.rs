@@ -75,7 +75,7 @@ impl Tally {
             (_, None) => "were off".into(),
         };
         let limit = match injection.expect {
-            Expect::Off(us, _) | Expect::Reset(us, _) => us.to_string(),
+            Expect::Off(us, _) | Expect::OffAtLast(us, _) | Expect::Reset(us, _) => us.to_string(),
             Expect::GoesOn => String::new(),
         };
         let code = outcome

@@ -11,6 +11,7 @@ struct Angle {
     turns: f64,
     fault: SlaveFault,
     held: Option<u16>,
+    frames: u32,
 }
 
 impl Angle {
@@ -28,8 +29,10 @@ impl Angle {
     }
 
     /// What the line makes of a frame.
-    fn disturb(&self, frame: u32, bits: u32) -> u32 {
+    fn disturb(&mut self, frame: u32, bits: u32) -> u32 {
+        self.frames = self.frames.wrapping_add(1);
         match self.fault {
+            SlaveFault::FlipSeventh if self.frames.is_multiple_of(7) => frame ^ 1,
             SlaveFault::Low => 0,
             SlaveFault::High => (1 << bits) - 1,
             SlaveFault::FlipBit(bit) => frame ^ 1 << (u32::from(bit) % bits),

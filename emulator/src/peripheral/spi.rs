@@ -41,6 +41,8 @@ pub enum SlaveFault {
     High,
     /// One bit of each frame is turned over.
     FlipBit(u8),
+    /// One bit of every seventh frame is turned over.
+    FlipSeventh,
     /// The same angle for ever, in good frames.
     Stuck,
     /// The magnet is gone: good frames with the angle it was at, and the encoder says how weak its field is where it is asked.

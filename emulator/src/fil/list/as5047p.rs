@@ -1,8 +1,11 @@
 //! With the AS5047P on the bus: what the encoder may do.
 
-use super::Expect::{GoesOn, Off};
+use super::Expect::{GoesOn, Off, OffAtLast};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{FAST_SHAFT, Injection, OFF_AT_BAD_FIELD, OFF_AT_FIRST_BAD, TICK, row};
+use super::{
+    FAST_SHAFT, Injection, OFF_AT_BAD_FIELD, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_SHARE, TICK,
+    row,
+};
 use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
@@ -52,6 +55,20 @@ pub const WITH_AS5047P: &[Injection] = &[
         512,
         Fault::Encoder(SlaveFault::FlipBit(13)),
         Off(OFF_AT_FIRST_BAD, &[EncoderCheck]),
+    ),
+    row(
+        "encoder's parity in every seventh frame",
+        Pressed,
+        310,
+        Fault::Encoder(SlaveFault::FlipSeventh),
+        OffAtLast(OFF_AT_SHARE, &[EncoderUnsteady]),
+    ),
+    row(
+        "phase A's sensor stays at rest",
+        Pressed,
+        210,
+        Fault::Sensor(0, 0.0),
+        Off(OFF_AT_MODEL, &[MotorModel]),
     ),
     row(
         "encoder's parity, bit 15",

@@ -1,9 +1,12 @@
 //! On the X-NUCLEO-IHM16M1: enables instead of lower inputs, a driver with a line of its own, small currents,
 //! a supply of 12 V.
 
-use super::Expect::{GoesOn, Off, Reset};
+use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Ready, Starting};
-use super::{FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, TICK, WINDOW_WATCHDOG, row};
+use super::{
+    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_SHARE, TICK,
+    WINDOW_WATCHDOG, row,
+};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
@@ -151,6 +154,13 @@ pub const ON_IHM16M1: &[Injection] = &[
         Fault::Reset(ResetCause::Pin),
         Reset(TICK, &[]),
     ),
+    row(
+        "encoder's parity in every seventh frame",
+        Pressed,
+        310,
+        Fault::Encoder(SlaveFault::FlipSeventh),
+        OffAtLast(OFF_AT_SHARE, &[EncoderUnsteady]),
+    ),
 ];
 
 /// More of it, played with the NUCLEO-G474RE alone.
@@ -182,6 +192,13 @@ pub const MORE_ON_IHM16M1: &[Injection] = &[
         205,
         Fault::Thermistor(0.0),
         Off(TICK, &[OverTemperature]),
+    ),
+    row(
+        "phase A's sensor stays at rest",
+        Pressed,
+        210,
+        Fault::Sensor(0, 0.0),
+        Off(OFF_AT_MODEL, &[MotorModel]),
     ),
 ];
 

@@ -58,6 +58,8 @@ impl When {
 pub enum Expect {
     /// Outputs off within this many microseconds; one of these codes is latched.
     Off(u64, &'static [Code]),
+    /// Outputs off for good within this many microseconds, whatever they did until then; one of these codes is latched.
+    OffAtLast(u64, &'static [Code]),
     /// A reset: outputs off within this many microseconds, then `Boot`, or `Fault` with one of these codes.
     Reset(u64, &'static [Code]),
     /// Nothing: it goes on.
@@ -129,6 +131,11 @@ const fn row(
 const TICK: u64 = 1_050;
 /// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
+/// A seventh of the frames bad, two to four of them in a tick: each bad reading counts 50, each good one takes 1 away, and 1,000 are too many
+/// (`drive/src/supervisor/share.rs`). At two frames in a tick that are 75 ticks; nearly twice that, us.
+const OFF_AT_SHARE: u64 = 150_000;
+/// The windings answer the voltage otherwise than the motor's model for so long, us (`docs/faults/25-motor-model.md`).
+const OFF_AT_MODEL: u64 = 50_000;
 /// Two control ticks: the AS5047P is asked for its field in one and answers in the next.
 const OFF_AT_BAD_FIELD: u64 = 2 * TICK;
 /// A shaft at 150 rad/s makes 391 counts in a control period, and 265 are too many: a first reading may see 0.68 of a period and

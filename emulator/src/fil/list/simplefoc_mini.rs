@@ -1,9 +1,11 @@
 //! On the NUCLEO-G474RE with a SimpleFOC Mini: no current is measured and no temperature, the driver's line is all that is known of both.
 //! Here also stand the faults that this board does not find.
 
-use super::Expect::{GoesOn, Off, Reset};
+use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, TICK, WINDOW_WATCHDOG, row};
+use super::{
+    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row,
+};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
@@ -132,5 +134,12 @@ pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
         188,
         Fault::Reset(ResetCause::Pin),
         Reset(TICK, &[]),
+    ),
+    row(
+        "encoder's parity in every seventh frame",
+        Pressed,
+        310,
+        Fault::Encoder(SlaveFault::FlipSeventh),
+        OffAtLast(OFF_AT_SHARE, &[EncoderUnsteady]),
     ),
 ];
