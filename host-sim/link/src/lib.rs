@@ -8,6 +8,7 @@
 
 pub mod counted;
 pub mod fault_words;
+pub mod guard;
 pub mod rows;
 pub mod setting;
 pub mod talk;

@@ -3,12 +3,13 @@
 pub mod environment;
 pub mod toml_file;
 
-use super::out::{self, print, say, tell};
+use super::out::{self, note, print, say, tell};
 use super::port::PortOption;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use touchstone_device::Client;
 use touchstone_drive::wire::checked;
+use touchstone_link::guard;
 use touchstone_link::setting::{self, Setting, option, parsed, unknown, without_path};
 use touchstone_link::value;
 use touchstone_protocol::settings::fields::{FIELDS, Field};
@@ -51,6 +52,10 @@ enum Action {
         /// Only checks, and shows what would change.
         #[arg(long)]
         dry_run: bool,
+        /// Takes also what weakens the energy guard: off, less delay, more damping, capacity or refill than are sure. WHAT A HAND MAY GET
+        /// OUT IS THEN NOT WHAT docs/guard-promise.md SAYS.
+        #[arg(long)]
+        weaken_guard: bool,
     },
     /// Back to the defaults of the board; `save` keeps them.
     Defaults,
@@ -85,21 +90,28 @@ pub fn main(options: &Options) -> Result<()> {
         Action::Set { path, value } => {
             // What no device would accept needs none to be refused.
             let setting = parsed(path, value)?;
-            let (before, after) = set(&mut connect()?, &setting)?;
+            let mut client = connect()?;
+            let (before, after) = set(&mut client, &setting)?;
+            note_weaker(&before, &after, client.identity().board);
             changed(&before, &after)
         }
         Action::Export { file } => export(&mut connect()?, file.as_deref()),
-        Action::Import { file, dry_run } => {
+        Action::Import {
+            file,
+            dry_run,
+            weaken_guard,
+        } => {
             let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
             // What is wrong for every device needs none to be refused.
             toml_file::read(&text, file, &DeviceSettings::defaults(Board::NucleoG474re))?;
-            import(&mut connect()?, file, &text, *dry_run)
+            import(&mut connect()?, file, &text, (*dry_run, *weaken_guard))
         }
         Action::Defaults => {
             let mut client = connect()?;
             let before = client.settings()?;
             client.tell(&Request::Defaults)?;
             let after = client.settings()?;
+            note_weaker(&before, &after, client.identity().board);
             changed(&before, &after)
         }
         Action::Save => {
@@ -191,10 +203,16 @@ fn io(file: &Path, error: &std::io::Error) -> Error {
     }
 }
 
-fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result<()> {
+fn import(
+    client: &mut Client,
+    file: &Path,
+    text: &str,
+    (dry_run, weaken_guard): (bool, bool),
+) -> Result<()> {
     let before = client.settings()?;
+    let board = client.identity().board;
     let (after, lines) = toml_file::read(text, file, &before)?;
-    if let Err(invalid) = checked(&after, client.identity().board) {
+    if let Err(invalid) = checked(&after, board) {
         return Err(Error::File {
             file: file.to_owned(),
             // A setting that the file leaves out can be refused too, for what the file says of another.
@@ -203,6 +221,25 @@ fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result
             problem: without_path(&invalid, invalid.path),
             fix: "choose another value; nothing was changed".into(),
         });
+    }
+    let weaker = guard::weaker(&before, &after, board);
+    match weaker.as_slice() {
+        [first, rest @ ..] if !weaken_guard => {
+            let more = match rest.len() {
+                0 => String::new(),
+                more => format!(" (and {more} more)"),
+            };
+            return Err(Error::File {
+                file: file.to_owned(),
+                line: lines.get(first.path).copied().unwrap_or(1),
+                field: first.path.to_string(),
+                problem: format!("{}{more}", first.problem),
+                fix:
+                    "leave the line out, or take all of it with --weaken-guard; nothing was changed"
+                        .into(),
+            });
+        }
+        _ => note_weaker(&before, &after, board),
     }
     tell!("{} of {} settings in the file", lines.len(), FIELDS.len());
     if dry_run {
@@ -219,6 +256,13 @@ fn import(client: &mut Client, file: &Path, text: &str, dry_run: bool) -> Result
         client.tell(&Request::SetAll(after.clone()))?;
     }
     changed(&before, &after)
+}
+
+/// Says what of the guard's bound is gone.
+fn note_weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) {
+    for it in guard::weaker(before, after, board) {
+        note!("warning: the guard is weaker: {}: {}", it.path, it.problem);
+    }
 }
 
 /// Settings that differ.

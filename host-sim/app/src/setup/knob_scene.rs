@@ -11,9 +11,19 @@ use touchstone_protocol::DeviceSettings;
 /// compare values act in the middle.
 const DELAY_PERIODS: f64 = 1.5;
 /// The guard is told this part of the damping that was measured: its bound rests on there being no less.
-pub const GUARD_SHARE: f64 = 0.8;
+const GUARD_SHARE: f64 = 0.8;
+/// Nor more than what is left of it below so many standard uncertainties.
+const GUARD_UNCERTAINTIES: f64 = 2.0;
 /// A press takes this part of what the motor gives, at most the thesis' 0.1 N·m.
 const PRESS_SHARE: f64 = 0.6;
+
+/// The damping that the guard is told, N·m·s/rad.
+pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
+    let it = &motor.mechanics.damping_n_m_s_per_rad;
+    (GUARD_SHARE * it.value)
+        .min(it.value - GUARD_UNCERTAINTIES * it.uncertainty)
+        .max(0.0)
+}
 
 /// The scene's text.
 pub fn text(
@@ -99,7 +109,7 @@ push_torque_n_m = {press:.4e}
         settings.timing.rate_hz,
         DELAY_PERIODS / f64::from(hardware.pwm_hz),
         settings.wall.k_desired_n_m_per_rad,
-        GUARD_SHARE * damping,
+        sure_damping(motor),
         guard.change.word(),
         guard.delay_s.to_num::<f64>(),
         guard.lag_s.to_num::<f64>(),

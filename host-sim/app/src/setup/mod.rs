@@ -18,12 +18,13 @@ use kept::{Kept, io};
 use spin::Measured;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use touchstone_control::{ChangeOfForce, Si};
+use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_drive::wire::{checked, hardware};
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_lab::tune::{self, Effort};
+use touchstone_link::guard;
 use touchstone_link::value;
 use touchstone_link::words::{described, name_of, number_of};
 use touchstone_protocol::settings::fields::field;
@@ -419,10 +420,20 @@ fn with_knob(
     client: &Client,
 ) -> Result<DeviceSettings> {
     let law = std::fs::read_to_string(law_file).map_err(|error| io(law_file, &error))?;
-    let (mut all, _) = toml_file::read(&law, law_file, &settings)?;
+    let (mut all, lines) = toml_file::read(&law, law_file, &settings)?;
     let of = |value: f64| Si::saturating_from_num(value);
-    let sure = of(knob_scene::GUARD_SHARE * motor.mechanics.damping_n_m_s_per_rad.value.max(0.0));
-    keep_the_boards_guard(&mut all, &settings, sure);
+    let board = client.identity().board;
+    let mut sure = DeviceSettings::defaults(board);
+    sure.law.guard.damping_n_m_s_per_rad = of(knob_scene::sure_damping(motor));
+    let weaker = guard::weaker(&sure, &all, board);
+    for it in weaker.iter().filter(|it| lines.contains_key(it.path)) {
+        note!(
+            "note: not taken into the guard: {}: {}",
+            it.path,
+            it.problem
+        );
+    }
+    guard::hold(&mut all, board, sure.law.guard.damping_n_m_s_per_rad);
     all.motor.resistance_ohm = of(motor.resistance_ohm.value);
     all.motor.inductance_h = of(motor.inductance_h.value);
     all.motor.torque_constant_n_m_per_a = of(motor.torque_constant_n_m_per_a.value);
@@ -432,61 +443,10 @@ fn with_knob(
     Ok(all)
 }
 
-/// Whatever a file of the law's settings says: a guard that was on stays on, and is told no less delay and no less reading than it was on the board, and no more
-/// damping than is sure to be there. Its bound rests on these.
-fn keep_the_boards_guard(all: &mut DeviceSettings, board: &DeviceSettings, sure_damping: Si) {
-    let (guard, was) = (&mut all.law.guard, &board.law.guard);
-    guard.on |= was.on;
-    guard.delay_s = guard.delay_s.max(was.delay_s);
-    guard.lag_s = guard.lag_s.max(was.lag_s);
-    guard.damping_n_m_s_per_rad = guard.damping_n_m_s_per_rad.min(sure_damping);
-    if was.change == ChangeOfForce::Measured {
-        guard.change = ChangeOfForce::Measured;
-    }
-}
-
 /// The board takes settings, keeps them, and calibrates with them.
 fn take(client: &mut Client, all: &DeviceSettings) -> Result<()> {
     client.tell(&Request::SetAll(all.clone()))?;
     client.tell(&Request::Save)?;
     client.tell(&Request::Command(DeviceCommand::Calibrate))?;
     calibrated(client)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::keep_the_boards_guard;
-    use touchstone_control::{ChangeOfForce, Si};
-    use touchstone_protocol::{Board, DeviceSettings};
-
-    #[test]
-    fn no_file_of_a_law_tells_a_boards_guard_less_delay_or_reading_or_more_damping() {
-        let sure = Si::lit("0.0003");
-        for board in Board::ALL {
-            let mut was = DeviceSettings::defaults(board);
-            was.law.guard.delay_s = Si::lit("0.0001");
-            was.law.guard.lag_s = Si::lit("0.00002");
-            let mut all = was.clone();
-            // What `tune` writes of a knob with a short delay.
-            all.law.guard.on = false;
-            all.law.guard.change = ChangeOfForce::Estimated;
-            all.law.guard.delay_s = Si::lit("0.000075");
-            all.law.guard.lag_s = Si::ZERO;
-            all.law.guard.damping_n_m_s_per_rad = Si::lit("0.0004");
-            keep_the_boards_guard(&mut all, &was, sure);
-            let guard = &all.law.guard;
-            assert!(guard.on && was.law.guard.on, "{board:?}");
-            assert_eq!(guard.change, ChangeOfForce::Measured, "{board:?}");
-            assert_eq!(guard.change, was.law.guard.change, "{board:?}");
-            assert_eq!(guard.delay_s, was.law.guard.delay_s, "{board:?}");
-            assert_eq!(guard.lag_s, was.law.guard.lag_s, "{board:?}");
-            assert_eq!(guard.damping_n_m_s_per_rad, sure, "{board:?}");
-            // More delay and less damping stay as the file has them.
-            all.law.guard.delay_s = Si::lit("0.0002");
-            all.law.guard.damping_n_m_s_per_rad = Si::lit("0.0001");
-            let told = all.clone();
-            keep_the_boards_guard(&mut all, &was, sure);
-            assert_eq!(all, told, "{board:?}");
-        }
-    }
 }

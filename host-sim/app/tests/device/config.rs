@@ -299,3 +299,50 @@ fn the_schema_needs_no_device() {
     assert_eq!(json.as_array().map(Vec::len), Some(FIELDS.len()));
     assert_eq!(json[0]["path"], FIELDS[0].path);
 }
+
+#[test]
+fn a_file_that_weakens_the_guard_is_refused_unless_that_is_asked_for() {
+    let device = Fake::new();
+    let file = folder("weaker").join("weaker.toml");
+    let name = file.to_str().unwrap();
+    let shipped = DeviceSettings::defaults(Board::NucleoG474re);
+    for (guard, parts) in [
+        ("on = false", &[":3: law.guard.on: off"][..]),
+        ("change = \"estimated\"", &[":3: law.guard.change"]),
+        (
+            "damping_n_m_s_per_rad = 0.0005",
+            &[":3: law.guard.damping_n_m_s_per_rad", "in place of 0.0003"],
+        ),
+        ("capacity_j = 0.1", &[":3: law.guard.capacity_j", "0.045"]),
+        (
+            "refill_w = 0.01\nshare_of_damping = 1",
+            &[":4: law.guard.share_of_damping", "(and 1 more)"],
+        ),
+    ] {
+        std::fs::write(
+            &file,
+            format!("wall.k_desired_n_m_per_rad = 2\n[law.guard]\n{guard}\n"),
+        )
+        .unwrap();
+        for option in [None, Some("--dry-run")] {
+            let asked = ["config", "import", name].into_iter().chain(option);
+            let said = device.run(&asked.collect::<Vec<_>>());
+            said.failed(
+                2,
+                &[parts, &["--weaken-guard", "nothing was changed"]].concat(),
+            );
+            assert_eq!(device.world().0.settings(), &shipped, "{guard}");
+        }
+        let said = device.run(&["config", "import", name, "--weaken-guard"]);
+        let text = format!("{}{}", said.out, said.err);
+        assert!(text.contains("warning: the guard is weaker"), "{text}");
+        assert_ne!(device.world().0.settings().law.guard, shipped.law.guard);
+        // What the board has is no news.
+        device.run(&["config", "import", name]).done();
+        let said = device.run(&["config", "defaults"]);
+        assert!(!said.err.contains("weaker"), "{}", said.err);
+    }
+    // One by one it is somebody's own word: taken, and said.
+    let said = device.run(&["config", "set", "law.guard.on", "false"]);
+    assert!(said.err.contains("law.guard.on: off"), "{}", said.err);
+}

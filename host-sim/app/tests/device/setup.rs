@@ -4,7 +4,7 @@ use super::fake::{Fake, Trouble};
 use super::spun::{Pulled, Spun};
 use super::{folder, run};
 use std::path::{Path, PathBuf};
-use touchstone_protocol::{MeasuringPart, Phase};
+use touchstone_protocol::{Board, DeviceSettings, MeasuringPart, Phase};
 use touchstone_world::motor::{GIMBAL, MotorParameters};
 use touchstone_world::plant::{Coulomb, Device};
 
@@ -102,6 +102,27 @@ fn a_board_becomes_a_tuned_knob() {
     device.world().1.pulled_in = Some(Pulled::In(MeasuringPart::Low));
     let said = setup(&device, &out, &law).done();
     assert!(said.contains("measured before"), "{said}");
+
+    // Nor does a file of a law take anything from the guard's bound.
+    let weaker =
+        "[law.guard]\non = false\nchange = \"estimated\"\ncapacity_j = 1\nshare_of_damping = 1\n";
+    std::fs::write(&law, weaker).unwrap();
+    let said = setup(&device, &out, &law);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.err.contains("not taken into the guard: law.guard.on"),
+        "{}",
+        said.err
+    );
+    let (session, _) = &*device.world();
+    let guard = &session.settings().law.guard;
+    let shipped = DeviceSettings::defaults(Board::NucleoG474re).law.guard;
+    assert!(guard.on && guard.change == shipped.change && guard.capacity_j == shipped.capacity_j);
+    assert_eq!(guard.share_of_damping, shipped.share_of_damping);
+    let measured = kept["measured"]["damping_n_m_s_per_rad"]["value"]
+        .as_f64()
+        .unwrap();
+    assert!(guard.damping_n_m_s_per_rad.to_num::<f64>() <= 0.8 * measured);
 }
 
 #[test]

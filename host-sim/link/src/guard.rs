@@ -1,0 +1,216 @@
+//! What a board's energy guard may be told so that its bound holds on this board: no file of settings takes any of it away unnoticed.
+
+use crate::value;
+use touchstone_control::{ChangeOfForce, Si};
+use touchstone_protocol::settings::fields::field;
+use touchstone_protocol::settings::{DriveKind, GuardSettings};
+use touchstone_protocol::{Board, DeviceSettings};
+
+/// A setting with which the guard promises less than it did, or nothing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Weaker {
+    /// The setting.
+    pub path: &'static str,
+    /// What is wrong with its new value.
+    pub problem: String,
+}
+
+/// What new settings take away from the guard's bound. A board's own loop is measured against, damping against the old settings,
+/// capacity and refill against what the board ships with. What was so before is not said again.
+#[must_use]
+pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<Weaker> {
+    const ON: &str = "law.guard.on";
+    let shipped = DeviceSettings::defaults(board).law.guard;
+    let (old, new) = (&before.law.guard, &after.law.guard);
+    let mut found = Vec::new();
+    let mut add = |path: &'static str, is_weaker: bool, why: String| {
+        let shown = |settings| field(path).map(|field| value::shown(settings, field));
+        // A guard that was off promised nothing: switched on, each of its settings is a new one.
+        if is_weaker && (shown(before) != shown(after) || !old.on) {
+            found.push(Weaker { path, problem: why });
+        }
+    };
+    if !new.on {
+        if old.on {
+            let why = "off: nothing bounds the energy that a hand gets out".to_owned();
+            add(ON, true, why);
+        }
+        return found;
+    }
+    let is_own_loop = after.drive.kind == DriveKind::ThreePhase;
+    add(
+        "law.guard.change",
+        is_own_loop && new.change == ChangeOfForce::Estimated,
+        "estimated: the guard then takes the delay from the file, and this board has a longer one that it measures".to_owned(),
+    );
+    let late = |guard: &GuardSettings| guard.delay_s.saturating_add(guard.lag_s);
+    let path = match new.delay_s < old.delay_s {
+        true => "law.guard.delay_s",
+        false => "law.guard.lag_s",
+    };
+    add(
+        path,
+        !is_own_loop && before.drive.kind == after.drive.kind && late(new) < late(old),
+        format!(
+            "less delay than the board has been told, {:.9} s",
+            late(old)
+        ),
+    );
+    let path = match new.damping_n_m_s_per_rad > old.damping_n_m_s_per_rad {
+        true => "law.guard.damping_n_m_s_per_rad",
+        false => "law.guard.share_of_damping",
+    };
+    add(
+        path,
+        trusted(new) > trusted(old),
+        format!(
+            "more damping than the board was told that its device has: {:.9} N·m·s/rad are trusted in place of {:.9}",
+            trusted(new),
+            trusted(old)
+        ),
+    );
+    add(
+        "law.guard.capacity_j",
+        new.capacity_j > shipped.capacity_j,
+        format!(
+            "more than the {} J that this board ships with",
+            shipped.capacity_j
+        ),
+    );
+    add(
+        "law.guard.refill_w",
+        new.refill_w > shipped.refill_w,
+        format!(
+            "more than the {} W that this board ships with",
+            shipped.refill_w
+        ),
+    );
+    found
+}
+
+fn trusted(guard: &GuardSettings) -> Si {
+    guard
+        .share_of_damping
+        .saturating_mul(guard.damping_n_m_s_per_rad)
+}
+
+/// Holds the guard of new settings to what is sure of this board, whatever a file says: on, with the position measured when the force
+/// changes, no more damping than `sure_damping`, no more capacity and refill than the board ships with.
+pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
+    let shipped = DeviceSettings::defaults(board).law.guard;
+    let guard = &mut all.law.guard;
+    guard.on = true;
+    if all.drive.kind == DriveKind::ThreePhase {
+        guard.change = shipped.change;
+    }
+    guard.damping_n_m_s_per_rad = guard.damping_n_m_s_per_rad.min(sure_damping);
+    guard.share_of_damping = guard.share_of_damping.min(shipped.share_of_damping);
+    guard.capacity_j = guard.capacity_j.min(shipped.capacity_j);
+    guard.refill_w = guard.refill_w.min(shipped.refill_w);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paths(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<&'static str> {
+        weaker(before, after, board)
+            .iter()
+            .map(|it| it.path)
+            .collect()
+    }
+
+    #[test]
+    fn each_setting_that_the_bound_rests_on_is_noticed_and_the_other_way_is_not() {
+        type Change = fn(&mut DeviceSettings, bool);
+        // What weakens it, and what does not.
+        let changes: [(&str, Change); 6] = [
+            ("law.guard.on", |all, weak| all.law.guard.on = !weak),
+            ("law.guard.change", |all, weak| {
+                all.law.guard.change = match weak {
+                    true => ChangeOfForce::Estimated,
+                    false => ChangeOfForce::Measured,
+                };
+            }),
+            ("law.guard.damping_n_m_s_per_rad", |all, weak| {
+                let damping = &mut all.law.guard.damping_n_m_s_per_rad;
+                *damping = match weak {
+                    true => *damping + Si::DELTA * 8,
+                    false => *damping / 2,
+                };
+            }),
+            ("law.guard.share_of_damping", |all, weak| {
+                all.law.guard.share_of_damping = Si::lit(if weak { "0.9" } else { "0.7" });
+            }),
+            ("law.guard.capacity_j", |all, weak| {
+                all.law.guard.capacity_j = Si::lit(if weak { "0.046" } else { "0.044" });
+            }),
+            ("law.guard.refill_w", |all, weak| {
+                all.law.guard.refill_w = Si::lit(if weak { "0.0006" } else { "0.0004" });
+            }),
+        ];
+        for board in Board::ALL {
+            let before = DeviceSettings::defaults(board);
+            assert!(paths(&before, &before, board).is_empty(), "{board:?}");
+            for (path, change) in changes {
+                let mut after = before.clone();
+                change(&mut after, false);
+                assert!(paths(&before, &after, board).is_empty(), "{board:?} {path}");
+                change(&mut after, true);
+                if path.ends_with("damping_n_m_s_per_rad") {
+                    // From half of it back above all of it.
+                    after.law.guard.damping_n_m_s_per_rad =
+                        before.law.guard.damping_n_m_s_per_rad + Si::DELTA * 8;
+                }
+                assert_eq!(paths(&before, &after, board), [path], "{board:?}");
+                // Taken once, it is not said again.
+                assert!(paths(&after, &after, board).is_empty(), "{board:?} {path}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_guard_that_is_switched_on_is_looked_at_whole() {
+        let board = Board::NucleoG474re;
+        let mut before = DeviceSettings::defaults(board);
+        before.law.guard.on = false;
+        before.law.guard.change = ChangeOfForce::Estimated;
+        let mut after = before.clone();
+        assert!(paths(&before, &after, board).is_empty());
+        after.law.guard.on = true;
+        assert_eq!(paths(&before, &after, board), ["law.guard.change"]);
+        hold(&mut after, board, Si::lit("0.0003"));
+        assert!(paths(&before, &after, board).is_empty());
+    }
+
+    #[test]
+    fn no_less_delay_is_told_to_the_guard_of_somebody_elses_amplifier() {
+        let board = Board::NucleoG474re;
+        let mut before = DeviceSettings::defaults(board);
+        before.drive.kind = DriveKind::Analogue;
+        before.law.guard.change = ChangeOfForce::Estimated;
+        before.law.guard.delay_s = Si::lit("0.0002");
+        let mut after = before.clone();
+        after.law.guard.delay_s = Si::lit("0.0001");
+        assert_eq!(paths(&before, &after, board), ["law.guard.delay_s"]);
+        after.law.guard.lag_s = Si::lit("0.0001");
+        assert!(paths(&before, &after, board).is_empty());
+    }
+
+    #[test]
+    fn what_is_held_is_weaker_than_nothing() {
+        for board in Board::ALL {
+            let mut told = DeviceSettings::defaults(board);
+            let guard = &mut told.law.guard;
+            (guard.on, guard.change) = (false, ChangeOfForce::Estimated);
+            guard.damping_n_m_s_per_rad = Si::ONE;
+            (guard.share_of_damping, guard.capacity_j) = (Si::ONE, Si::ONE);
+            guard.refill_w = Si::ONE;
+            let mut sure = DeviceSettings::defaults(board);
+            sure.law.guard.damping_n_m_s_per_rad = Si::lit("0.000003");
+            hold(&mut told, board, Si::lit("0.000003"));
+            assert!(weaker(&sure, &told, board).is_empty(), "{board:?}");
+            assert_eq!(told, sure, "{board:?}");
+        }
+    }
+}
