@@ -34,15 +34,17 @@ macro_rules! law_settings {
             law {
                 Law law, kind: choice(LawKind) = EnhancedSfa, "",
                     "the control law";
-                // k_v, c, b, a, the filter and the estimator: found together, by a search over grips, encoders, inertias and delays at k_de
-                // of 5 k_c; they serve from 0.5 to 14 N·m/rad. What the thesis has instead: `thesis_settings`.
-                KSoft k_soft, k_soft_n_m_per_rad: number("0.01", "500000") = "4.9", "N·m/rad",
+                // k_v, B, c, b, a, the filter and the estimator: found together over 216 devices (grips, encoders, inertias, dampings and
+                // delays), at k_de of 5 to 20 N·m/rad: `touchstone scorecard thesis-knob --family`. What the thesis has instead:
+                // `thesis_settings`.
+                KSoft k_soft, k_soft_n_m_per_rad: number("0.01", "500000") = "19.8", "N·m/rad",
                     "the soft stiffness k_v (stable by itself up to k_c = 2 c_i/T)";
                 // Thesis §5.1, found by Algorithm 2.1, so that k_c = 1 N·m/rad.
                 DeviceDamping device_damping, device_damping_n_m_s_per_rad: number("0", "10000") = "0.0005", "N·m·s/rad",
                     "the damping c_i that device and fingertip are trusted to have";
-                // Passivity asks b > K T/2 + B of the device, so virtual damping eats the margin that it is to widen.
-                VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0", "N·m·s/rad",
+                // Far above what passivity at the port leaves, b - K T/2: on estimated states it steadies the loop, and what a hand can
+                // get out is the guard's to bound.
+                VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0.03", "N·m·s/rad",
                     "the virtual damping B of the laws spring-damper and enhanced-sfa";
                 Observer observer, observer: choice(ObserverForm) = Exact, "",
                     "the form of the energy observer (thesis counts the sampling leak with the wrong sign)";
@@ -59,11 +61,11 @@ macro_rules! law_settings {
                 // One step_of_ideal then serves all stiffnesses.
                 IdealStep ideal_step, ideal_step: choice(IdealStep) = Force, "",
                     "what the offset's ideal step supposes to stay";
-                StepOfIdeal step_of_ideal, step_of_ideal: number("0", "1") = "0.21", "",
+                StepOfIdeal step_of_ideal, step_of_ideal: number("0", "1") = "0.0232", "",
                     "the step of the offset as a share of the ideal one, c of (3.8)";
-                LimitOfForce limit_of_force, limit_of_force: number("0", "1") = "0.41", "",
+                LimitOfForce limit_of_force, limit_of_force: number("0", "1") = "0.11", "",
                     "the largest step of the force as a share of the force, b of (3.9)";
-                LimitOfPenetration limit_of_penetration, limit_of_penetration: number("0", "1") = "0.4", "",
+                LimitOfPenetration limit_of_penetration, limit_of_penetration: number("0", "1") = "0.0115", "",
                     "the largest step of the offset as a share of the penetration, a of (3.11)";
                 // What a coupling k_f stores under the thesis' press of 0.1 N·m, F²/(2 k_f) = 5 mJ, four times over.
                 EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
@@ -76,26 +78,26 @@ macro_rules! law_settings {
             }
             /// The virtual mass of the enhanced law between HIP and wall, by its physical parts (§3.5, Fig. 3.11).
             filter FilterSettings {
-                FilterMass mass, mass_kg_m2: number("0", "10000") = "0.00000068", "kg·m²",
+                FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000009", "kg·m²",
                     "the filter's virtual mass";
                 // Far above the sampling bound 2 (c_i - c_f)/T: what a hand can get out by that is the guard's to bound.
-                FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "29.6", "N·m/rad",
+                FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "280", "N·m/rad",
                     "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f - B)/T)";
-                FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.00655", "N·m·s/rad",
+                FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.00561", "N·m·s/rad",
                     "the coupling damping c_f between HIP and virtual mass";
-                FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.00356", "N·m·s/rad",
+                FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.01027", "N·m·s/rad",
                     "the damping c_env from virtual mass to ground (at least k_v T/2)";
             }
             /// The state estimator before the law, for `law.states = "estimated"`. It has its own figures of the device, because a tuned
             /// estimator may do better with others than those that were measured.
             estimator EstimatorSettings {
-                EstimatorBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "62.6", "Hz",
+                EstimatorBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "80", "Hz",
                     "the bandwidth with which the estimator believes what is measured (a 500th to a fifth of the control rate)";
-                EstimatorInertia inertia, inertia_kg_m2: number("0", "10000") = "0.0000952", "kg·m²",
+                EstimatorInertia inertia, inertia_kg_m2: number("0", "10000") = "0.0000691", "kg·m²",
                     "the inertia that the estimator supposes of device and knob, without the hand";
                 EstimatorDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.0004", "N·m·s/rad",
                     "the damping that the estimator supposes of the device, without the hand";
-                EstimatorDelay delay_s, delay_s: number("0", "2") = "0.00152", "s",
+                EstimatorDelay delay_s, delay_s: number("0", "2") = "0.001175", "s",
                     "the time from a sample until its force acts, over which the estimator predicts (at most two ticks)";
             }
             /// The energy guard after the law: a bound on what any hand can get out.

@@ -16,7 +16,7 @@ fn settings_are_shown_alone_by_table_and_all() {
     let table = device.run(&["config", "get", "law.filter"]).done();
     assert_eq!(table.lines().count(), 4);
     assert!(
-        table.contains("law.filter.mass_kg_m2 = 0.00000068 kg·m²"),
+        table.contains("law.filter.mass_kg_m2 = 0.000009 kg·m²"),
         "{table}"
     );
     let all = device.run(&["config", "get"]).done();
