@@ -181,14 +181,20 @@ fn compliance<N: Number>(
     ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
 }
 
+/// A share per millisecond as one per tick, so that the offset is as fast at every rate; at most all of it.
+#[inline(never)]
+fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
+    let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });
+    over(per_s, Si::saturating_from_num(settings.rate_hz)).min(Si::ONE)
+}
+
 fn augmentation<N: Number>(settings: &Settings) -> Result<Augmentation<N>, SettingsError> {
+    let of_force = share_of_tick(settings, settings.limit_of_force);
+    let of_penetration = share_of_tick(settings, settings.limit_of_penetration);
     Ok(Augmentation {
         of_ideal: ideal_step(settings)?,
-        of_force: compliance(settings, Field::LimitOfForce, settings.limit_of_force)?,
-        of_penetration: Ratio(ratio::<N>(
-            Field::LimitOfPenetration,
-            settings.limit_of_penetration,
-        )?),
+        of_force: compliance(settings, Field::LimitOfForce, of_force)?,
+        of_penetration: Ratio(ratio::<N>(Field::LimitOfPenetration, of_penetration)?),
     })
 }
 
@@ -237,7 +243,8 @@ fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsE
         // Above k_soft here: below it the law is a plain spring.
         IdealStep::Force => settings.k_desired,
     };
-    ratio::<N>(Field::StepOfIdeal, over(settings.step_of_ideal, stiffness)).map(Compliance)
+    let share = share_of_tick(settings, settings.step_of_ideal);
+    ratio::<N>(Field::StepOfIdeal, over(share, stiffness)).map(Compliance)
 }
 
 /// Largest energy that a law stores: a quarter of the format, so that adding one tick's work can never saturate.
@@ -247,4 +254,28 @@ fn energy_cap<N: Number>() -> Energy<N> {
         .into_iter()
         .find_map(|joules| N::energy(Si::const_from_int(joules)).map(Energy))
         .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_offset_is_as_fast_at_every_rate() {
+        let share = |rate_hz: u32, per_ms: Si| {
+            let settings = Settings {
+                rate_hz,
+                ..Settings::default()
+            };
+            share_of_tick(&settings, per_ms)
+        };
+        // A millisecond is one tick, eight, or half of one.
+        let odd = Si::lit("0.123456789");
+        assert_eq!(share(1000, odd), odd, "to the bit");
+        assert_eq!(share(8000, Si::lit("0.5")), Si::lit("0.0625"));
+        assert_eq!(share(500, Si::lit("0.25")), Si::lit("0.5"));
+        // Never more than all of it.
+        assert_eq!(share(500, Si::lit("0.75")), Si::ONE);
+        assert_eq!(share(1, Si::ONE), Si::ONE);
+    }
 }

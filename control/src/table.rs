@@ -61,12 +61,12 @@ macro_rules! law_settings {
                 // One step_of_ideal then serves all stiffnesses.
                 IdealStep ideal_step, ideal_step: choice(IdealStep) = Force, "",
                     "what the offset's ideal step supposes to stay";
-                StepOfIdeal step_of_ideal, step_of_ideal: number("0", "1") = "0.0232", "",
-                    "the step of the offset as a share of the ideal one, c of (3.8)";
-                LimitOfForce limit_of_force, limit_of_force: number("0", "1") = "0.11", "",
-                    "the largest step of the force as a share of the force, b of (3.9)";
-                LimitOfPenetration limit_of_penetration, limit_of_penetration: number("0", "1") = "0.0115", "",
-                    "the largest step of the offset as a share of the penetration, a of (3.11)";
+                StepOfIdeal step_of_ideal, step_of_ideal_per_ms: number("0", "1") = "0.0232", "",
+                    "the step of the offset each millisecond as a share of the ideal one, c of (3.8)";
+                LimitOfForce limit_of_force, limit_of_force_per_ms: number("0", "1") = "0.11", "",
+                    "the largest step of the force each millisecond as a share of the force, b of (3.9)";
+                LimitOfPenetration limit_of_penetration, limit_of_penetration_per_ms: number("0", "1") = "0.0115", "",
+                    "the largest step of the offset each millisecond as a share of the penetration, a of (3.11)";
                 // What a coupling k_f stores under the thesis' press of 0.1 N·m, F²/(2 k_f) = 5 mJ, four times over.
                 EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
                     "the energy that is lent to a contact, which it may give beyond what it took (0: nothing is lent)";
@@ -150,10 +150,10 @@ macro_rules! thesis_settings {
             (law) virtual_damping, virtual_damping_n_m_s_per_rad = "0";
             // a, b, c and the filter: found by a search over grips, encoders, touch and press, and k_de of 1 to 20 k_c; the thesis asks
             // for "a fraction" only.
-            (law) step_of_ideal, step_of_ideal = "0.012";
+            (law) step_of_ideal, step_of_ideal_per_ms = "0.012";
             // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
-            (law) limit_of_force, limit_of_force = "0.03";
-            (law) limit_of_penetration, limit_of_penetration = "0.03";
+            (law) limit_of_force, limit_of_force_per_ms = "0.03";
+            (law) limit_of_penetration, limit_of_penetration_per_ms = "0.03";
             // A thirtieth of the thesis knob's inertia: not felt.
             (law filter) mass, mass_kg_m2 = "0.000003";
             // The sampling bound 2 (c_i - c_f)/T at 1 kHz: as stiff as passivity at the physical port allows.

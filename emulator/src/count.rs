@@ -65,9 +65,9 @@ const CASES: &[Case] = &[
     Case {
         name: "press, all steps at their largest",
         settings: |settings| {
-            settings.law.step_of_ideal = Si::lit("1");
-            settings.law.limit_of_force = Si::lit("1");
-            settings.law.limit_of_penetration = Si::lit("1");
+            settings.law.step_of_ideal_per_ms = Si::lit("1");
+            settings.law.limit_of_force_per_ms = Si::lit("1");
+            settings.law.limit_of_penetration_per_ms = Si::lit("1");
         },
         hand: FIRM,
         torque_n_m: 0.3,

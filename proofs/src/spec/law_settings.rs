@@ -49,11 +49,11 @@ pub struct Settings {
     pub update: Update,
     /// The ideal step supposes that the hand's force stays (`c/k_de`), not its position (`c/k_v`, 3.7).
     pub force_stays: bool,
-    /// `c` (3.8).
+    /// `c` (3.8), per millisecond.
     pub step_of_ideal: Int,
-    /// `b` (3.9).
+    /// `b` (3.9), per millisecond.
     pub limit_of_force: Int,
-    /// `a` (3.11).
+    /// `a` (3.11), per millisecond.
     pub limit_of_penetration: Int,
     /// `m`, kg·m².
     pub mass: Int,
@@ -216,9 +216,13 @@ impl Settings {
         );
         // The thesis' observer lends what it needs by itself.
         let lent = if self.exact { self.credit } else { 0 };
-        let (compliance, of_force) = (over(ONE, self.soft), over(self.limit_of_force, self.soft));
+        // Shares per millisecond become shares per tick, at most all of it.
+        let of_tick = |share| over(times(share, 1000 * ONE), (self.rate * ONE).min(MOST)).min(ONE);
+        let compliance = over(ONE, self.soft);
+        let of_force = over(of_tick(self.limit_of_force), self.soft);
+        let of_penetration = of_tick(self.limit_of_penetration);
         let of_ideal = over(
-            self.step_of_ideal,
+            of_tick(self.step_of_ideal),
             if self.force_stays {
                 self.desired
             } else {
@@ -238,13 +242,7 @@ impl Settings {
             total,
             series,
         ];
-        let signals = [
-            compliance,
-            of_ideal,
-            of_force,
-            self.limit_of_penetration,
-            self.limit,
-        ];
+        let signals = [compliance, of_ideal, of_force, of_penetration, self.limit];
         let fits = gains.into_iter().all(gain_fits)
             && signals.into_iter().all(signal_fits)
             && gain_of(self.coupling) > 0
@@ -258,7 +256,7 @@ impl Settings {
             compliance: signal_of(compliance),
             of_ideal: signal_of(of_ideal),
             of_force: signal_of(of_force),
-            of_penetration: signal_of(self.limit_of_penetration),
+            of_penetration: signal_of(of_penetration),
             at_hip: self.regulated == Regulated::Hip,
             every_tick: self.update == Update::EveryTick,
             exact: self.exact,

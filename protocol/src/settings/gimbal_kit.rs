@@ -38,9 +38,9 @@ pub(super) fn fit(settings: &mut DeviceSettings) {
         law.force_limit_n_m = "0.045";
         law.k_soft_n_m_per_rad = "1.96";
         law.virtual_damping_n_m_s_per_rad = "0";
-        law.limit_of_force = "0.3529";
-        law.limit_of_penetration = "0.6765";
-        law.step_of_ideal = "0.3435";
+        law.limit_of_force_per_ms = "0.3529";
+        law.limit_of_penetration_per_ms = "0.6765";
+        law.step_of_ideal_per_ms = "0.3435";
         law.estimator.bandwidth_hz = "57.08";
         law.estimator.damping_n_m_s_per_rad = "0.000009";
         law.estimator.delay_s = "0.001125";

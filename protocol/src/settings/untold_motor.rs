@@ -49,9 +49,9 @@ pub(super) fn fit(settings: &mut DeviceSettings) {
     settings.motor.torque_constant_n_m_per_a = untold!("motor.torque_constant_n_m_per_a");
     set! { settings:
         law.force_limit_n_m = "0.0007";
-        law.limit_of_force = "0.3322";
-        law.limit_of_penetration = "0.5238";
-        law.step_of_ideal = "0.1692";
+        law.limit_of_force_per_ms = "0.3322";
+        law.limit_of_penetration_per_ms = "0.5238";
+        law.step_of_ideal_per_ms = "0.1692";
         law.estimator.bandwidth_hz = "83.88";
         law.estimator.delay_s = "0.001323";
         law.estimator.inertia_kg_m2 = "0.0000282";

@@ -91,7 +91,6 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
 
 fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f64) {
     let inertia = scene.device.inertia_kg_m2;
-    let rate = f64::from(scene.timing.rate_hz);
     let law = &mut scene.law;
     // The law's own arithmetic is not what is looked at.
     law.number = Number::F64;
@@ -108,10 +107,9 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
         3 => {
             // The shipped settings in proportion: times in seconds, stiffnesses in k_c.
             law.kind = LawKind::EnhancedSfa;
-            let share = |at_1_khz: f64| (at_1_khz * 1000.0 / rate).min(1.0);
-            law.step_of_ideal = share(0.012);
-            law.limit_of_penetration = share(0.03);
-            law.limit_of_force = share(0.03);
+            law.step_of_ideal_per_ms = 0.012;
+            law.limit_of_penetration_per_ms = 0.03;
+            law.limit_of_force_per_ms = 0.03;
             law.filter.mass_kg_m2 = 0.03 * inertia;
             law.filter.stiffness_n_m_per_rad = k_c;
             law.filter.damping_n_m_s_per_rad = 0.0;
@@ -122,9 +120,9 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
             law.kind = LawKind::EnhancedSfa;
             law.k_soft_n_m_per_rad =
                 (stiffness * random.between(0.1, 0.95)).max(SOFTEST_N_M_PER_RAD);
-            law.step_of_ideal = random.between(0.02, 0.8);
-            law.limit_of_penetration = random.between(0.02, 0.3);
-            law.limit_of_force = random.between(0.02, 0.3);
+            law.step_of_ideal_per_ms = random.between(0.02, 0.8);
+            law.limit_of_penetration_per_ms = random.between(0.02, 0.3);
+            law.limit_of_force_per_ms = random.between(0.02, 0.3);
             law.filter.mass_kg_m2 = inertia * random.between(0.0075, 0.3);
             law.filter.stiffness_n_m_per_rad = stiffness * random.between(1.5, 5.0);
             law.filter.damping_n_m_s_per_rad = critical * random.between(0.03, 1.0);

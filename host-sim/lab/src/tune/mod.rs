@@ -242,9 +242,9 @@ fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
 /// holds the whole family at 14 times.
 const KNOWN: [&[(&str, f64)]; 3] = [
     &[
-        ("law.limit_of_penetration", 11.4),
-        ("law.limit_of_force", 1.49),
-        ("law.step_of_ideal", 0.98),
+        ("law.limit_of_penetration_per_ms", 11.4),
+        ("law.limit_of_force_per_ms", 1.49),
+        ("law.step_of_ideal_per_ms", 0.98),
         ("law.filter.mass_kg_m2", 0.23),
         ("law.filter.stiffness_n_m_per_rad", 2.96),
         ("law.filter.damping_n_m_s_per_rad", 1.13),
@@ -256,7 +256,7 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.estimator.inertia_kg_m2", 0.95),
     ],
     &[
-        ("law.limit_of_penetration", 0.97),
+        ("law.limit_of_penetration_per_ms", 0.97),
         ("law.filter.mass_kg_m2", 2.3),
         ("law.filter.stiffness_n_m_per_rad", 0.34),
         ("law.filter.ground_damping_n_m_s_per_rad", 3.3),
@@ -266,9 +266,9 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.estimator.inertia_kg_m2", 1.5),
     ],
     &[
-        ("law.limit_of_penetration", 0.196),
-        ("law.limit_of_force", 0.239),
-        ("law.step_of_ideal", 0.0644),
+        ("law.limit_of_penetration_per_ms", 0.196),
+        ("law.limit_of_force_per_ms", 0.239),
+        ("law.step_of_ideal_per_ms", 0.0644),
         ("law.filter.mass_kg_m2", 3.0),
         ("law.filter.stiffness_n_m_per_rad", 10.0),
         ("law.filter.damping_n_m_s_per_rad", 0.577),

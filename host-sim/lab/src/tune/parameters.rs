@@ -59,7 +59,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     let rate = f64::from(scene.timing.rate_hz);
     let unit = (k * j).sqrt();
     // Shares of a tick were found at T sqrt(k/J) = 0.447.
-    let per_tick = (stiffness_per_tick(scene) / 0.447).min(1.0);
+    let per_ms = (stiffness_per_tick(scene) / 0.447).min(1.0) * (rate / 1000.0);
     let axis = |parameter, start: f64, least: f64, most: f64| Axis {
         parameter,
         start: start.clamp(least, most),
@@ -118,9 +118,14 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
             ),
         ],
         LawKind::EnhancedSfa => vec![
-            axis(parameter!(limit_of_penetration), 0.07 * per_tick, 1e-4, 1.0),
-            axis(parameter!(limit_of_force), 0.55 * per_tick, 1e-4, 1.0),
-            axis(parameter!(step_of_ideal), 0.43 * per_tick, 1e-4, 1.0),
+            axis(
+                parameter!(limit_of_penetration_per_ms),
+                0.07 * per_ms,
+                1e-4,
+                1.0,
+            ),
+            axis(parameter!(limit_of_force_per_ms), 0.55 * per_ms, 1e-4, 1.0),
+            axis(parameter!(step_of_ideal_per_ms), 0.43 * per_ms, 1e-4, 1.0),
             axis(parameter!(filter.mass_kg_m2), 0.03 * j, 1e-3 * j, j),
             axis(
                 parameter!(filter.stiffness_n_m_per_rad),

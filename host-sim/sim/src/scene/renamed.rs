@@ -6,9 +6,18 @@ use touchstone_control::Field;
 const RENAMED: &[(&str, &str)] = &[
     ("law.k_v_n_m_per_rad", "law.k_soft_n_m_per_rad"),
     ("law.c_i_n_m_s_per_rad", "law.device_damping_n_m_s_per_rad"),
-    ("law.limit_a_of_penetration", "law.limit_of_penetration"),
-    ("law.limit_b_of_force", "law.limit_of_force"),
-    ("law.step_c_of_ideal", "law.step_of_ideal"),
+    (
+        "law.limit_a_of_penetration",
+        "law.limit_of_penetration_per_ms",
+    ),
+    ("law.limit_b_of_force", "law.limit_of_force_per_ms"),
+    ("law.step_c_of_ideal", "law.step_of_ideal_per_ms"),
+    (
+        "law.limit_of_penetration",
+        "law.limit_of_penetration_per_ms",
+    ),
+    ("law.limit_of_force", "law.limit_of_force_per_ms"),
+    ("law.step_of_ideal", "law.step_of_ideal_per_ms"),
     (
         "law.filter.damping_to_ground_n_m_s_per_rad",
         "law.filter.ground_damping_n_m_s_per_rad",

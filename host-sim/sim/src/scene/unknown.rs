@@ -57,7 +57,13 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
 
 /// Problem and fix for a setting that has another name today.
 pub(crate) fn was_renamed(new: &str) -> (String, String) {
-    ("it has another name now".to_owned(), format!("write {new}"))
+    let fix = if new.ends_with("_per_ms") {
+        // What it was a share of each tick.
+        format!("write {new}, of the value times timing.rate_hz/1000")
+    } else {
+        format!("write {new}")
+    };
+    ("it has another name now".to_owned(), fix)
 }
 
 /// Problem and fix where `name` is one of these fields with another unit, or without any.

@@ -229,8 +229,8 @@ fn numbers_out_of_range() {
         "s.toml:3: operator.motion.ramp_s: must be at least 0.05, is 0.01; give the time from rest to the full push in s",
     );
     refused(
-        "[law]\nstep_of_ideal = 1.5",
-        "s.toml:2: law.step_of_ideal: must be between 0 and 1, is 1.5; give the step of the offset as a share of the ideal one, c of (3.8)",
+        "[law]\nstep_of_ideal_per_ms = 1.5",
+        "s.toml:2: law.step_of_ideal_per_ms: must be between 0 and 1, is 1.5; give the step of the offset each millisecond as a share of the ideal one, c of (3.8)",
     );
 }
 

@@ -213,9 +213,9 @@ fn every_number_ends_in_its_unit() {
             "substeps",
             "lost_share",
             "per_rev",
-            "step_of_ideal",
-            "limit_of_force",
-            "limit_of_penetration",
+            "step_of_ideal_per_ms",
+            "limit_of_force_per_ms",
+            "limit_of_penetration_per_ms",
             "share_of_damping",
             "scale"
         ]
