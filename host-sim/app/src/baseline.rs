@@ -17,10 +17,12 @@ enum Worse {
 ///
 /// Angles: a hundredth of a count of the finest shipped encoder. Energies: a thousandth of what a press of 0.1 N·m stores at
 /// 5 N·m/rad. Torques: a tenth of a thousandth of that press. Times: one tick of 1 kHz.
-const MEASURES: [(&str, Worse, f64); 10] = [
+const MEASURES: [(&str, Worse, f64); 12] = [
     ("k_displayed", Worse::Less, 0.0),
     ("peak_penetration_ratio", Worse::More, 0.0),
     ("penetration_max", Worse::More, 1.6e-6),
+    ("extended_rate_hardness", Worse::Less, 0.0),
+    ("touch_torque_n_m", Worse::Less, 1e-5),
     ("settle_from_ramp_end_s", Worse::More, 1e-3),
     ("limit_cycle_peak_to_peak", Worse::More, 1.6e-6),
     ("ripple_rms_n_m", Worse::More, 1e-5),

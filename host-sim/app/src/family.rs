@@ -5,7 +5,8 @@ use super::number;
 use super::out::{self, say};
 use super::progress;
 use std::process::ExitCode;
-use touchstone_lab::scorecard::family::{Around, Family, corners, judge, sample, text};
+use touchstone_lab::scorecard::family::{Around, Family, corners, judge, sample};
+use touchstone_lab::scorecard::family_page::text;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 

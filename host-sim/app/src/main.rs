@@ -56,7 +56,7 @@ Exit codes:
   0    done
   1    a device, or what is needed to reach it, failed
   2    a mistake in what was asked: option, scene, file
-  3    done, but something that was asked of the run does not hold (--expect and the like, a hard case)
+  3    done, but something that was asked of the run does not hold (--expect and the like, a hard case, a tuning, a family)
   130  interrupted: nothing half-written is left";
 
 /// Hard virtual walls: simulate them, compare control laws, and see what holds.

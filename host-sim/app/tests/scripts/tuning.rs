@@ -65,9 +65,9 @@ fn tuned_settings_go_into_a_scene() {
         "--force",
         "--json",
     ];
-    // Force bounding shows another stiffness, and its file is written only since that is asked for.
+    // Force bounding feels otherwise to a hand that moves, and its file is written only since that is asked for.
     let found = run_in(&folder, &tune).ended(3).json();
-    assert_eq!(found["cause"], "stiffness");
+    assert_eq!(found["cause"], "dynamics");
     let c_i = &found["settings"]["law.device_damping_n_m_s_per_rad"];
     let printed = run_in(
         &folder,

@@ -216,6 +216,8 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
         guard_tripped_s: None,
         settle_from_ramp_end_s: (held && verdict <= Verdict::Active).then_some(0.21),
         rate_hardness: held.then_some(if law == LawKind::Fba { k.min(1.0) } else { k }),
+        extended_rate_hardness: held.then_some(k),
+        touch_torque_n_m: held.then_some(5e-3 * k),
         limit_cycle_peak_to_peak: held.then_some(cycle),
         energy_true_min: low(&trace.energy_true_j),
         energy_user_min: low(&user),

@@ -171,6 +171,8 @@ mod tests {
         for field in [
             &mut s.k_displayed,
             &mut s.rate_hardness,
+            &mut s.extended_rate_hardness,
+            &mut s.touch_torque_n_m,
             &mut s.peak_penetration_ratio,
             &mut s.ripple_rms_n_m,
             &mut s.ripple_above_50_hz_rms_n_m,

@@ -40,6 +40,12 @@ measures! {
     rate_hardness, "rate-hardness", "N·m/rad",
         "steepest rise of the force over the velocity at first touch (thesis (1.5)), of true force and true motion",
         |s| s.rate_hardness, of_desired;
+    extended_rate_hardness, "extended rate-hardness", "N·m/rad",
+        "largest rise of the force within a millisecond over the largest speed, in the first contact (Han and Choi 2010), of true force and true motion",
+        |s| s.extended_rate_hardness, |_, x| with_unit(x, "N·m/rad", 3);
+    touch_torque_n_m, "torque in the first 5 ms", "N·m",
+        "largest torque of the motor within five milliseconds of entering the wall for the first time; null where it was not reached",
+        |s| s.touch_torque_n_m, |_, x| with_unit(x, "N·m", 3);
     peak_penetration_ratio, "deepest penetration over F/k_de", "1",
         "deepest true penetration over that of a wall of the desired stiffness under the same push; 1 is ideal",
         |s| s.peak_penetration_ratio, |_, x| significant(x, 3);

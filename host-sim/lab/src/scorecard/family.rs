@@ -7,6 +7,7 @@
 
 use super::cases::{CASES, Deed, GRIPS, Programme};
 use super::measure::Measure;
+use super::touch::TouchRatios;
 use super::watch::watch;
 use super::{figures, stiffness_per_tick};
 use crate::certify::touch::of_plant;
@@ -228,6 +229,8 @@ pub struct Nominal {
     pub noise_deg: f64,
     /// Deepest penetration of the touch over `F/k_de` of the press; absent where it left all numbers, as below.
     pub touch_penetration_ratio: Option<f64>,
+    /// The touch over that of the ideal damped wall.
+    pub touch: Option<TouchRatios>,
     /// Of the press.
     pub peak_penetration_ratio: Option<f64>,
     /// Of the torque from tick to tick while the hand moves, rms, N·m.
@@ -238,13 +241,14 @@ pub struct Nominal {
 
 impl Nominal {
     fn of(scene: &Scene) -> Result<Self> {
-        let (felt, beside) = figures(scene, &Programme::of(scene), &CASES[0], false)?;
+        let (felt, beside) = figures(scene, &Programme::of(scene), &CASES[0], true)?;
         let count_rad = scene.encoder.as_ref().map(|encoder| encoder.step_rad());
         let number = |value: f64| Some(value).filter(|value| value.is_finite());
         Ok(Self {
             rate_hz: scene.timing.rate_hz,
             noise_deg: noise_deg(scene),
             touch_penetration_ratio: number(beside.touch_penetration_ratio),
+            touch: beside.touch,
             peak_penetration_ratio: number(felt.get(Measure::PeakPenetrationRatio)),
             ripple_rms_n_m: number(felt.get(Measure::RippleRmsNM)),
             motion_at_rest_rad: beside
@@ -365,81 +369,10 @@ pub fn judge(
     Ok(family)
 }
 
-/// A row a wall, what is nominal and who is worst, as text.
-#[must_use]
-pub fn text(families: &[Family]) -> String {
-    use std::fmt::Write;
-    let mut text = String::from(
-        "law                       k_de  members  lost  beyond map  lost or deep  deepest press  deepest touch\n",
-    );
-    for it in families {
-        // Writing into a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{:<24}{:>6}{:>9}{:>6}{:>12}{:>14}{:>15.3}{:>15.3}",
-            it.law,
-            it.k_desired,
-            it.members,
-            it.lost,
-            it.lost_beyond_map,
-            it.deep,
-            it.deepest_press,
-            it.deepest_touch
-        );
-    }
-    let _ = writeln!(
-        text,
-        "lost: held at less than half or more than one and a half of k_de, or deeper than {LOST_DEPTH}; deep: beyond {DEEP}; depths over F/k_de of the press\nbeyond map: T sqrt(k_de/J) beyond what any tuned law was found to hold at that delay\n\nown device, worst of three grips\nlaw                       k_de       Hz  noise °   press   touch  ripple mN·m  at rest mrad"
-    );
-    let shown = |value: Option<f64>, factor: f64| {
-        value.map_or("lost".to_owned(), |value| format!("{:.3}", factor * value))
-    };
-    for it in families {
-        for own in &it.nominal {
-            let _ = writeln!(
-                text,
-                "{:<24}{:>6}{:>9}{:>9.3}{:>8}{:>8}{:>13}{:>14}",
-                it.law,
-                it.k_desired,
-                own.rate_hz,
-                own.noise_deg,
-                shown(own.peak_penetration_ratio, 1.0),
-                shown(own.touch_penetration_ratio, 1.0),
-                shown(own.ripple_rms_n_m, 1e3),
-                shown(own.motion_at_rest_rad, 1e3)
-            );
-        }
-    }
-    let _ = writeln!(
-        text,
-        "\nworst\nlaw                       k_de   press   touch  T sqrt(k/J)  delay  member"
-    );
-    for it in families {
-        for worst in &it.worst {
-            let _ = writeln!(
-                text,
-                "{:<24}{:>6}{:>8}{:>8}{:>13.3}{:>7.2}  {}{}",
-                it.law,
-                it.k_desired,
-                shown(worst.press, 1.0),
-                shown(worst.touch, 1.0),
-                worst.stiffness_per_tick,
-                worst.delay_ticks,
-                worst.member,
-                if worst.beyond_map {
-                    ", beyond the map"
-                } else {
-                    ""
-                }
-            );
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scorecard::family_page::text;
     use crate::scorecard::rivals::Rival;
 
     fn knob(law: &str, k_desired: f64) -> Scene {
@@ -503,6 +436,7 @@ mod tests {
         assert_eq!(hard.lost, 216);
         assert_eq!(hard.lost_beyond_map, 18);
         assert_eq!(hard.worst.len(), 5);
-        assert!(text(&[soft, hard]).contains("0.50 J"));
+        // Of lost ones those first that sampling asks least of: the heaviest.
+        assert!(text(&[soft, hard]).contains("2.00 J"));
     }
 }

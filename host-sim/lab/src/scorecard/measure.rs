@@ -1,5 +1,6 @@
 //! The figures of a scorecard and what each may be.
 
+use super::touch::TouchRatios;
 use serde::Serialize;
 use touchstone_sim::run::measure::{Response, Ripple};
 
@@ -216,6 +217,12 @@ pub struct Beside {
     pub release_excursion_rad: f64,
     /// Least rate-hardness (1.5), N·m/rad.
     pub rate_hardness: Option<f64>,
+    /// Least extended rate-hardness, N·m/rad.
+    pub extended_rate_hardness: Option<f64>,
+    /// Least of the largest torque in the first five milliseconds of a touch, N·m.
+    pub touch_torque_n_m: Option<f64>,
+    /// The touch over that of the ideal damped wall for the same hand; absent where nobody asked.
+    pub touch: Option<TouchRatios>,
     /// Most energy that the hand got out in any window of time, J.
     pub energy_out_worst_window_j: f64,
     /// The same that the wall's port gave since the start, J.
@@ -245,6 +252,16 @@ impl Beside {
                 .max(other.release_speed_rad_per_s),
             release_excursion_rad: self.release_excursion_rad.max(other.release_excursion_rad),
             rate_hardness: either(self.rate_hardness, other.rate_hardness, f64::min),
+            extended_rate_hardness: either(
+                self.extended_rate_hardness,
+                other.extended_rate_hardness,
+                f64::min,
+            ),
+            touch_torque_n_m: either(self.touch_torque_n_m, other.touch_torque_n_m, f64::min),
+            touch: match (self.touch, other.touch) {
+                (Some(one), Some(other)) => Some(one.worst(&other)),
+                (one, other) => one.or(other),
+            },
             energy_out_worst_window_j: self
                 .energy_out_worst_window_j
                 .max(other.energy_out_worst_window_j),

@@ -7,6 +7,7 @@
 pub mod cases;
 pub mod direction;
 pub mod family;
+pub mod family_page;
 pub mod in_turn;
 pub mod measure;
 pub mod noticed;
@@ -21,6 +22,7 @@ mod rhythm;
 pub mod rivals;
 #[cfg(test)]
 mod tests;
+pub mod touch;
 pub mod touched;
 pub mod watch;
 pub mod words;
@@ -31,6 +33,7 @@ use rayon::prelude::*;
 use reference::Reference;
 use rivals::Rival;
 use serde::Serialize;
+use touch::{IdealTouch, TouchRatios};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
@@ -109,6 +112,8 @@ pub struct Scorecard {
     pub stiffness_per_tick: f64,
     /// The spring-damper that ripple is measured by.
     pub reference: Reference,
+    /// Touch of the ideal damped wall and of the undamped spring over the former's, the nominal device, worst of three grips.
+    pub ideal_touch: Option<[TouchRatios; 2]>,
     /// Devices that a wall as stiff as this is not asked to hold.
     pub not_asked: Vec<&'static str>,
     /// One row a law.
@@ -140,16 +145,20 @@ pub fn figures(
     fully: bool,
 ) -> Result<(Figures, Beside)> {
     let changed = case.of(scene);
+    let ideal = fully
+        .then(|| IdealTouch::of(&changed, programme))
+        .transpose()?;
     let mut worst = Figures::NONE;
     let mut beside: Option<Beside> = None;
     let mut energy_j = 0.0_f64;
-    for grip in GRIPS {
+    for (index, grip) in GRIPS.into_iter().enumerate() {
         for deed in programme.deeds() {
             let of_deed = programme.scene(&changed, grip, deed);
-            let (figures, next) = watch::watch(&of_deed, deed, fully)?;
+            let (figures, mut next) = watch::watch(&of_deed, deed, fully)?;
             worst = worst.worst(&figures);
             energy_j = energy_j.max(next.energy_out_worst_window_j);
             if deed == Deed::Press {
+                next.touch = ideal.as_ref().map(|ideal| ideal.ratios(index, &next));
                 beside = Some(beside.map_or(next, |before| before.worst(&next)));
             }
         }
@@ -157,6 +166,16 @@ pub fn figures(
     let mut beside = beside.unwrap_or_default();
     beside.energy_out_worst_window_j = energy_j;
     Ok((worst, beside))
+}
+
+/// The ideal walls' touch.
+fn ideal_touch(scene: &Scene) -> Result<[TouchRatios; 2]> {
+    let programme = Programme::of(scene);
+    let ideal = IdealTouch::of(scene, &programme)?;
+    Ok([
+        ideal.with_ratio(scene, &programme, touch::DAMPING_RATIO)?,
+        ideal.with_ratio(scene, &programme, 0.0)?,
+    ])
 }
 
 /// The row of a scene's law.
@@ -234,6 +253,7 @@ pub fn with_reference(
         k_desired: scene.wall.k_desired_n_m_per_rad,
         stiffness_per_tick: stiffness,
         reference,
+        ideal_touch: ideal_touch(scene).ok(),
         not_asked: CASES
             .iter()
             .filter(|case| !case.is_asked(stiffness))

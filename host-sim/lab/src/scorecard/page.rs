@@ -1,6 +1,7 @@
 //! A scorecard for people: in the terminal, and as sections of a page.
 
 use super::measure::Measure;
+use super::touch::TouchRatios;
 use super::words::shown;
 use super::{Row, Scorecard};
 use crate::report::{Block, Section};
@@ -113,6 +114,8 @@ pub fn text(card: &Scorecard) -> String {
         text.push('\n');
     }
     text.push('\n');
+    text.push_str(&touches(card));
+    text.push('\n');
     for row in &card.rows {
         if let Some(refused) = &row.refused {
             let _ = writeln!(text, "{} refuses this scene: {refused}", name(row));
@@ -133,6 +136,43 @@ pub fn text(card: &Scorecard) -> String {
     let _ = writeln!(text, "\n{}", reference(card));
     if let Some(line) = not_asked(card) {
         let _ = writeln!(text, "{line}");
+    }
+    text
+}
+
+/// A touch's ratios as people read them.
+pub(super) fn touch_cells(touch: Option<&TouchRatios>) -> [String; 4] {
+    let shown = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |it| format!("{it:.2}"));
+    [
+        shown(touch.map(|touch| touch.penetration)),
+        shown(touch.and_then(|touch| touch.rate_hardness)),
+        shown(touch.and_then(|touch| touch.extended_rate_hardness)),
+        shown(touch.and_then(|touch| touch.torque)),
+    ]
+}
+
+/// Touches over those of the ideal damped wall: worst device and nominal one.
+fn touches(card: &Scorecard) -> String {
+    let mut text = format!(
+        "{:<32}{:>14}{:>16}{:>16}{:>16}\n",
+        "touch over an ideal damped wall's", "depth", "hardness/k_de", "extended", "first 5 ms"
+    );
+    let mut line = |name: &str, worst: Option<&TouchRatios>, nominal: Option<&TouchRatios>| {
+        let nominal = touch_cells(nominal);
+        let cells = touch_cells(worst).into_iter().zip(nominal);
+        let cells: String = cells
+            .map(|(worst, nominal)| format!("{:>16}", format!("{worst} ({nominal})")))
+            .collect();
+        let _ = writeln!(text, "{name:<32}{}", cells.get(1..).unwrap_or_default());
+    };
+    for row in &card.rows {
+        let of_cells = || row.cells.iter().filter_map(|cell| cell.beside.touch);
+        let worst = of_cells().reduce(|one, other| one.worst(&other));
+        line(&name(row), worst.as_ref(), of_cells().next().as_ref());
+    }
+    if let Some([damped, undamped]) = &card.ideal_touch {
+        line("ideal wall, damped", Some(damped), Some(damped));
+        line("ideal spring, undamped", Some(undamped), Some(undamped));
     }
     text
 }
@@ -237,6 +277,10 @@ fn of_law(row: &Row) -> Section {
             "release rad/s",
             "release rad",
             "rate-hardness",
+            "depth over ideal",
+            "rate-hardness over k_de",
+            "extended over ideal",
+            "first 5 ms over ideal",
             "worst window mJ",
             "wall gave mJ",
             "at rest counts",
@@ -266,6 +310,9 @@ fn of_law(row: &Row) -> Section {
             format!("{:.2}", beside.release_speed_rad_per_s),
             format!("{:.3}", beside.release_excursion_rad),
             some(beside.rate_hardness, 1),
+        ]);
+        cells.extend(touch_cells(beside.touch.as_ref()));
+        cells.extend([
             format!("{:.3}", 1e3 * beside.energy_out_worst_window_j),
             format!("{:.3}", 1e3 * beside.energy_out_wall_j),
             some(beside.motion_at_rest_counts, 1),

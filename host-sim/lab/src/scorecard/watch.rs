@@ -8,7 +8,7 @@ use super::measure::{Beside, Figures, Measure};
 use super::press::{DesiredStiffness, HELD_AFTER_S, PressFigures};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Judge;
-use touchstone_sim::run::measure::{DynamicStiffness, Response, Ripple};
+use touchstone_sim::run::measure::{ContactRise, DynamicStiffness, RateHardness, Response, Ripple};
 use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
@@ -38,6 +38,8 @@ struct Watch {
     count_rad: f64,
     response: Option<Response>,
     ripple: Option<Ripple>,
+    hardness: RateHardness,
+    rise: ContactRise,
     judge: Option<Judge>,
     figures: Figures,
     beside: Beside,
@@ -83,6 +85,8 @@ impl Watch {
             count_rad,
             response: terms.wiggle.map(|it| Response::new(it, terms.period_s)),
             ripple: moving.then(|| Ripple::new(terms.ripple, 1.0 / terms.period_s)),
+            hardness: RateHardness::new(terms.period_s),
+            rise: ContactRise::new(terms.period_s),
             judge: fully.then(|| Judge::new(terms.clone())),
             terms,
             figures: Figures::NONE,
@@ -128,9 +132,11 @@ impl Watch {
                 .map(|settled| settled.from_ramp_end as f64 * self.terms.period_s);
             beside.release_speed_rad_per_s = judged.release_speed_rad_per_s.unwrap_or(0.0);
             beside.release_excursion_rad = judged.release_excursion_rad.unwrap_or(0.0);
-            beside.rate_hardness = judged.rate_hardness;
             beside.energy_out_worst_window_j = judged.energy_out_worst_window_j;
         }
+        self.beside.rate_hardness = self.hardness.n_m_per_rad();
+        self.beside.extended_rate_hardness = self.rise.n_m_per_rad();
+        self.beside.touch_torque_n_m = self.rise.torque_n_m();
         if self.press.is_some() && self.count_rad > 0.0 {
             let motion = self.rest.1 - self.rest.0;
             self.beside.motion_at_rest_counts = Some(motion / self.count_rad);
@@ -158,6 +164,10 @@ impl Recorder for Watch {
         let hand_j = self.wall_j + self.loss_j + 0.5 * self.terms.inertia_kg_m2 * v * v;
         self.figures.raise(Measure::EnergyOutJ, -hand_j);
         self.beside.energy_out_wall_j = self.beside.energy_out_wall_j.max(-self.wall_j);
+        let entered = tick.angle_rad - self.terms.surface_rad;
+        self.hardness.record(entered, tick.motor_force_n_m);
+        self.rise
+            .record(entered, tick.velocity_rad_per_s, tick.motor_force_n_m);
         if let Some((press, figures)) = self.press {
             self.pressed(press, figures, tick, x);
         }

@@ -2,14 +2,15 @@
 
 use super::outcome;
 use crate::scorecard::cases::{CASES, Case, Deed, GRIPS, Programme};
-use crate::scorecard::measure::{Figures, Measure};
+use crate::scorecard::measure::{Beside, Figures, Measure};
 use crate::scorecard::reference::Reference;
+use crate::scorecard::touch::IdealTouch;
 use crate::scorecard::{asked, watch};
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::terms::Terms;
-use touchstone_sim::scene::{Grip, Scene};
+use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 
 /// A figure so far beyond its limit counts no more for going further.
 const WORST_SHARE: f64 = 20.0;
@@ -20,6 +21,16 @@ const HOPELESS: f64 = 60.0;
 /// What cannot be run at all.
 pub const REFUSED: f64 = 1e6;
 
+/// Depth of a touch over the ideal damped wall's up to which a touch costs nothing that counts.
+const TOUCH: f64 = 1.5;
+/// Noise of the position sensor under which the nominal device should still rest, degrees rms: what a magnetic sensor has (AS5046).
+const NOISE_DEG: f64 = 0.03;
+/// Motion at rest that it may have then, peak to peak, rad; four counts where these are coarser.
+const NOISY_REST_RAD: f64 = 6e-4;
+/// What a wish counts beside a limit, and the most share that it counts for: a search never gives up a limit for it.
+const WISH: f64 = 0.25;
+const MOST_WISH: f64 = 3.0;
+
 /// What a search judges by.
 #[derive(Debug, Clone)]
 pub struct Judgement {
@@ -27,6 +38,8 @@ pub struct Judgement {
     cases: Vec<&'static Case>,
     reference: Reference,
     aim: Aim,
+    /// The ideal touch on every device, in the order of `cases`; none where touches are not judged.
+    ideal: Vec<IdealTouch>,
 }
 
 /// What is asked of a setting.
@@ -60,11 +73,17 @@ impl Judgement {
         if quick && cases.len() > DECISIVE.len() {
             cases.retain(|case| DECISIVE.contains(&case.name));
         }
+        let touches = cases
+            .iter()
+            .map(|case| IdealTouch::of(&case.of(scene), &programme));
+        // A device that no run can be made of is refused by every other judgement too.
+        let ideal = touches.collect::<Result<_>>().unwrap_or_default();
         Self {
             programme,
             cases,
             reference,
             aim: Aim::Scorecard,
+            ideal,
         }
     }
 
@@ -79,6 +98,7 @@ impl Judgement {
             cases: vec![&CASES[0]],
             reference,
             aim: Aim::Outcome,
+            ideal: Vec::new(),
         }
     }
 
@@ -87,18 +107,25 @@ impl Judgement {
     pub fn ticks(&self, scene: &Scene) -> f64 {
         self.programme.seconds(scene)
             * f64::from(scene.timing.rate_hz)
-            * (GRIPS.len() * self.cases.len()) as f64
+            * (GRIPS.len() * (self.cases.len() + usize::from(self.is_shaken(scene)))) as f64
     }
 
     /// Judges a scene with its law.
     #[must_use]
     pub fn cost(&self, scene: &Scene) -> Cost {
-        let (mut over, mut most) = (0.0, 0.0_f64);
-        for case in &self.cases {
+        let (mut over, mut most, mut wishes) = (0.0, 0.0_f64, 0.0);
+        let mut wish = |share: f64| wishes += WISH * (share - NEAR).clamp(0.0, MOST_WISH);
+        for (at, case) in self.cases.iter().enumerate() {
             let changed = case.of(scene);
-            for grip in GRIPS {
+            for (hand, grip) in GRIPS.into_iter().enumerate() {
                 let shares = match self.aim {
-                    Aim::Scorecard => self.of_scorecard(&changed, case, grip),
+                    Aim::Scorecard => self.of_scorecard(&changed, case, grip).map(|it| {
+                        if let Some(ideal) = self.ideal.get(at) {
+                            let deep = ideal.ratios(hand, &it.1).penetration;
+                            wish((deep - 1.0) / (TOUCH - 1.0));
+                        }
+                        it.0
+                    }),
                     Aim::Outcome => self.of_outcome(&changed, grip),
                 };
                 let Ok(shares) = shares else {
@@ -121,20 +148,63 @@ impl Judgement {
                 }
             }
         }
+        if self.is_shaken(scene) {
+            for share in self.of_noise(scene) {
+                wish(share);
+            }
+        }
         Cost {
-            value: over + 0.1 * most.min(WORST_SHARE),
+            value: over + wishes + 0.1 * most.min(WORST_SHARE),
             worst: most,
         }
     }
 
-    /// Each figure over its limit.
-    fn of_scorecard(&self, scene: &Scene, case: &Case, grip: Grip) -> Result<Vec<f64>> {
-        let mut figures = Figures::NONE;
+    /// Whether the nominal device is also judged with noise: where the scene says nothing of any.
+    fn is_shaken(&self, scene: &Scene) -> bool {
+        self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
+    }
+
+    /// Motion at rest and ripple under noise, each over what it should be, in every grip.
+    fn of_noise(&self, scene: &Scene) -> Vec<f64> {
+        let mut noisy = scene.clone();
+        noisy.sensor.noise = Some(SensorNoise {
+            rms_rad: NOISE_DEG.to_radians(),
+        });
+        let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
+        let rest_rad = NOISY_REST_RAD.max(4.0 * count_rad);
+        let mut shares = Vec::new();
+        for grip in GRIPS {
+            let Ok((figures, beside)) = self.felt(&noisy, grip) else {
+                return vec![f64::INFINITY; 2 * GRIPS.len()];
+            };
+            let counts = beside.motion_at_rest_counts.unwrap_or(f64::INFINITY);
+            shares.push(counts * count_rad / rest_rad);
+            shares.push(figures.get(Measure::RippleRmsNM) / self.reference.limit_n_m);
+        }
+        shares
+    }
+
+    /// Figures of all deeds in a grip, and what a press shows beside.
+    fn felt(&self, scene: &Scene, grip: Grip) -> Result<(Figures, Beside)> {
+        let (mut figures, mut beside) = (Figures::NONE, Beside::default());
         for deed in self.programme.deeds() {
             let of_deed = self.programme.scene(scene, grip, deed);
-            figures = figures.worst(&watch::watch(&of_deed, deed, false)?.0);
+            let (felt, shown) = watch::watch(&of_deed, deed, false)?;
+            figures = figures.worst(&felt);
+            if deed == Deed::Press {
+                beside = shown;
+            }
         }
-        Ok(figures.shares(&self.reference.limits(case)).to_vec())
+        Ok((figures, beside))
+    }
+
+    /// Each figure over its limit, and what a press shows beside.
+    fn of_scorecard(&self, scene: &Scene, case: &Case, grip: Grip) -> Result<(Vec<f64>, Beside)> {
+        let (figures, beside) = self.felt(scene, grip)?;
+        Ok((
+            figures.shares(&self.reference.limits(case)).to_vec(),
+            beside,
+        ))
     }
 
     /// Motion at rest and displayed stiffness of the press, modulus and phase of the motion, each over its limit.

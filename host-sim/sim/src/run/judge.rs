@@ -1,8 +1,8 @@
 //! What a run is judged by, gathered tick by tick, and the verdict.
 
 use super::measure::{
-    DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple, Settle, Settled,
-    WorstWindow,
+    ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
+    Settle, Settled, WorstWindow,
 };
 use super::terms::Terms;
 use super::tick::{Recorder, Tick};
@@ -102,6 +102,7 @@ struct Felt {
     ripple: Ripple,
     release: Option<Release>,
     hardness: RateHardness,
+    rise: ContactRise,
     /// Kinetic energy of the device at the start, J.
     kinetic_start_j: Option<f64>,
     /// In springs, gravity and magnets of the device since the start, J.
@@ -122,6 +123,7 @@ impl Felt {
             ripple: Ripple::new(terms.ripple, 1.0 / terms.period_s),
             release: press.map(|press| Release::new(press.release)),
             hardness: RateHardness::new(terms.period_s),
+            rise: ContactRise::new(terms.period_s),
             kinetic_start_j: None,
             stored_j: 0.0,
             wall_window: WorstWindow::default(),
@@ -147,6 +149,7 @@ impl Felt {
         }
         self.ripple.record(tick.index, force);
         self.hardness.record(e, force);
+        self.rise.record(e, tick.velocity_rad_per_s, force);
         let kinetic_j = |velocity: f64| 0.5 * terms.inertia_kg_m2 * velocity * velocity;
         let start_j = *self
             .kinetic_start_j
@@ -169,6 +172,10 @@ pub struct Judgement {
     pub k_displayed: Option<f64>,
     /// N·m/rad.
     pub rate_hardness: Option<f64>,
+    /// N·m/rad.
+    pub extended_rate_hardness: Option<f64>,
+    /// N·m.
+    pub touch_torque_n_m: Option<f64>,
     /// Deepest penetration over `F/k_de`.
     pub peak_penetration_ratio: Option<f64>,
     /// `F/x` of a moving hand.
@@ -304,6 +311,8 @@ impl Judge {
             k_displayed: (held && verdict < Verdict::Unstable && shown.is_finite())
                 .then_some(shown),
             rate_hardness: felt.hardness.n_m_per_rad(),
+            extended_rate_hardness: felt.rise.n_m_per_rad(),
+            touch_torque_n_m: felt.rise.torque_n_m(),
             peak_penetration_ratio: self
                 .terms
                 .press

@@ -34,6 +34,10 @@ pub struct Summary {
     pub k_displayed: Option<f64>,
     /// Rate-hardness of the first contact, thesis (1.5), from true force and true motion, N·m/rad.
     pub rate_hardness: Option<f64>,
+    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad.
+    pub extended_rate_hardness: Option<f64>,
+    /// Largest torque of the motor in the first five milliseconds of the first contact, N·m.
+    pub touch_torque_n_m: Option<f64>,
     /// Deepest penetration over `F/k_de`, with `F` the largest static torque that the motion aims at; 1 is ideal.
     pub peak_penetration_ratio: Option<f64>,
     /// `F/x` for a hand that moves in a rhythm inside the wall; empty where it does not, or leaves the wall.
@@ -105,6 +109,8 @@ impl Summary {
             verdict: judged.verdict,
             k_displayed: judged.k_displayed,
             rate_hardness: judged.rate_hardness,
+            extended_rate_hardness: judged.extended_rate_hardness,
+            touch_torque_n_m: judged.touch_torque_n_m,
             peak_penetration_ratio: judged.peak_penetration_ratio,
             dynamic_stiffness: judged.dynamic_stiffness.into_iter().collect(),
             ripple_rms_n_m: judged.ripple_rms_n_m,

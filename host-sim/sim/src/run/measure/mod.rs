@@ -8,6 +8,7 @@ mod penetration;
 mod release;
 mod response;
 mod ripple;
+mod rise;
 mod settle;
 mod windowed_energy;
 
@@ -16,5 +17,6 @@ pub use penetration::PeakPenetration;
 pub use release::Release;
 pub use response::{DynamicStiffness, Response, Wiggle};
 pub use ripple::{HIGH_PASS_HZ, Ripple};
+pub use rise::{ContactRise, RISE_S};
 pub use settle::{Settle, Settled, TOLERANCE};
 pub use windowed_energy::WorstWindow;

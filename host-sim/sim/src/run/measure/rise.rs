@@ -1,0 +1,135 @@
+//! How hard a contact begins: by how fast the torque rises when the device enters the wall.
+
+use std::collections::VecDeque;
+
+/// Time over which a change of the torque is taken, s; a tick where that is longer. So rates can be compared.
+const CHANGE_S: f64 = 1e-3;
+/// Time from the entry in which the torque rises, s: a tap is felt by it.
+pub const RISE_S: f64 = 5e-3;
+/// Longest initial contact, s, as for rate-hardness.
+const LONGEST_S: f64 = 0.02;
+
+/// Extended rate-hardness (Han and Choi 2010): the largest rate of change of the force over the largest speed, in the first contact; and the
+/// largest torque in its first five milliseconds.
+#[derive(Debug, Clone)]
+pub struct ContactRise {
+    period_s: f64,
+    /// Forces of the last [`CHANGE_S`], the latest last.
+    past: VecDeque<f64>,
+    /// Ticks since the entry; absent before it.
+    inside: Option<u64>,
+    over: bool,
+    steepest_n_m_per_s: f64,
+    fastest_rad_per_s: f64,
+    torque_n_m: f64,
+}
+
+impl ContactRise {
+    /// For a period of the ticks, s.
+    #[must_use]
+    pub fn new(period_s: f64) -> Self {
+        let change = (CHANGE_S / period_s).round().max(1.0) as usize;
+        Self {
+            period_s,
+            past: VecDeque::from(vec![0.0; change]),
+            inside: None,
+            over: false,
+            steepest_n_m_per_s: 0.0,
+            fastest_rad_per_s: 0.0,
+            torque_n_m: 0.0,
+        }
+    }
+
+    /// Takes a tick: true penetration and inward speed at its sample, rad and rad/s, and the force that was held over it, N·m out of the wall.
+    pub fn record(&mut self, penetration_rad: f64, speed_rad_per_s: f64, force_n_m: f64) {
+        if self.over || (self.inside.is_none() && penetration_rad <= 0.0) {
+            return;
+        }
+        let ticks = self.inside.map_or(0, |ticks| ticks + 1);
+        let ended = ticks as f64 * self.period_s > LONGEST_S - 0.5 * self.period_s;
+        if ended || penetration_rad <= 0.0 {
+            self.over = true;
+            return;
+        }
+        self.inside = Some(ticks);
+        let before = self.past.pop_front().unwrap_or_default();
+        self.past.push_back(force_n_m);
+        let per_s = (force_n_m - before) / (self.past.len() as f64 * self.period_s);
+        self.steepest_n_m_per_s = self.steepest_n_m_per_s.max(per_s);
+        self.fastest_rad_per_s = self.fastest_rad_per_s.max(speed_rad_per_s.abs());
+        if (ticks as f64 + 0.5) * self.period_s < RISE_S {
+            self.torque_n_m = self.torque_n_m.max(force_n_m);
+        }
+    }
+
+    /// Extended rate-hardness, N·m/rad; `None` without a contact that moved.
+    #[must_use]
+    pub fn n_m_per_rad(&self) -> Option<f64> {
+        let hardness = self.steepest_n_m_per_s / self.fastest_rad_per_s;
+        (self.inside.is_some() && hardness.is_finite()).then_some(hardness)
+    }
+
+    /// Largest torque in the first five milliseconds, N·m; `None` without a contact.
+    #[must_use]
+    pub fn torque_n_m(&self) -> Option<f64> {
+        self.inside.map(|_| self.torque_n_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device that enters `F(x, v)` at 2 rad/s and slows down evenly to nothing in 10 ms.
+    fn entered(period_s: f64, force: impl Fn(f64, f64) -> f64) -> ContactRise {
+        let mut rise = ContactRise::new(period_s);
+        let ticks = (0.012 / period_s) as i32;
+        rise.record(-1e-3, 2.0, 0.0);
+        for tick in 0..ticks {
+            let t = (f64::from(tick) + 1e-6) * period_s;
+            let (x, v) = (2.0 * t - 100.0 * t * t, 2.0 - 200.0 * t);
+            rise.record(x, v, force(x, v));
+        }
+        rise
+    }
+
+    #[test]
+    fn a_spring_is_as_hard_as_it_is_stiff_and_damping_adds_what_it_has_at_once() {
+        for period_s in [1e-3, 1e-4, 2e-5] {
+            let spring = entered(period_s, |x, _| 5.0 * x);
+            // Over a millisecond in which the speed falls by a tenth.
+            let found = spring.n_m_per_rad().unwrap();
+            assert!((4.4..=5.0).contains(&found), "{period_s}: {found}");
+            let torque = spring.torque_n_m().unwrap();
+            let last = 5e-3 - period_s;
+            let expected = 5.0 * (2.0 * last - 100.0 * last * last);
+            assert!(
+                (torque / expected - 1.0).abs() < 1e-2,
+                "{torque} {expected}"
+            );
+            let damped = entered(period_s, |x, v| 5.0 * x + 0.01 * v);
+            // 0.02 N·m at once are 20 N·m/s over a millisecond.
+            let found = damped.n_m_per_rad().unwrap();
+            assert!((9.5..=14.5).contains(&found), "{period_s}: {found}");
+            assert!(damped.torque_n_m().unwrap() > torque);
+        }
+    }
+
+    #[test]
+    fn only_the_first_contact_counts() {
+        let mut rise = ContactRise::new(1e-3);
+        assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
+        rise.record(-1e-3, 1.0, 0.0);
+        assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
+        rise.record(1e-3, 1.0, 5e-3);
+        rise.record(2e-3, 1.0, 10e-3);
+        // What comes later than five milliseconds is no rise, but hardness.
+        (3..=10).for_each(|i| rise.record(f64::from(i) * 1e-3, 1.0, f64::from(i) * 5e-3));
+        assert_eq!(rise.torque_n_m(), Some(25e-3));
+        assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
+        // Out, and in once more with a blow.
+        rise.record(-1e-3, -1.0, 0.0);
+        rise.record(1e-3, 9.0, 1.0);
+        assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
+    }
+}
