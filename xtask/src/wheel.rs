@@ -7,7 +7,12 @@ use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
 /// What builds the wheel, and what its tests need beside it.
-const TOOLS: [&str; 3] = ["maturin>=1.9,<2", "pytest>=7", "numpy>=1.22"];
+const TOOLS: [&str; 4] = [
+    "maturin>=1.9,<2",
+    "pytest>=7",
+    "numpy>=1.22",
+    "gymnasium>=1",
+];
 
 pub fn run(args: &[String]) -> Outcome {
     if !args.is_empty() {
@@ -59,7 +64,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     let place = folder.join("venv");
     let python = place.join("bin/python3");
     let complete = folder.join("venv-complete");
-    if complete.exists() {
+    if std::fs::read_to_string(&complete).is_ok_and(|has| has == TOOLS.join(" ")) {
         return Ok(python);
     }
     done(std::fs::create_dir_all(folder), folder)?;
@@ -75,7 +80,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     let mut pip = shell::program(&python);
     pip.args(["-m", "pip", "install", "--quiet"]).args(TOOLS);
     shell::run(&mut pip).went_well().map_err(missing)?;
-    done(std::fs::write(&complete, ""), &complete)?;
+    done(std::fs::write(&complete, TOOLS.join(" ")), &complete)?;
     Ok(python)
 }
 

@@ -23,6 +23,7 @@ from ._program import (
     scorecard,
     tune,
 )
+from ._sweep import sweep
 from ._wall import Wall
 
 __all__ = [
@@ -39,5 +40,6 @@ __all__ = [
     "run",
     "scenes",
     "scorecard",
+    "sweep",
     "tune",
 ]

@@ -1,6 +1,9 @@
 """A haptic device with the guard between it and whatever wants a force: a teleoperator's follower, a simulator, a network."""
 
+from __future__ import annotations
+
 import math
+from typing import Any, Callable
 
 from ._native import Guard
 
@@ -18,16 +21,19 @@ class GuardedDevice:
     At most ``capacity_j + refill_w * time`` reaches the hand beyond what it put in, under the conditions of ``Guard``.
     """
 
-    def __init__(self, read, write, *, stale_after_s=0.05, **guard):
+    def __init__(
+        self, read: Callable[[], float], write: Callable[[float], object], *, stale_after_s: float = 0.05, **guard: Any
+    ) -> None:
         if not stale_after_s >= 0:
             raise ValueError(f"stale_after_s = {stale_after_s}: give a time of at least 0 s")
         self.guard = Guard(**guard)
         self.force_limit = guard["force_limit_n_m"]
         self.stale_after_s = stale_after_s
         self.stale_steps = 0
-        self._read, self._write, self._last = read, write, None
+        self._read, self._write = read, write
+        self._last: float | None = None
 
-    def step(self, wanted, age_s=0.0):
+    def step(self, wanted: float, age_s: float = 0.0) -> float:
         """One control period: reads, bounds, writes; the force that was written, along the position.
 
         After overspeed it writes 0 until ``resume``. Where reading or writing fails, the motor is written 0, the account is empty, and the
@@ -51,12 +57,12 @@ class GuardedDevice:
             self._end()
             raise
 
-    def off(self):
+    def off(self) -> None:
         """Switches the force off, after a last step that accounts for it. ``resume`` before the next ``step``."""
         self.step(0.0)
         self._end()
 
-    def _end(self):
+    def _end(self) -> None:
         """Switches the force off at once. Nobody knows how long the last one acted, so the guard empties the account for it."""
         try:
             self._write(0.0)
@@ -64,13 +70,13 @@ class GuardedDevice:
             self.guard.switched_off()
             self._last = None
 
-    def resume(self):
+    def resume(self) -> None:
         """Goes on after ``off`` or overspeed, with the account that there was."""
         self.guard.resume()
         self._last = None
 
-    def __enter__(self):
+    def __enter__(self) -> GuardedDevice:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.off()

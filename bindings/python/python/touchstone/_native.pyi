@@ -1,6 +1,6 @@
 import numpy
 import numpy.typing
-from typing_extensions import TypeAlias
+from typing_extensions import Self, TypeAlias
 
 Array: TypeAlias = numpy.typing.NDArray[numpy.float64]
 __version__: str
@@ -32,14 +32,14 @@ class Guard:
     def tripped(self) -> bool: ...
 
 class Wall:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         settings: list[tuple[str, str]] | None = None,
         *,
         counts_per_rev: int = 40_000,
         surface_rad: float = 0.0,
         preset: str = "shipped",
-    ) -> None: ...
+    ) -> Self: ...
     def tick(self, penetration_rad: float) -> float: ...
     def tick_count(self, count: int) -> float: ...
     def ticks(self, penetration_rad: Array) -> Array: ...

@@ -1,5 +1,7 @@
 """The program `touchstone`: the simulator, its verdicts and its measures, as functions."""
 
+from __future__ import annotations
+
 import json
 import os
 import shutil
@@ -7,14 +9,22 @@ import subprocess
 import sysconfig
 import tempfile
 from pathlib import Path
+from typing import Any, Mapping, Union
+
+import numpy
 
 from ._text import text
+
+#: A shipped scene's name, a path, or a dict.
+Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+#: Fields of a scene and their values.
+Changes = Union[Mapping[str, Any], None]
 
 
 class Failed(RuntimeError):
     """The program ended without a result. ``code`` is its exit code."""
 
-    def __init__(self, message, code):
+    def __init__(self, message: str, code: int) -> None:
         super().__init__(message)
         self.code = code
 
@@ -26,12 +36,12 @@ class Mistake(Failed, ValueError):
 class NotMet(Failed):
     """The run is done, but a demand on it does not hold. ``results`` has what came."""
 
-    def __init__(self, message, code, results):
+    def __init__(self, message: str, code: int, results: dict[str, Any]) -> None:
         super().__init__(message, code)
         self.results = results
 
 
-def program():
+def program() -> str:
     """The path of the program: ``TOUCHSTONE_PROGRAM``, that of this package, or one on the PATH."""
     given = os.environ.get("TOUCHSTONE_PROGRAM")
     if given:
@@ -47,7 +57,7 @@ def program():
     return found
 
 
-def _ask(*words):
+def _ask(*words: str) -> dict[str, Any]:
     """What the program prints as JSON."""
     done = subprocess.run([program(), *words, "--json"], capture_output=True, stdin=subprocess.DEVNULL, encoding="utf-8", check=False)
     said = done.stderr.strip()
@@ -60,9 +70,9 @@ def _ask(*words):
     raise kind(said or f"exit code {done.returncode}", done.returncode)
 
 
-def _options(options):
+def _options(options: Mapping[str, Any]) -> list[str]:
     """Keywords as options: ``k_desired=5`` is ``--k-desired 5``, ``quick=True`` is ``--quick``."""
-    words = []
+    words: list[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
         if value is True:
@@ -74,14 +84,14 @@ def _options(options):
     return words
 
 
-def _changes(changes):
-    words = []
+def _changes(changes: Changes) -> list[str]:
+    words: list[str] = []
     for path, value in (changes or {}).items():
         words += ["--set", f"{path}={text(value)}"]
     return words
 
 
-def _toml(table, prefix=""):
+def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
     """A scene's dict as TOML: tables of tables, texts, numbers, lists."""
     lines, tables = [], []
     for key, value in table.items():
@@ -98,51 +108,47 @@ def _toml(table, prefix=""):
 class _Scene:
     """A scene as the program takes it: a shipped name, a file, or a dict written to one."""
 
-    def __init__(self, scene):
-        self.file = None
-        if isinstance(scene, dict):
+    def __init__(self, scene: Scene) -> None:
+        self.file: str | None = None
+        if isinstance(scene, Mapping):
             handle, self.file = tempfile.mkstemp(suffix=".toml", prefix="touchstone-")
             with os.fdopen(handle, "w", encoding="utf-8") as file:
                 file.write(_toml(scene))
         self.name = self.file or os.fspath(scene)
 
-    def __enter__(self):
+    def __enter__(self) -> str:
         return self.name
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         if self.file:
             os.unlink(self.file)
 
 
-class Run(dict):
+class Run(dict[str, Any]):
     """The results of ``run``: a dict as ``results.json`` has it, with its measures and traces at hand."""
 
-    #: Where traces were written; ``None`` without ``trace=True``.
-    folder = None
+    _columns: tuple[list[str], numpy.ndarray] | None = None
 
     @property
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """The measures of the run, by name; ``results["units"]`` has their units."""
-        return self["runs"][0]
+        summary: dict[str, Any] = self["runs"][0]
+        return summary
 
     @property
-    def verdict(self):
+    def verdict(self) -> str:
         """passive, active, limit-cycle, unstable or no-contact."""
-        return self.summary["verdict"]
+        return str(self.summary["verdict"])
 
-    def trace(self):
+    def trace(self) -> dict[str, numpy.ndarray]:
         """Every tick as a dict of numpy arrays, by column (with its unit in its name)."""
-        import numpy
-
         if self._columns is None:
             raise Failed("no trace was kept: run with trace=True", 2)
         names, values = self._columns
         return {name: numpy.ascontiguousarray(values[:, index]) for index, name in enumerate(names)}
 
-    _columns = None
 
-
-def run(scene="thesis-knob", changes=None, *, trace=False, **options):
+def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = False, **options: Any) -> Run:
     """Runs a scene: a shipped name, a path, or a dict. ``changes`` maps fields to values; other keywords are the program's options.
 
     ``run("tap", {"device.inertia_kg_m2": 2e-4}, expect="passive", trace=True)``. Raises ``Mistake`` with place, problem and remedy, and
@@ -154,8 +160,6 @@ def run(scene="thesis-knob", changes=None, *, trace=False, **options):
             words += ["--out", str(Path(folder) / "run")]
         done = Run(_ask(*words))
         if trace:
-            import numpy
-
             file = next((Path(folder) / "run" / "traces").glob("*.csv"))
             with open(file, encoding="utf-8") as rows:
                 names = rows.readline().strip().split(",")
@@ -163,24 +167,24 @@ def run(scene="thesis-knob", changes=None, *, trace=False, **options):
         return done
 
 
-def scorecard(scene="thesis-knob", changes=None, **options):
+def scorecard(scene: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
     """Compares laws by what a hand feels: ``scorecard("thesis-knob", law=["enhanced", "spring"], k_desired=14)``."""
     with _Scene(scene) as name:
         return _ask("scorecard", name, *_changes(changes), *_options(options))
 
 
-def tune(device="thesis-knob", changes=None, **options):
+def tune(device: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
     """Finds settings for a device: ``tune("DEVICE.toml", quick=True, out="tuned.toml")``."""
     with _Scene(device) as name:
         return _ask("tune", name, *_changes(changes), *_options(options))
 
 
-def certify(scene="thesis-knob", changes=None, **options):
+def certify(scene: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
     """Says whether a wall is stable, for which hands, and by which margins, without a run."""
     with _Scene(scene) as name:
         return _ask("certify", name, *_changes(changes), *_options(options))
 
 
-def scenes():
+def scenes() -> dict[str, Any]:
     """The scenes that come with the program."""
     return _ask("scenes")

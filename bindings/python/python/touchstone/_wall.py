@@ -1,5 +1,9 @@
 """The wall with its settings as a dict."""
 
+from __future__ import annotations
+
+from typing import Any, Mapping
+
 from . import _native
 from ._text import text
 
@@ -12,6 +16,13 @@ class Wall(_native.Wall):
     ``preset="thesis"`` starts from the settings of the thesis. Raises ``ValueError`` that names the setting and its range.
     """
 
-    def __new__(cls, settings=None, *, counts_per_rev=40_000, surface_rad=0.0, preset="shipped"):
+    def __new__(
+        cls,
+        settings: Mapping[str, Any] | None = None,
+        *,
+        counts_per_rev: int = 40_000,
+        surface_rad: float = 0.0,
+        preset: str = "shipped",
+    ) -> Wall:
         rows = [(path, text(value)) for path, value in (settings or {}).items()]
         return super().__new__(cls, rows, counts_per_rev=counts_per_rev, surface_rad=surface_rad, preset=preset)

@@ -1,0 +1,130 @@
+"""A map of two settings, its parts on any executor: threads, processes, or the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from concurrent.futures import BrokenExecutor, as_completed
+from pathlib import Path
+from typing import Any, Callable, Sequence
+
+from ._program import Changes, Failed, Scene, _ask, _changes, _options, _Scene
+
+#: How often a part is started again whose worker or program was killed.
+ATTEMPTS = 3
+
+
+def sweep(
+    scene: Scene,
+    x: str,
+    y: str,
+    *,
+    out: str | os.PathLike[str],
+    changes: Changes = None,
+    measure: str | Sequence[str] = (),
+    executor: Any = None,
+    parts: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> dict[str, Any]:
+    """Runs a scene once for every pair of two settings; the results of ``touchstone sweep``, with files and maps in the folder ``out``.
+
+    ``x`` and ``y`` are axes as the program takes them: ``"wall.k_desired_n_m_per_rad=0.5..10:100"``. ``executor`` computes the parts: any
+    executor of ``concurrent.futures``, a Dask ``Client`` or its executor, or a function that makes one, which is called again after a worker
+    was killed. Without one, this machine's cores compute. The files are the same to the byte for every executor and every number of ``parts``.
+
+    ``progress(done, parts)`` is called after each part. Finished parts stay in ``out + ".parts"`` until the map is whole, so that the same call
+    goes on where it ended. Another map needs another ``out``.
+
+        >>> from distributed import Client
+        >>> sweep("tap", "wall.k_desired_n_m_per_rad=1..20:1000", "timing.rate_hz=500..4000:1000", out="map", measure="k_displayed", executor=Client("host:8786"))
+    """
+    measures = [measure] if isinstance(measure, str) else list(measure)
+    asked = [*_changes(changes), *_options({"x": x, "y": y, "measure": measures, **options})]
+    if executor is None:
+        with _Scene(scene) as name:
+            return _ask("sweep", name, *asked, "--out", os.fspath(out))
+    if not measures:
+        # `sweep merge` cannot read parts without one.
+        raise ValueError("measure = (): name at least one measure where an executor computes, such as \"penetration_max\"")
+    text = _text_of(scene)
+    count = parts or 16
+    kept = Path(os.fspath(out) + ".parts")
+    kept.mkdir(parents=True, exist_ok=True)
+    folders = [kept / f"{count}-{part}" for part in range(1, count + 1)]
+    _compute(executor, text, asked, folders, progress)
+    drawn = {name: options[name] for name in ("no_certificate", "overlay", "force") if name in options}
+    results = _ask("sweep", "merge", *map(str, folders), *_options(drawn), "--out", os.fspath(out))
+    for folder in folders:
+        for file in folder.iterdir():
+            file.unlink()
+        folder.rmdir()
+    if not any(kept.iterdir()):
+        kept.rmdir()
+    return results
+
+
+def _compute(
+    executor: Any, text: str | bytes, asked: list[str], folders: list[Path], progress: Callable[[int, int], object] | None
+) -> None:
+    """Has every part computed that no folder holds yet."""
+    makes = callable(executor) and not hasattr(executor, "submit")
+    for attempt in range(ATTEMPTS):
+        missing = [part for part, folder in enumerate(folders) if not folder.exists()]
+        if not missing:
+            return
+        pool = executor() if makes else executor
+        # Dask's client has futures of its own; its executor has those of the standard library.
+        pool = pool.get_executor() if hasattr(pool, "get_executor") else pool
+        try:
+            futures = {pool.submit(_part, text, asked, part + 1, len(folders)): part for part in missing}
+            for future in as_completed(futures):
+                _keep(folders[futures[future]], future.result())
+                if progress:
+                    progress(sum(folder.exists() for folder in folders), len(folders))
+            return
+        except BrokenExecutor as broken:
+            if not makes or attempt + 1 == ATTEMPTS:
+                done = sum(folder.exists() for folder in folders)
+                raise Failed(
+                    f"sweep: a worker of the executor was killed with {done} of {len(folders)} parts done; they are kept: call again with a "
+                    "new executor, or give a function that makes one",
+                    1,
+                ) from broken
+        finally:
+            if makes:
+                pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[str, bytes]:
+    """Computes one part, wherever this runs; its files by name."""
+    with tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
+        scene = text
+        if not isinstance(text, str):
+            scene = str(Path(folder) / "scene.toml")
+            Path(scene).write_bytes(text)
+        made = Path(folder) / "part"
+        for attempt in range(ATTEMPTS):
+            try:
+                # The workers are as many as the cores, or more.
+                _ask("sweep", scene, *asked, "--threads", "1", "--shard", f"{part}/{parts}", "--out", str(made))
+                break
+            except Failed as failed:
+                # Below 0: killed by a signal. The folder has what was done.
+                if failed.code >= 0 or attempt + 1 == ATTEMPTS:
+                    raise
+        return {file.name: file.read_bytes() for file in made.iterdir()}
+
+
+def _keep(folder: Path, files: dict[str, bytes]) -> None:
+    """Writes a part's files, so that the folder is there whole or not at all."""
+    written = Path(tempfile.mkdtemp(prefix="part-", dir=folder.parent))
+    for name, content in files.items():
+        (written / name).write_bytes(content)
+    written.rename(folder)
+
+
+def _text_of(scene: Scene) -> str | bytes:
+    """A shipped scene's name, or the bytes of a file: a worker may be on another machine."""
+    with _Scene(scene) as name:
+        return Path(name).read_bytes() if Path(name).is_file() else name

@@ -1,0 +1,201 @@
+"""Gymnasium environments at a simulated knob: press a wall, find a detent, hold an angle against noise.
+
+An agent is the hand: its action is a torque on the knob. The knob's own motor plays Touchstone's wall, or a force behind its guard, at 1 kHz; a step of
+an environment is ten of these ticks. Importing this module registers ``touchstone/Press-v0``, ``touchstone/FindDetent-v0`` and
+``touchstone/Hold-v0``.
+
+    >>> import gymnasium, touchstone.gym
+    >>> press = gymnasium.make("touchstone/Press-v0")
+    >>> observation, info = press.reset(seed=1)
+    >>> observation, reward, terminated, truncated, info = press.step([0.5])
+"""
+
+import math
+
+import gymnasium
+import numpy
+
+from ._native import Guard
+from ._wall import Wall
+
+RATE_HZ = 1000
+TICKS_PER_STEP = 10
+STEPS_PER_EPISODE = 300
+INERTIA_KG_M2 = 1e-4
+DAMPING_N_M_S_PER_RAD = 1e-3
+HAND_TORQUE_N_M = 0.2
+MOTOR_TORQUE_N_M = 0.5
+COUNTS_PER_REV = 40_000
+COUNT_RAD = 2 * math.pi / COUNTS_PER_REV
+#: Beyond it an episode ends.
+RANGE_RAD = math.pi
+FASTEST_RAD_PER_S = 100.0
+
+
+class Knob:
+    """An inertia with a damper, crossed exactly over a tick of constant torque."""
+
+    def __init__(self, angle_rad=0.0):
+        self.angle_rad, self.speed_rad_per_s = angle_rad, 0.0
+        self._count = self.count
+        self._decay = math.exp(-DAMPING_N_M_S_PER_RAD / INERTIA_KG_M2 / RATE_HZ)
+
+    def advance(self, torque_n_m):
+        """One tick."""
+        final = torque_n_m / DAMPING_N_M_S_PER_RAD
+        before, self.speed_rad_per_s = self.speed_rad_per_s, final + (self.speed_rad_per_s - final) * self._decay
+        self.angle_rad += final / RATE_HZ + (before - self.speed_rad_per_s) * INERTIA_KG_M2 / DAMPING_N_M_S_PER_RAD
+
+    @property
+    def count(self):
+        """What the encoder reads."""
+        return math.floor(self.angle_rad / COUNT_RAD + 0.5)
+
+    def moved_rad(self):
+        """How far the encoder moved since this was last called."""
+        before, self._count = self._count, self.count
+        return (self._count - before) * COUNT_RAD
+
+
+def _guard():
+    return Guard(
+        rate_hz=RATE_HZ,
+        force_limit_n_m=MOTOR_TORQUE_N_M,
+        count_rad=COUNT_RAD,
+        damping_n_m_s_per_rad=DAMPING_N_M_S_PER_RAD,
+        overspeed_rad_per_s=FASTEST_RAD_PER_S,
+    )
+
+
+class _AtTheKnob(gymnasium.Env):
+    """What the environments share. Observed: angle (rad), speed (rad/s), the motor's torque (N·m), and the goal."""
+
+    metadata = {"render_modes": []}
+
+    def __init__(self):
+        most = numpy.array([2 * RANGE_RAD, 10 * FASTEST_RAD_PER_S, MOTOR_TORQUE_N_M, 2 * RANGE_RAD], dtype=numpy.float32)
+        self.observation_space = gymnasium.spaces.Box(-most, most)
+        #: A share of HAND_TORQUE_N_M.
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=numpy.float32)
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self._steps, self._motor_n_m = 0, 0.0
+        self._knob = Knob(self._begin())
+        return self._observed(), {}
+
+    def step(self, action):
+        share = float(numpy.asarray(action, dtype=float).reshape(-1)[0])
+        if math.isnan(share):
+            raise ValueError("action is not a number: give a share of the hand's torque from -1 to 1")
+        hand = HAND_TORQUE_N_M * max(-1.0, min(1.0, share))
+        for _ in range(TICKS_PER_STEP):
+            self._motor_n_m = self._motor()
+            self._knob.advance(hand + self._motor_n_m + self._disturbance())
+        self._steps += 1
+        away = abs(self._knob.angle_rad) > RANGE_RAD
+        error = self._error()
+        reward = -1.0 if away else math.exp(-abs(error))
+        return self._observed(), reward, away, self._steps >= STEPS_PER_EPISODE, {"error": error, "account_j": self._account_j()}
+
+    def _observed(self):
+        seen = [self._knob.angle_rad, self._knob.speed_rad_per_s, self._motor_n_m, self._goal()]
+        box = self.observation_space
+        return numpy.clip(numpy.array(seen, dtype=numpy.float32), box.low, box.high)
+
+    def _disturbance(self):
+        return 0.0
+
+
+class Press(_AtTheKnob):
+    """Press a virtual wall with a given torque: the error is what the motor resists beside it, in tenths of it."""
+
+    def __init__(self, stiffness_n_m_per_rad=1.0):
+        super().__init__()
+        self._settings = {
+            "wall.k_desired_n_m_per_rad": stiffness_n_m_per_rad,
+            "law.estimator.inertia_kg_m2": INERTIA_KG_M2,
+            "law.estimator.damping_n_m_s_per_rad": DAMPING_N_M_S_PER_RAD,
+        }
+
+    def _begin(self):
+        self._torque_n_m = float(self.np_random.uniform(0.02, 0.15))
+        self._surface_rad = float(self.np_random.uniform(0.2, 0.8))
+        self._wall = Wall(self._settings, counts_per_rev=COUNTS_PER_REV, surface_rad=self._surface_rad)
+        return 0.0
+
+    def _motor(self):
+        return self._wall.tick_count(self._knob.count)
+
+    def _goal(self):
+        return self._torque_n_m
+
+    def _error(self):
+        return (-self._motor_n_m - self._torque_n_m) / (0.1 * self._torque_n_m)
+
+    def _account_j(self):
+        return self._wall.account_j
+
+
+class _Guarded(_AtTheKnob):
+    """A motor whose wanted torque goes through the guard."""
+
+    def _begin(self):
+        self._behind = _guard()
+        return 0.0
+
+    def _motor(self):
+        wanted = self._wanted()
+        # The guard counts a torque that resists a motion as positive.
+        return -self._behind.tick(self._knob.moved_rad(), -wanted)
+
+    def _account_j(self):
+        return self._behind.account_j
+
+
+class FindDetent(_Guarded):
+    """Come to rest in the one deep detent among shallow ones, which is felt and not seen: the goal tells the torque of a deep one alone."""
+
+    WIDTH_RAD = 0.2
+    DEEP_N_M, SHALLOW_N_M = 0.1, 0.02
+
+    def _begin(self):
+        self._deep = int(self.np_random.integers(2, 9)) * (1 if self.np_random.random() < 0.5 else -1)
+        return super()._begin()
+
+    def _wanted(self):
+        place = self._knob.angle_rad / self.WIDTH_RAD
+        nearest = math.floor(place + 0.5)
+        most = self.DEEP_N_M if nearest == self._deep else self.SHALLOW_N_M
+        return -most * math.sin(2 * math.pi * (place - nearest))
+
+    def _goal(self):
+        return self.DEEP_N_M
+
+    def _error(self):
+        return self._knob.angle_rad / self.WIDTH_RAD - self._deep
+
+
+class Hold(_Guarded):
+    """Hold an angle while the motor plays noise of 30 mN·m through the guard: the error is in hundredths of a radian."""
+
+    NOISE_N_M = 0.03
+
+    def _begin(self):
+        self._angle_rad = float(self.np_random.uniform(-1.0, 1.0))
+        super()._begin()
+        return self._angle_rad
+
+    def _wanted(self):
+        return float(self.np_random.normal(0.0, self.NOISE_N_M))
+
+    def _goal(self):
+        return self._angle_rad
+
+    def _error(self):
+        return (self._knob.angle_rad - self._angle_rad) / 0.01
+
+
+gymnasium.register("touchstone/Press-v0", entry_point=Press)
+gymnasium.register("touchstone/FindDetent-v0", entry_point=FindDetent)
+gymnasium.register("touchstone/Hold-v0", entry_point=Hold)

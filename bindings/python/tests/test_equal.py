@@ -1,0 +1,63 @@
+"""What the package says of a shipped scene, the program says: the same numbers to the bit. Skipped where the program is not there."""
+
+import json
+import subprocess
+
+import numpy
+import pytest
+import touchstone
+
+try:
+    SCENES = [scene["name"] for scene in touchstone.scenes()["scenes"]]
+except touchstone.Failed as missing:
+    pytest.skip(str(missing), allow_module_level=True)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def both(request, tmp_path_factory):
+    """A scene's run by the package, and what the program printed and wrote of it."""
+    folder = tmp_path_factory.mktemp("run") / request.param
+    words = [touchstone.program(), "run", request.param, "--json", "--out", str(folder)]
+    printed = subprocess.run(words, check=True, capture_output=True).stdout
+    return touchstone.run(request.param, trace=True), json.loads(printed), folder
+
+
+def test_measures_are_the_programs(both):
+    package, program, _ = both
+    assert [package.summary] == program["runs"]
+
+
+def test_traces_are_the_programs(both):
+    package, _, folder = both
+    (file,) = (folder / "traces").glob("*.csv")
+    names, *rows = file.read_text(encoding="utf-8").splitlines()
+    columns = zip(*(row.split(",") for row in rows))
+    program = {name: numpy.array([float(it or "nan") for it in column]) for name, column in zip(names.split(","), columns)}
+    package = package.trace()
+    assert list(package) == list(program)
+    for name, column in program.items():
+        assert package[name].tobytes() == column.tobytes(), name
+
+
+def _settings(table, prefix=""):
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _settings(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def test_a_wall_tick_by_tick_gives_the_forces_of_the_run(both):
+    tomllib = pytest.importorskip("tomllib", reason="Python 3.11 reads TOML")
+    package, _, folder = both
+    scene = tomllib.loads((folder / "scene.toml").read_text(encoding="utf-8"))
+    settings = {path: value for path, value in _settings(scene) if path.startswith("law.") and path != "law.number"}
+    settings["timing.rate_hz"] = scene["timing"]["rate_hz"]
+    if "encoder" not in scene:
+        pytest.skip("no encoder: the law reads the exact position")
+    settings["wall.k_desired_n_m_per_rad"] = scene["wall"]["k_desired_n_m_per_rad"]
+    counts_per_rev, surface_rad = scene["encoder"]["counts_per_rev"], scene["wall"]["surface_rad"]
+    wall = touchstone.Wall(settings, counts_per_rev=counts_per_rev, surface_rad=surface_rad)
+    trace = package.trace()
+    counts = numpy.rint(trace["angle_measured_rad"] * counts_per_rev / (2 * numpy.pi)).astype(int)
+    assert [-wall.tick_count(count) for count in counts.tolist()] == trace["force_n_m"].tolist()
