@@ -1,7 +1,9 @@
 //! What a board's energy guard may be told so that its bound holds on this board: no file of settings takes any of it away unnoticed.
 
 use crate::value;
-use touchstone_control::{ChangeOfForce, Si};
+use touchstone_control::{ChangeOfForce, Fixed32, Guard, Si};
+use touchstone_drive::change::law_settings;
+use touchstone_drive::wire::hardware;
 use touchstone_protocol::settings::fields::field;
 use touchstone_protocol::settings::{DriveKind, GuardSettings};
 use touchstone_protocol::{Board, DeviceSettings};
@@ -92,6 +94,55 @@ fn trusted(guard: &GuardSettings) -> Si {
     guard
         .share_of_damping
         .saturating_mul(guard.damping_n_m_s_per_rad)
+}
+
+/// What a board's guard promises as it is set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    /// Energy that a hand gets out at once, beyond what it put in, J: the account, and half a count under the largest force that it allows.
+    pub at_once_j: f64,
+    /// And again and again, W.
+    pub refill_w: f64,
+}
+
+/// Of the guard that a board makes of its settings; `None` where it has none.
+#[must_use]
+pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
+    let (law, _) = law_settings(settings, hardware(board)).ok()?;
+    let device = law.guarded_device();
+    let guard = law
+        .guard
+        .on
+        .then(|| Guard::<Fixed32>::new(&law.guard, &device));
+    let guard = guard?.ok()?;
+    let capacity_j = guard.capacity.0.to_num::<f64>();
+    let largest_n_m = capacity_j * guard.per_reach.0.to_num::<f64>();
+    Some(Bound {
+        at_once_j: capacity_j + largest_n_m * device.count.to_num::<f64>() / 2.0,
+        refill_w: guard.refill.0.to_num::<f64>() * f64::from(device.rate_hz),
+    })
+}
+
+/// That in words, with what it rests on.
+#[must_use]
+pub fn promise(settings: &DeviceSettings, board: Board) -> String {
+    let Some(bound) = bound(settings, board) else {
+        return "this board, as it is set, promises nothing: law.guard.on = false, so that no bound holds for what a hand gets out".into();
+    };
+    let guard = &settings.law.guard;
+    // Never less than it is.
+    let milli = |value: f64| (1e5 * value).ceil() / 100.0;
+    let delay = match guard.change {
+        ChangeOfForce::Measured => "",
+        ChangeOfForce::Estimated => ", the delay is the one told",
+    };
+    format!(
+        "this board, as it is set, gives a hand at most {:.2} mJ at once and {:.2} mW beside it, beyond what the hand put in and the knob's own motion; if the knob alone has {:.3e} N·m·s/rad of damping, {} counts a turn are right to half of one, and the motor gives the torque that it is told{delay} (docs/guard-promise.md)",
+        milli(bound.at_once_j),
+        milli(bound.refill_w),
+        trusted(guard).to_num::<f64>(),
+        settings.encoder.counts_per_rev,
+    )
 }
 
 /// Holds the guard of new settings to what is sure of this board, whatever a file says: on, with the position measured when the force
@@ -211,6 +262,23 @@ mod tests {
             hold(&mut told, board, Si::lit("0.000003"));
             assert!(weaker(&sure, &told, board).is_empty(), "{board:?}");
             assert_eq!(told, sure, "{board:?}");
+        }
+    }
+
+    #[test]
+    fn the_bound_of_shipped_boards_is_that_of_the_theorem() {
+        for board in Board::ALL {
+            let mut settings = DeviceSettings::defaults(board);
+            let bound = bound(&settings, board).unwrap();
+            // `board_window` of proofs/coq/Boards.v: 45.145 mJ, and 0.59 mJ in a second.
+            assert!(bound.at_once_j <= 0.045_145, "{board:?} {bound:?}");
+            assert!(bound.at_once_j > 0.045_13, "{board:?} {bound:?}");
+            assert!(bound.refill_w <= 0.000_59 && bound.refill_w > 0.000_49);
+            let text = promise(&settings, board);
+            assert!(text.contains("at most 45.15 mJ at once"), "{text}");
+            settings.law.guard.on = false;
+            assert!(promise(&settings, board).contains("promises nothing"));
+            assert_eq!(super::bound(&settings, board), None);
         }
     }
 }

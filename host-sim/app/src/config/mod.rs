@@ -169,6 +169,13 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
                 let value = value::shown(&settings, field);
                 say!("{} = {value}{}", field.path, value::unit(field));
             }
+            // Where the guard is asked for, what it comes to.
+            if shown
+                .iter()
+                .any(|field| field.path == "law.guard.capacity_j")
+            {
+                tell!("# {}", guard::promise(&settings, client.identity().board));
+            }
             Ok(())
         },
     )

@@ -12,6 +12,7 @@ use std::process::{Command, ExitCode};
 use std::sync::Arc;
 use touchstone_device::haptic::HapticDevice;
 use touchstone_device::{Address, Client, Omega3, ports};
+use touchstone_link::guard;
 use touchstone_link::words::described;
 use touchstone_protocol::PROTOCOL_VERSION;
 use touchstone_protocol::stored::LAYOUT_VERSION;
@@ -109,10 +110,11 @@ pub fn main(options: &Options) -> ExitCode {
         usb::examine(&options.sysfs, &options.dev, &mut tell);
     }
     let address = port(options.port.as_ref(), &mut tell);
-    let (found, start) = device(address.as_ref());
+    let (found, asked) = device(address.as_ref());
     tell("device", found);
-    if let Some(start) = start {
+    if let Some((start, promise)) = asked {
         tell("start", There(start));
+        tell("promise", There(promise));
     }
     omega3(&mut tell);
     let _ = match lacks {
@@ -230,26 +232,27 @@ fn omega3(tell: &mut impl FnMut(&str, Found)) {
     );
 }
 
-/// The device, and how it starts.
-fn device(address: Option<&Address>) -> (Found, Option<String>) {
+/// The device, how it starts, and what its guard promises.
+fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     let Some(address) = address else {
         return (Skipped("no port to ask it on".into()), None);
     };
     match Client::connect(address) {
         Ok(mut client) => {
             let who = There(described(client.identity()));
-            (who, how_it_starts(&mut client).ok())
+            (who, how_it_is_set(&mut client).ok())
         }
         Err(error) => (not_there(address, error), None),
     }
 }
 
-/// Whether its alignment is kept, and whether it starts by itself.
-fn how_it_starts(client: &mut Client) -> touchstone_sim::error::Result<String> {
+/// Whether its alignment is kept, and whether it starts by itself; and the energy that its guard bounds.
+fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, String)> {
     let (report, settings) = (start::report(client)?, client.settings()?);
     let board = client.identity().board;
     let [alignment, autostart] = start::lines(report.as_ref(), &settings, board);
-    Ok(format!("alignment {alignment}; autostart {autostart}"))
+    let start = format!("alignment {alignment}; autostart {autostart}");
+    Ok((start, guard::promise(&settings, board)))
 }
 
 /// Why nobody answers, and what to do.

@@ -20,7 +20,15 @@ fn settings_are_shown_alone_by_table_and_all() {
         "{table}"
     );
     let all = device.run(&["config", "get"]).done();
-    assert_eq!(all.lines().count(), FIELDS.len());
+    // And what the guard comes to.
+    assert_eq!(all.lines().count(), FIELDS.len() + 1);
+    let guard = device.run(&["config", "get", "law.guard"]).done();
+    assert!(
+        guard.contains(
+            "# this board, as it is set, gives a hand at most 45.15 mJ at once and 0.50 mW"
+        ),
+        "{guard}"
+    );
     let wrong = device.run(&["config", "get", "wall.k_desired_nm_per_rad"]);
     wrong.failed(
         2,

@@ -78,6 +78,7 @@ fn all_there() {
         "STLINK-V3 0483:374e 0042",
         "bus/usb/001/007 may be used",
         "nucleo-g474re, firmware 0.1.0",
+        "gives a hand at most 45.15 mJ at once",
         "all there",
     ] {
         assert!(said.contains(part), "{part}: {said}");
