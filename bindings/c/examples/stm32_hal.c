@@ -1,0 +1,49 @@
+/* The guard around a firmware's own torque, in the interrupt of a timer at 1 kHz, on ST's HAL: an encoder in quadrature at TIM3, the driver's input at
+ * a DAC. CubeMX makes the handles and the set-up. Compiled against declarations of what it uses, `tests/stand_in`; nobody has run it on a board. */
+#include "main.h"
+#include "touchstone.h"
+
+extern TIM_HandleTypeDef htim3, htim6;
+extern DAC_HandleTypeDef hdac1;
+extern float your_torque(float angle_rad); /* along the angle, N*m */
+
+#define COUNTS_PER_REV 4096
+#define FULL_SCALE_N_M 0.5f
+
+static ts_guard guard;
+static uint16_t last_count;
+static int32_t turned;
+
+/* The driver's input: 2048 is no torque. */
+static void command(float torque_n_m) {
+  HAL_DAC_SetValue(&hdac1, DAC_CHANNEL_1, DAC_ALIGN_12B_R, (uint32_t)(2048.0f + 2047.0f * torque_n_m / FULL_SCALE_N_M));
+}
+
+/* Call it once, after the HAL's own set-up and before the timer starts. */
+int start_guard(void) {
+  ts_guard_config config;
+  ts_guard_defaults(&config);
+  config.rate_hz = 1000;
+  config.force_limit = TS_SI(0.5);
+  config.count = TS_SI(6.283185 / COUNTS_PER_REV);
+  config.damping = TS_SI(0.0004); /* of your device, as measured */
+  config.delay = TS_SI(0.0001);
+  command(0.0f);
+  last_count = (uint16_t)__HAL_TIM_GET_COUNTER(&htim3);
+  if (ts_guard_init(&guard, &config) != TS_OK) return -1;
+  return HAL_TIM_Base_Start_IT(&htim6) == HAL_OK ? 0 : -1;
+}
+
+void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *timer) {
+  if (timer != &htim6) return;
+  uint16_t count = (uint16_t)__HAL_TIM_GET_COUNTER(&htim3);
+  int16_t moved = (int16_t)(count - last_count); /* right across the counter's end too */
+  last_count = count;
+  turned += moved;
+  const float count_rad = 6.283185f / COUNTS_PER_REV;
+  /* The guard counts a torque that resists a positive motion as positive. */
+  ts_force torque = ts_from_float(-your_torque((float)turned * count_rad));
+  ts_status status = ts_guard_tick(&guard, ts_from_float((float)moved * count_rad), torque, &torque);
+  if (status != TS_OK) HAL_TIM_Base_Stop_IT(&htim6);
+  command(-ts_to_float(torque)); /* after any other answer it is 0 */
+}

@@ -1,0 +1,40 @@
+/* What the example uses of SimpleFOC 2.3 and Arduino, declared only. */
+#pragma once
+#include <stdint.h>
+struct MagneticSensorSPIConfig_s {};
+extern MagneticSensorSPIConfig_s AS5048_SPI;
+class Sensor {};
+class MagneticSensorSPI : public Sensor {
+public:
+  MagneticSensorSPI(MagneticSensorSPIConfig_s config, int cs);
+  void init(void *spi = nullptr);
+  float getAngle();
+};
+class BLDCDriver3PWM {
+public:
+  BLDCDriver3PWM(int a, int b, int c, int enable);
+  float voltage_power_supply;
+  int init();
+};
+enum MotionControlType : uint8_t { torque };
+enum TorqueControlType : uint8_t { voltage };
+class BLDCMotor {
+public:
+  BLDCMotor(int pole_pairs);
+  MotionControlType controller;
+  TorqueControlType torque_controller;
+  float voltage_limit;
+  void linkSensor(Sensor *sensor);
+  void linkDriver(BLDCDriver3PWM *driver);
+  int init();
+  int initFOC();
+  void loopFOC();
+  void move(float target);
+  void disable();
+};
+struct Printer {
+  void begin(unsigned long baud);
+  void println(const char *text);
+};
+extern Printer Serial;
+unsigned long micros();
