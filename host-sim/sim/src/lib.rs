@@ -8,5 +8,6 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod error;
+pub mod input;
 pub mod run;
 pub mod scene;

@@ -35,7 +35,10 @@ impl Draft {
             tables: BTreeSet::new(),
             origin: Origin::of_file(file),
         };
-        draft.take("", table.get_ref(), &|offset| line_of(text, offset));
+        // Where lines end, once: a file may have a hundred thousand keys.
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        let line = |offset| 1 + ends.partition_point(|end| *end < offset);
+        draft.take("", table.get_ref(), &line);
         if let Some(stem) = file.file_stem() {
             draft
                 .fields

@@ -9,6 +9,7 @@ use super::operator::{MotionSpec, Recorded};
 use super::origin::Place;
 use super::{shipped, unknown};
 use crate::error::{Error, Result};
+use crate::input;
 
 impl Scene {
     /// Loads a shipped scene by its name, any other from its file. A file that bears the name of a shipped scene is
@@ -23,7 +24,7 @@ impl Scene {
             return Scene::parse(text, Path::new(&format!("scenes/{name}.toml")));
         }
         let path = PathBuf::from(name_or_path);
-        let text = std::fs::read_to_string(&path).map_err(|error| {
+        let text = input::text(&path, input::MOST_OF_SETTINGS).map_err(|error| {
             let names = shipped::names();
             let fix = match (error.kind(), unknown::nearest(name_or_path, &names)) {
                 (std::io::ErrorKind::NotFound, Some(near)) => {
@@ -38,6 +39,7 @@ impl Scene {
                 (std::io::ErrorKind::InvalidData, _) => {
                     "save the scene as plain text in UTF-8".to_owned()
                 }
+                (std::io::ErrorKind::FileTooLarge, _) => "give the file of a scene".to_owned(),
                 _ => "give a readable file".to_owned(),
             };
             let problem = match error.kind() {

@@ -72,10 +72,12 @@ impl Scene {
     /// [`Error::Io`] for a file that cannot be read; [`Error::Option`], which names file and field, for what is no TOML, no such
     /// setting, or no value that the scene's check accepts.
     pub fn with_settings(&self, file: &Path) -> Result<Scene> {
-        let text = std::fs::read_to_string(file).map_err(|error| Error::Io {
-            path: file.to_owned(),
-            problem: error.to_string(),
-            fix: "give a file of settings, as `touchstone tune --out FILE` writes it".into(),
+        let text = crate::input::text(file, crate::input::MOST_OF_SETTINGS).map_err(|error| {
+            Error::Io {
+                path: file.to_owned(),
+                problem: error.to_string(),
+                fix: "give a file of settings, as `touchstone tune --out FILE` writes it".into(),
+            }
         })?;
         let option = |key: &str| format!("--settings {}: {key}", file.display());
         let table: toml::Table = text

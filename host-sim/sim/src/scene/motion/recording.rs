@@ -1,12 +1,10 @@
 //! Recordings of a hand: CSV with a time and an angle column, units from the header.
 
-use std::collections::BTreeMap;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
+use crate::input;
 use crate::scene::operator::Recorded;
 use crate::scene::units::{self, Dimension, UNITS};
 
@@ -22,17 +20,12 @@ const OWN_ANGLES: [&str; 5] = [
 /// What every file of the program has beside them: traces of runs and the records of `monitor`.
 const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
 
-/// Longest file, bytes.
-const MOST_BYTES: u64 = 200_000_000;
 /// Most samples: an hour at 1 kHz.
 const MOST_SAMPLES: usize = 3_600_000;
 /// Shortest recording, s.
 const SHORTEST_S: f64 = 1e-5;
 /// Largest angle, rad.
 const LARGEST_RAD: f64 = 1e6;
-
-/// What came through pipes, which tell it once: a scene asks for its recording several times.
-static PIPES: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
 
 /// A recorded motion in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,18 +59,17 @@ impl Recording {
     /// it: no or an ambiguous column, fewer than two rows, a missing or non-finite number, times that do not rise,
     /// more than 3.6 million steps.
     pub fn read(file: &Path) -> Result<Recording> {
-        let text = text_of(file).map_err(|error| {
+        let text = input::text(file, input::MOST_OF_RECORDING).map_err(|error| {
             let (problem, fix) = match error.kind() {
                 std::io::ErrorKind::NotFound => (
                     "no such file".to_owned(),
                     "give the path of a CSV file with time and angle",
                 ),
-                std::io::ErrorKind::InvalidData => (
-                    "is not text in UTF-8".to_owned(),
-                    "export the recording as CSV in UTF-8",
-                ),
+                std::io::ErrorKind::InvalidData => {
+                    (error.to_string(), "export the recording as CSV in UTF-8")
+                }
                 std::io::ErrorKind::FileTooLarge => (
-                    format!("is longer than {} MB", MOST_BYTES / 1_000_000),
+                    error.to_string(),
                     "cut the recording, or keep time and angle alone",
                 ),
                 _ => (error.to_string(), "give a readable file"),
@@ -324,25 +316,6 @@ fn short(number: f64) -> String {
         true => number.to_string(),
         false => format!("{number:e}"),
     }
-}
-
-/// A file's text, of whatever kind the file is; a pipe's is kept.
-fn text_of(file: &Path) -> std::io::Result<String> {
-    let mut kept = PIPES.lock().unwrap_or_else(|broken| broken.into_inner());
-    if let Some(text) = kept.get(file) {
-        return Ok(text.clone());
-    }
-    let opened = std::fs::File::open(file)?;
-    let is_plain = opened.metadata()?.is_file();
-    let mut text = String::new();
-    opened.take(MOST_BYTES + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > MOST_BYTES {
-        return Err(std::io::ErrorKind::FileTooLarge.into());
-    }
-    if !is_plain {
-        kept.insert(file.to_owned(), text.clone());
-    }
-    Ok(text)
 }
 
 /// Line of a row. The reader notes where it began to look, which is before any comments and empty lines.
