@@ -13,7 +13,8 @@ use touchstone_sim::error::{Error, Result};
 /// The scene of a file that has `dof`; `None` of every other file, or none.
 pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     let path = Path::new(file);
-    let Ok(text) = std::fs::read_to_string(path) else {
+    let Ok(text) = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SETTINGS)
+    else {
         return Ok(None);
     };
     match text.parse::<toml::Table>() {

@@ -163,11 +163,12 @@ impl Survey {
     /// # Errors
     /// It cannot be read, or is no survey.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|error| Error::Io {
-            path: path.to_owned(),
-            problem: error.to_string(),
-            fix: "give a file of `touchstone device survey`".into(),
-        })?;
+        let text = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SETTINGS)
+            .map_err(|error| Error::Io {
+                path: path.to_owned(),
+                problem: error.to_string(),
+                fix: "give a file of `touchstone device survey`".into(),
+            })?;
         toml::from_str(&text).map_err(|error| {
             let before = error.span().map_or(0, |span| span.start).min(text.len());
             Error::File {

@@ -2,7 +2,6 @@
 
 use parry3d_f64::math::Vector;
 use std::collections::HashMap;
-use std::io::Read;
 use std::path::Path;
 
 /// Longest file that is read, bytes: five million triangles in binary.
@@ -53,19 +52,12 @@ impl Triangles {
 /// # Errors
 /// What is wrong, and what to do.
 pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
-    let unreadable = |error: std::io::Error| (error.to_string(), "give an STL file");
-    let file = std::fs::File::open(path).map_err(unreadable)?;
-    let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
-    match bytes.len() as u64 > MOST_BYTES {
-        true => Err((
-            format!("longer than {} MB", MOST_BYTES / 1_000_000),
-            "export the object with fewer triangles",
-        )),
-        false => Ok(bytes),
-    }
+    touchstone_sim::input::bytes(path, MOST_BYTES).map_err(|error| match error.kind() {
+        std::io::ErrorKind::FileTooLarge => {
+            (error.to_string(), "export the object with fewer triangles")
+        }
+        _ => (error.to_string(), "give an STL file"),
+    })
 }
 
 /// Reads the bytes of a file. Text is what begins with the word `solid` and then has a `facet` or an end; all else is binary.

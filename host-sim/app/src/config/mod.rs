@@ -101,7 +101,8 @@ pub fn main(options: &Options) -> Result<()> {
             dry_run,
             weaken_guard,
         } => {
-            let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
+            let text = touchstone_sim::input::text(file, touchstone_sim::input::MOST_OF_SETTINGS)
+                .map_err(|error| io(file, &error))?;
             // What is wrong for every device needs none to be refused.
             toml_file::read(&text, file, &DeviceSettings::defaults(Board::NucleoG474re))?;
             import(&mut connect()?, file, &text, (*dry_run, *weaken_guard))

@@ -52,7 +52,8 @@ impl Kept {
     pub fn open(folder: &Path) -> Result<Self> {
         let file = folder.join(NAME);
         std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
-        let done = match std::fs::read_to_string(&file) {
+        let done = match touchstone_sim::input::text(&file, touchstone_sim::input::MOST_OF_SETTINGS)
+        {
             Ok(text) => serde_json::from_str(&text).map_err(|error| Error::Io {
                 path: file.clone(),
                 problem: error.to_string(),

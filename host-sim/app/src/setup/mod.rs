@@ -162,7 +162,8 @@ fn stepped(options: &Options) -> Result<()> {
     let law_file = options.out.join("law.toml");
     if let Some(given) = &options.law {
         tell!("5/6 wall       as given: {}", given.display());
-        let law = std::fs::read_to_string(given).map_err(|error| io(given, &error))?;
+        let law = touchstone_sim::input::text(given, touchstone_sim::input::MOST_OF_SETTINGS)
+            .map_err(|error| io(given, &error))?;
         toml_file::read(&law, given, &settings)?;
         write(&law_file, &law)?;
     } else if kept.tuned_for() == Some(&*text) && law_file.is_file() {
@@ -321,7 +322,8 @@ fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceS
         .into_iter()
         .flatten()
     {
-        let text = std::fs::read_to_string(file).map_err(|error| io(file, &error))?;
+        let text = touchstone_sim::input::text(file, touchstone_sim::input::MOST_OF_SETTINGS)
+            .map_err(|error| io(file, &error))?;
         settings = toml_file::read(&text, file, &settings)?.0;
     }
     if let Some(stiffness) = options.k_desired {
@@ -419,7 +421,8 @@ fn with_knob(
     law_file: &Path,
     client: &Client,
 ) -> Result<DeviceSettings> {
-    let law = std::fs::read_to_string(law_file).map_err(|error| io(law_file, &error))?;
+    let law = touchstone_sim::input::text(law_file, touchstone_sim::input::MOST_OF_SETTINGS)
+        .map_err(|error| io(law_file, &error))?;
     let (mut all, lines) = toml_file::read(&law, law_file, &settings)?;
     let of = |value: f64| Si::saturating_from_num(value);
     let board = client.identity().board;

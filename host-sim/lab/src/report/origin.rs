@@ -179,11 +179,12 @@ impl Origin {
 }
 
 fn read(path: &Path, copy: Option<String>) -> Result<Input> {
-    let content = std::fs::read(path).map_err(|error| Error::Io {
-        path: path.to_owned(),
-        problem: error.to_string(),
-        fix: "leave the file where it is until the report is written".to_owned(),
-    })?;
+    let content = touchstone_sim::input::bytes(path, touchstone_sim::input::MOST_OF_RECORDING)
+        .map_err(|error| Error::Io {
+            path: path.to_owned(),
+            problem: error.to_string(),
+            fix: "leave the file where it is until the report is written".to_owned(),
+        })?;
     Ok(Input {
         path: path.to_owned(),
         sha256: sha256(&content),

@@ -64,7 +64,11 @@ impl Sweep {
         let y = Axis::parse("--y", y, scene)?;
         let mut inputs = Vec::new();
         if let MotionSpec::Recorded(recorded) = &scene.operator.motion {
-            let content = std::fs::read(&recorded.file).map_err(|error| Error::Io {
+            let content = touchstone_sim::input::bytes(
+                &recorded.file,
+                touchstone_sim::input::MOST_OF_RECORDING,
+            )
+            .map_err(|error| Error::Io {
                 path: recorded.file.clone(),
                 problem: error.to_string(),
                 fix: "give a recording that can be read".to_owned(),
