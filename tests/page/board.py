@@ -7,10 +7,10 @@ import subprocess
 
 
 class Knob:
-    """A simulated board on a port; what happens to it goes in as lines."""
+    """`touchstone demo` on a port; what happens to it goes in as lines."""
 
     def __init__(self, program):
-        self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([program, "--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.address = self.process.stdout.readline().strip()
 
     def happens(self, what):
@@ -19,6 +19,7 @@ class Knob:
 
     def close(self):
         self.process.stdin.close()
+        self.process.terminate()
         self.process.wait(timeout=10)
 
 
@@ -109,8 +110,8 @@ def served_page(browser, program, address):
         served.wait(timeout=10)
 
 
-def board(browser, program, knob_program, pictures, check):
-    knob = Knob(knob_program)
+def board(browser, program, pictures, check):
+    knob = Knob(program)
     with contextlib.closing(knob), served_page(browser, program, knob.address) as (page, url):
         page.until("typeof run !== 'undefined' && run !== null && run.ring.size > 100")
         phase(page, "boot")

@@ -1,9 +1,9 @@
 """Drives the live page in Chromium and Firefox without a window: every control, every preset, real time, a record that the program repeats; then
 the page of a board.
 
-    drive.py PROGRAM KNOB EMULATOR FIRMWARE [--short | SECONDS [FOLDER]]
+    drive.py PROGRAM EMULATOR FIRMWARE [--short | SECONDS [FOLDER]]
 
-KNOB is the example `knob_on_a_socket`; EMULATOR and FIRMWARE are `-` where there is none; ticks are counted over SECONDS (20), pictures
+EMULATOR and FIRMWARE are `-` where there is none; ticks are counted over SECONDS (20), pictures
 go to FOLDER. `--short`: the first browser that is here, ticks over 5 s.
 
 Exit code 0: all holds; 1: something does not; 77: no browser here. A browser that is not here is skipped, which is said.
@@ -395,11 +395,11 @@ def page_file(program, folder):
 
 
 def main():
-    program, knob, emulator, firmware = (None if path == "-" else os.path.abspath(path) for path in sys.argv[1:5])
-    short = sys.argv[5:] == ["--short"]
-    asked_for = len(sys.argv) > 5 and not short
-    seconds = float(sys.argv[5]) if asked_for else 5 if short else 20
-    pictures = sys.argv[6] if len(sys.argv) > 6 else None
+    program, emulator, firmware = (None if path == "-" else os.path.abspath(path) for path in sys.argv[1:4])
+    short = sys.argv[4:] == ["--short"]
+    asked_for = len(sys.argv) > 4 and not short
+    seconds = float(sys.argv[4]) if asked_for else 5 if short else 20
+    pictures = sys.argv[5] if len(sys.argv) > 5 else None
     if not firmware and not short:
         print("NOT RUN: the firmware's board path; there is no emulator here")
     browsers = [browser for find, browser in ((chromium.find, chromium.Chromium), (firefox.find, firefox.Firefox)) if find()]
@@ -415,9 +415,9 @@ def main():
             os.makedirs(its, exist_ok=True)
         # The firmware is the same behind every browser, and frames are counted for long in one of them.
         first = browser is browsers[0]
-        board(browser, program, knob, its, check)
+        board(browser, program, its, check)
         with tempfile.TemporaryDirectory() as folder:
-            serial(browser, program, knob, its, folder, check)
+            serial(browser, program, its, folder, check)
             if firmware and first:
                 emulated(browser, program, emulator, firmware, its, folder, check)
             report(browser, program, its, folder, check)

@@ -76,7 +76,7 @@ def connected(page):
     page.until("typeof run !== 'undefined' && run !== null && run.ring.size > 100")
 
 
-def serial(browser, program, knob_program, pictures, folder, check):
+def serial(browser, program, pictures, folder, check):
     file = os.path.join(folder, "board.html")
     subprocess.run([program, "--quiet", "live", "--serial", "--no-open", "--out", file], check=True)
     check(os.path.getsize(file) <= 1_500_000, f"a board's page with the port itself: {os.path.getsize(file)} bytes")
@@ -87,7 +87,7 @@ def serial(browser, program, knob_program, pictures, folder, check):
         check(text(without, "phase") == "not connected" and "press Connect" in text(without, "lost") and not without.problems, f"without a port: {text(without, 'lost')}")
     finally:
         without.close()
-    knob = Knob(knob_program)
+    knob = Knob(program)
     page = browser(f"file://{file}", height=1300, before=FAKE)
     try:
         page.until("document.getElementById('connect')?.disabled === false")

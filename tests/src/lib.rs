@@ -6,17 +6,17 @@ pub mod environment;
 pub mod estimator;
 pub mod flash;
 pub mod grain;
-pub mod knob;
 pub mod motion;
 pub mod port;
 pub mod random;
 pub mod search;
-pub mod served_knob;
 pub mod si;
 pub mod space;
 pub mod space_port;
 pub mod surface_path;
 pub mod variants;
+
+pub use touchstone_knob::knob;
 
 /// A shipped scene with the thesis' law, which is what most tests are about.
 ///

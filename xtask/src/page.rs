@@ -30,10 +30,7 @@ pub fn run(args: &[String]) -> Outcome {
         Ok(folder) => folder,
         Err(outcome) => return outcome,
     };
-    let (program, knob) = (
-        made.join("touchstone"),
-        made.join("examples").join(shell::KNOB),
-    );
+    let program = made.join("touchstone");
     let mut script = shell::program("python3");
     // Without an emulator the pages are still driven, before the simulated knob.
     let nowhere = || (PathBuf::from("-"), PathBuf::from("-"));
@@ -48,7 +45,7 @@ pub fn run(args: &[String]) -> Outcome {
     };
     script
         .arg("tests/page/drive.py")
-        .args([program, knob, emulated, firmware]);
+        .args([program, emulated, firmware]);
     script.args(args);
     let mut last = String::new();
     match shell::exit_code(&mut script, |line| last = line.to_owned()) {

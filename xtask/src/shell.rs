@@ -193,14 +193,11 @@ pub fn target(name: &str) -> PathBuf {
     root().join(base).join(name)
 }
 
-/// A simulated board on a socket, for the page.
-pub const KNOB: &str = "knob_on_a_socket";
-
-/// The program and [`KNOB`] as `cargo xtask unit` builds them, and the folder that they are in: of one package alone, or in another
-/// profile, all that they are made of would have other features and would be compiled once more.
+/// The program as `cargo xtask unit` builds it, and the folder that it is in. Of one package alone, or in another profile, all its crates
+/// would have other features and would be compiled once more.
 pub fn built_with_tests() -> Result<PathBuf, Outcome> {
     let mut command = cargo_locked("build");
     command.args(["--profile", "test", "--workspace"]);
-    run(command.args(["--bin", "touchstone", "--example", KNOB])).went_well()?;
+    run(command.args(["--bin", "touchstone"])).went_well()?;
     Ok(target("debug"))
 }

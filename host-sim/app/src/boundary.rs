@@ -7,7 +7,7 @@ use super::{interrupt, progress};
 use std::path::PathBuf;
 use touchstone_lab::boundary::{BoundaryPlan, map};
 use touchstone_lab::report::{self, pages};
-use touchstone_lab::scorecard::rivals::{RIVALS, Rival};
+use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
@@ -21,7 +21,7 @@ pub struct Options {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Law that is tuned for every cell.
-    #[arg(long, value_name = "NAME", default_value = "spring-damper-estimated", value_parser = clap::builder::PossibleValuesParser::new(RIVALS.map(|rival| rival.name)))]
+    #[arg(long, value_name = "NAME", default_value = "spring-damper-estimated", value_parser = super::law_name::of_scorecard())]
     law: String,
     /// Delays, ticks, with commas between; a panel each.
     #[arg(

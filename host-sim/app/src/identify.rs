@@ -62,7 +62,7 @@ pub fn main(options: &Options) -> Result<()> {
     };
     let mechanics = swings(&scene, options)?;
     let silent = json() || quiet();
-    tell!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)");
+    tell!("step  c_i (N·m·s/rad)  motion early → late in the hold (mrad)  finding");
     let mut step = 0;
     let found = identify(&scene, search, Some(&mechanics), |trial| {
         step += 1;

@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | compare | flash | log | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | demo | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | compare | flash | log | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
@@ -10,6 +10,7 @@ mod check;
 mod compare;
 mod complain;
 mod config;
+mod demo;
 mod device;
 mod doctor;
 mod expect;
@@ -20,6 +21,7 @@ mod hard;
 mod identify;
 mod interrupt;
 mod json_schema;
+mod law_name;
 mod live;
 mod log;
 mod monitor;
@@ -83,6 +85,8 @@ enum Command {
     Run(run::Options),
     /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
     Live(live::Options),
+    /// A simulated knob to try without a board: in the browser, or at a port for every command that speaks to a board.
+    Demo(demo::Options),
     /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
@@ -195,6 +199,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Hard(options) => return hard::main(options),
         Command::Compare(options) => return compare::main(options),
         Command::Live(options) => live::main(options),
+        Command::Demo(options) => demo::main(options),
         Command::Identify(options) => identify::main(options),
         Command::Certify(options) => certify::main(options),
         Command::Plan(options) => plan::main(options),
@@ -220,10 +225,11 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
 }
 
 fn scenes() -> Result<()> {
-    let scenes = scene::names()
+    let mut scenes = scene::names()
         .into_iter()
         .map(|name| Ok((name, Scene::load(name)?.description)))
         .collect::<Result<Vec<_>>>()?;
+    scenes.push((space_scene::SHIPPED.0, space_scene::SHIPPED.1.to_owned()));
     let entry = |(name, description): &(&str, String)| serde_json::json!({ "name": name, "description": description });
     out::result(
         || serde_json::json!({ "scenes": scenes.iter().map(entry).collect::<Vec<_>>() }),

@@ -20,7 +20,11 @@ impl TypedValueParser for Words {
         argument: Option<&clap::Arg>,
         value: &std::ffi::OsStr,
     ) -> std::result::Result<String, clap::Error> {
-        StringValueParser::new().parse_ref(command, argument, value)
+        let word = StringValueParser::new().parse_ref(command, argument, value)?;
+        Ok(match self.0 {
+            "law.kind" => super::law_name::of_scene(word),
+            _ => word,
+        })
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {

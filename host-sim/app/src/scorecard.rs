@@ -33,7 +33,7 @@ pub struct Options {
     #[command(flatten)]
     family: family::Options,
     /// Laws to compare, default: all; with --family the scene's own.
-    #[arg(long = "law", value_name = "NAME", num_args = 1.., value_parser = clap::builder::PossibleValuesParser::new(RIVALS.map(|rival| rival.name)))]
+    #[arg(long = "law", value_name = "NAME", num_args = 1.., value_parser = super::law_name::of_scorecard())]
     laws: Vec<String>,
     /// Tunes every law for this device first, as `touchstone tune` does.
     #[arg(long)]

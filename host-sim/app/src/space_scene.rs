@@ -10,12 +10,21 @@ use touchstone_lab::thesis::space::scene::SpaceScene;
 use touchstone_lab::thesis::space::{self};
 use touchstone_sim::error::{Error, Result};
 
-/// The scene of a file that has `dof`; `None` of every other file, or none.
+/// Name, description and text of the scene of three axes that comes with the program.
+pub const SHIPPED: (&str, &str, &str) = (
+    "delta-ball",
+    "three axes: a ball before a simulated delta device; probed, held, slid along and let go",
+    include_str!("../../../scenes/delta-ball.toml"),
+);
+
+/// The scene of this shipped name, or of a file that has `dof`; `None` of every other name or file.
 pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     let path = Path::new(file);
-    let Ok(text) = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SETTINGS)
-    else {
-        return Ok(None);
+    let read = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SETTINGS);
+    let text = match read {
+        Ok(text) => text,
+        Err(_) if file == SHIPPED.0 => SHIPPED.2.to_owned(),
+        Err(_) => return Ok(None),
     };
     match text.parse::<toml::Table>() {
         Ok(table) if table.contains_key("dof") => {}

@@ -26,8 +26,8 @@ pub struct Options {
     device: String,
     #[command(flatten)]
     wall: WallOptions,
-    /// Law to tune: one of those that `touchstone scorecard --help` lists.
-    #[arg(long, value_name = "NAME", default_value = "enhanced")]
+    /// Law to tune.
+    #[arg(long, value_name = "NAME", default_value = "enhanced", value_parser = super::law_name::of_scorecard())]
     law: String,
     /// Seed of the search: the same finds the same.
     #[arg(long, default_value_t = 1)]

@@ -1,10 +1,11 @@
 //! A whole knob behind a socket, in real time: the drive around the simulated motor, spoken to as a board is spoken to.
 //!
-//! For the desktop's programs, without a board. What may happen to a cable or a board is done to it by a word ([`ServedKnob::suffer`]).
+//! Programs of the desktop reach it as they reach a board. [`ServedKnob::suffer`] does to it what may happen to a board or its cable.
 
 use crate::knob::{Knob, Tamper};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use touchstone_drive::around::Surrounding;
@@ -86,8 +87,15 @@ impl ServedKnob {
             "volts" => self.knob.tamper.0 = number,
             "pull" => self.plugged = false,
             "plug" => self.plugged = true,
-            _ => eprintln!("{what}: no such thing"),
+            _ => eprintln!("note: {what}: not known; try gap N, noise N, volts V, pull or plug"),
         }
+    }
+
+    /// Calibrates, in as little real time as the machine takes.
+    #[must_use]
+    pub fn calibrated(mut self) -> Self {
+        self.knob.calibrate();
+        self
     }
 
     /// One control tick, with the hand that presses while the device is armed; the telemetry record that is due waits to be sent.
@@ -115,7 +123,7 @@ impl ServedKnob {
             self.dropped += 1;
             return;
         }
-        self.records.push(Telemetry::from(&record));
+        self.records.push(self.knob.telemetry());
     }
 
     /// Asks the device with its next tick; whether that had an effect.
@@ -201,22 +209,24 @@ impl Backend for ServedKnob {
     }
 }
 
-/// Serves one connection after the other, for ever; ends when nobody can say any more what happens to it.
+/// Serves one connection after the other until `stop` is set; `happens` brings the words for [`ServedKnob::suffer`].
 ///
 /// # Errors
 /// The listener fails.
-pub fn serve(listener: &TcpListener, happens: &Receiver<String>) -> std::io::Result<()> {
+pub fn serve(
+    mut knob: ServedKnob,
+    listener: &TcpListener,
+    happens: &Receiver<String>,
+    stop: &AtomicBool,
+) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
-    let mut knob = ServedKnob::new();
     let mut session = Session::new(DeviceSettings::defaults(BOARD), true);
     let mut line: Option<(TcpStream, Decoder)> = None;
     let begun = Instant::now();
     let mut ran_s = 0.0;
-    loop {
-        match happens.try_recv() {
-            Ok(what) => knob.suffer(&what),
-            Err(std::sync::mpsc::TryRecvError::Disconnected) => return Ok(()),
-            Err(std::sync::mpsc::TryRecvError::Empty) => {}
+    while !stop.load(Ordering::Relaxed) {
+        for what in happens.try_iter() {
+            knob.suffer(&what);
         }
         if let Ok((stream, _)) = listener.accept() {
             stream.set_nonblocking(true)?;
@@ -271,6 +281,7 @@ pub fn serve(listener: &TcpListener, happens: &Receiver<String>) -> std::io::Res
         }
         std::thread::sleep(Duration::from_millis(2));
     }
+    Ok(())
 }
 
 fn framed(message: &FromDevice) -> Vec<u8> {

@@ -1,0 +1,94 @@
+//! `touchstone demo`: the firmware's drive around a simulated motor, reached as a board is reached.
+
+use super::board_page;
+use super::interrupt::noted;
+use super::out::{note, result, say, tell};
+use std::net::{SocketAddr, TcpListener};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use touchstone_device::Address;
+use touchstone_knob::served_knob::{ServedKnob, serve};
+use touchstone_sim::error::{Error, Result};
+
+/// Options of `demo`.
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = HAPPENS)]
+pub struct Options {
+    /// Opens no page: the knob is as a board that was just switched on, and waits for `setup`, `monitor`, `config`, `device` or `live
+    /// --port`. Ctrl-C ends it.
+    #[arg(long)]
+    port_only: bool,
+    /// Where the knob listens; port 0 takes one that is free.
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0", default_value_if("port_only", "true", "127.0.0.1:4000"))]
+    listen: SocketAddr,
+    /// Prints the page's address and does not open it.
+    #[arg(long, conflicts_with = "port_only")]
+    no_open: bool,
+}
+
+/// Below the options.
+const HAPPENS: &str = "\
+A simulated hand presses the knob for as long as it is armed.
+Lines of standard input are what happens to the board:
+  volts V      its supply has so many volts
+  gap N        N records of telemetry are lost
+  noise N      N bytes without a meaning arrive
+  pull, plug   its cable";
+
+/// Serves the knob until Ctrl-C, with a page before it or without.
+pub fn main(options: &Options) -> Result<()> {
+    let place = options.listen;
+    let failed = |error: std::io::Error| {
+        Error::device(
+            place.to_string(),
+            format!("the simulated knob cannot listen there: {error}"),
+            "choose another place with --listen, as 127.0.0.1:0 for any free port",
+        )
+    };
+    let listener = TcpListener::bind(place).map_err(failed)?;
+    let address = format!("tcp:{}", listener.local_addr().map_err(failed)?);
+    let happens = lines();
+    if options.port_only {
+        let stop = noted()?;
+        result(
+            || serde_json::json!({ "device": address }),
+            || {
+                say!("{address}");
+                Ok(())
+            },
+        )?;
+        tell!("Ctrl-C ends it; in another terminal, for instance:");
+        tell!("    touchstone setup --quick --port {address}");
+        tell!("    touchstone live --port {address}");
+        return serve(ServedKnob::new(), &listener, &happens, &stop).map_err(failed);
+    }
+    tell!("calibrating a simulated knob");
+    let knob = ServedKnob::new().calibrated();
+    let stop = AtomicBool::new(false);
+    let address = Address::Tcp(address.trim_start_matches("tcp:").to_owned());
+    std::thread::scope(|threads| {
+        let (listener, ends) = (&listener, &stop);
+        threads.spawn(move || {
+            if let Err(error) = serve(knob, listener, &happens, ends) {
+                note!("note: {}", failed(error));
+            }
+        });
+        tell!("in the page, \"Arm\" switches the wall on; a simulated hand then presses it");
+        let done = board_page::main(&address, !options.no_open);
+        stop.store(true, Ordering::Relaxed);
+        done
+    })
+}
+
+/// What is written to standard input, line by line.
+fn lines() -> Receiver<String> {
+    let (sender, happens) = channel();
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lines().map_while(std::result::Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    happens
+}
