@@ -19,7 +19,12 @@ pub struct Options {
     #[arg(long)]
     port_only: bool,
     /// Where the knob listens; port 0 takes one that is free.
-    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0", default_value_if("port_only", "true", "127.0.0.1:4000"))]
+    #[arg(
+        long,
+        value_name = "HOST:PORT",
+        default_value = "127.0.0.1:0",
+        default_value_if("port_only", "true", "127.0.0.1:4000")
+    )]
     listen: SocketAddr,
     /// Prints the page's address and does not open it.
     #[arg(long, conflicts_with = "port_only")]
