@@ -16,6 +16,8 @@ fn settings(k_desired: &str, virtual_damping: &str) -> Settings {
     let mut settings = Settings {
         law: LawKind::EnhancedSfa,
         k_desired: si(k_desired),
+        // Below the stiffness, so that it augments.
+        k_soft: si("4.9"),
         virtual_damping: si(virtual_damping),
         states: StatesKind::Measured,
         ..Settings::default()
@@ -82,7 +84,7 @@ fn the_damper_changes_no_memory_and_adds_its_force() {
 /// From `k_v` up it is whole; below, in proportion to the stiffness.
 #[test]
 fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
-    let soft = Settings::default().k_soft;
+    let soft = settings("5", "0").k_soft;
     for (k_desired, share) in [(soft, 1), (soft / 2, 2), (soft / 4, 4)] {
         let enhanced = Settings {
             k_desired,

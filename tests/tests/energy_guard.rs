@@ -98,7 +98,7 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
 }
 
 /// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop, of which its guard is told nothing, as it takes positions
-/// once a tick. The law that ships; the same hands where the guard is told, and the position taken when the force changes.
+/// once a tick. The law that ships without its damper, which leaves a hand less to take; the same hands where the guard is told, and the position taken when the force changes.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -109,7 +109,11 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
         ..shipped
     };
     for (settings, name) in [(shipped, "not told"), (told, "told, and measured")] {
-        let mut port = Port::new(Settings::default(), LATE_TICKS, true, true);
+        let law = Settings {
+            virtual_damping: Si::ZERO,
+            ..Settings::default()
+        };
+        let mut port = Port::new(law, LATE_TICKS, true, true);
         port.guard = Some(settings);
         let (numbers, taken) = Way::Policy.worst(&port, 600, 500, 1);
         let longer = Way::Policy.play(&port, &numbers, 10_000).above_refill_j;
@@ -119,7 +123,7 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
             1e3 * longer
         );
         if name == "not told" {
-            assert!(taken > 4.0 * capacity_j && longer > 20.0 * capacity_j);
+            assert!(taken > 1.5 * capacity_j && longer > 10.0 * capacity_j);
         } else {
             // The force that 45 mJ allow is 0.75 N·m.
             assert!(taken.max(longer) <= capacity_j + 0.76 * COUNT_RAD);

@@ -24,9 +24,9 @@ fn wall(law: LawKind) -> Settings {
         k_soft: Si::ONE,                       // and so is 1/k_v
         device_damping: si("0.000732421875"),  // c_i/T = 0.75
         virtual_damping: si("0.000244140625"), // per tick: 0.25
-        step_of_ideal: si("0.0625"),
-        limit_of_force: si("0.03125"),
-        limit_of_penetration: si("0.03125"),
+        step_of_ideal: si("0.064"),            // per tick: 0.0625
+        limit_of_force: si("0.032"),
+        limit_of_penetration: si("0.032"),
         filter: FilterSettings {
             mass: si("0.000003814697265625"), // m/T² = 4
             stiffness: si("2"),

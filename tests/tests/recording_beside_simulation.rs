@@ -20,6 +20,8 @@ fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     settings.wall.surface_rad = Si::lit("0.3");
     settings.limits.fade_in_s = Si::lit("0.05");
+    // A damper's force follows every count, which the current loop smooths: what is compared here is the spring's.
+    settings.law.virtual_damping_n_m_s_per_rad = Si::ZERO;
     settings.encoder.counts_per_rev = COUNTS;
     settings
 }
@@ -36,6 +38,7 @@ fn said() -> Scene {
             counts_per_rev: f64::from(COUNTS),
         });
         scene.timing.computational_delay_s = 7.5e-5;
+        scene.law.virtual_damping_n_m_s_per_rad = 0.0;
     };
     Scene::load("thesis-knob").unwrap().with(change).unwrap()
 }

@@ -12,6 +12,7 @@ use touchstone_sim::scene::Scene;
 
 /// Options of a family.
 #[derive(Debug, Clone, clap::Args)]
+#[group(id = "family-options")]
 #[command(next_help_heading = "The family: all of a device different at once, one setting")]
 pub struct Options {
     /// Touches and presses the 216 corners of three grips, two encoders, half, once and double inertia and damping, and four delays up to a

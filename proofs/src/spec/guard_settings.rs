@@ -78,7 +78,8 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     if !each {
         return false;
     }
-    let tick = over(ONE, rate(told));
+    // Settings are read to the nearest digit, and the quotient is rounded down.
+    let tick = over(ONE, rate(told)) + 1;
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
@@ -89,7 +90,7 @@ pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let rate = rate(told);
     let distance = plus(plus(over(set.overspeed, rate), told.count), UP);
     let reach = plus(distance, told.count);
-    let late = times(plus(set.delay, set.lag), rate);
+    let late = times(plus(set.delay, set.lag), rate).min(ONE);
     let over_a_tick = times(times(told.limit, reach), plus(ONE, late));
     let needed = plus(over_a_tick, times(told.limit, told.count) / 2);
     [set.capacity < needed, set.refill == 0]
@@ -107,7 +108,7 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     // The way of a tick may be measured a count longer.
     let distance = plus(plus(measured, told.count), UP);
     let reach = plus(distance, told.count);
-    let late = times(plus(set.delay, set.lag), rate);
+    let late = times(plus(set.delay, set.lag), rate).min(ONE);
 
     // The reserve in flight is rounded up by a quantum and a little, and the positions that both are measured with by one each.
     let rounded = plus(plus(plus(STEP, STEP), STEP), UP);

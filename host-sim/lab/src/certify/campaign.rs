@@ -97,6 +97,7 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
     law.guard.on = false;
     law.device_damping_n_m_s_per_rad = c_i;
     law.k_soft_n_m_per_rad = 0.8 * k_c;
+    law.virtual_damping_n_m_s_per_rad = 0.0;
     let critical = (stiffness * inertia).sqrt();
     match (random.unit() * 6.0) as u32 {
         0 => law.kind = LawKind::Spring,

@@ -318,7 +318,16 @@ fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
 /// A slow offset that every touch leaves at rest, and a press does not.
 #[test]
 fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
-    let scene = campaign::scene(61, 1121, StatesKind::Measured);
+    let mut scene = campaign::scene(61, 1121, StatesKind::Measured);
+    // Slow for its rate: what is drawn, of a tick.
+    let ticks_per_ms = 1e-3 * f64::from(scene.timing.rate_hz);
+    for share in [
+        &mut scene.law.step_of_ideal_per_ms,
+        &mut scene.law.limit_of_penetration_per_ms,
+        &mut scene.law.limit_of_force_per_ms,
+    ] {
+        *share *= ticks_per_ms;
+    }
     let options = Options {
         family: Family::Own,
         margins: false,
