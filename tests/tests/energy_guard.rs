@@ -98,7 +98,7 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
 }
 
 /// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop, of which its guard is told nothing, as it takes positions
-/// once a tick. The law that ships without its damper, which leaves a hand less to take; the same hands where the guard is told, and the position taken when the force changes.
+/// once a tick. The law that ships, without its damper; the same hands where the guard is told, and the position taken when the force changes.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
