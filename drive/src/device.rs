@@ -202,6 +202,15 @@ impl Device {
         });
     }
 
+    /// Whether the tick drives, and the reading for [`Device::read_change`] has not come yet. Whoever holds the control tick off for long
+    /// meanwhile takes the reading away from the next tick.
+    #[must_use]
+    pub fn awaits_reading(&self) -> bool {
+        self.memory.record.law_ran
+            && self.memory.read.is_none()
+            && self.configs.now().change.is_some()
+    }
+
     /// One control tick, with the wall of the settings alone.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
         self.tick_with(input, &mut WallAlone)

@@ -5,13 +5,37 @@ use touchstone_drive::cogging::Played;
 use touchstone_drive::{DeviceSettings, SettingsError};
 use touchstone_protocol::{CoggingMap, CountsFrom, Surround};
 
-use crate::board;
-use crate::control::AROUND;
+use crate::clock::CORE_HZ;
+use crate::control::{AROUND, Control};
 use crate::requests::control;
 use crate::shared::InThread;
+use crate::{board, cycles};
+
+/// The longest wait for a second reading, cycles: two ticks at 500 Hz, the slowest rate. One that never comes must not hold the thread.
+const READING_PATIENCE: u32 = 2 * (CORE_HZ / 500);
+
+/// As [`control`], for a copy that holds the control tick off for longer than its second reading of the encoder may be late: in a tick that
+/// takes one, after it.
+fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
+    let begun = cycles::now();
+    let mut look = Some(look);
+    loop {
+        let is_late = cycles::now().wrapping_sub(begun) > READING_PATIENCE;
+        let looked = control(here, |control| {
+            if control.device.awaits_reading() && !is_late {
+                return None;
+            }
+            look.take().map(|look| look(control))
+        });
+        match looked {
+            Some(None) if !is_late => {}
+            looked => return looked.flatten(),
+        }
+    }
+}
 
 /// Checks and computes an environment, and gives it to the control tick; from when on it counts. Computed before the control tick
-/// is held off, which then only waits for the copy.
+/// is held off, which then only waits for the copy: of some kilobytes, so it is made after the tick's second reading.
 #[inline(never)]
 pub fn give(
     here: InThread,
@@ -19,7 +43,7 @@ pub fn give(
     environment: &Surround,
 ) -> Result<Option<CountsFrom>, SettingsError> {
     let surrounding = Surrounding::new(settings, &board::HARDWARE, environment)?;
-    Ok(control(here, |control| {
+    Ok(control_after_reading(here, |control| {
         AROUND.in_thread(here, |around| control.device.surround(around, &surrounding))
     }))
 }
@@ -28,7 +52,7 @@ pub fn give(
 #[inline(never)]
 pub fn play(here: InThread, settings: &DeviceSettings, map: Option<&CoggingMap>) {
     let played = map.map(|map| Played::new(map, settings, &board::HARDWARE));
-    control(here, |control| {
+    control_after_reading(here, |control| {
         AROUND.in_thread(here, |around| control.device.play(around, played.as_ref()));
     });
 }

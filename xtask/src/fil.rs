@@ -15,7 +15,7 @@ const BRIEF: &str = "--brief";
 /// What the first gate runs of it.
 pub const ONE_BOARD: Share = Share::Part(
     &[BRIEF, "--board", REFERENCE],
-    "two of three injections; the checks of several walls, starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
+    "two of three injections; the checks of starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
      whether every fault code is latched",
 );
 /// What the full gate runs of it.

@@ -168,6 +168,12 @@ fn compared(
         environment.tick(&Counted { scale, count }, at_change)
     };
     for (index, record) in armed.iter().enumerate() {
+        if Limits::from_wire(record.limits).has(Limit::Encoder) {
+            return Err(format!(
+                "tick {} had no reading to drive by, of an encoder without faults",
+                record.tick
+            ));
+        }
         before.push(running);
         let force = tick(&mut running, record);
         if force.0 != record.force_n_m {

@@ -34,7 +34,12 @@ const ON_ALL_BOARDS: [&str; 4] = [
 ];
 
 /// The checks of a brief run beside [`ON_ALL_BOARDS`]: those that play seconds and not minutes.
-const BRIEF: [&str; 3] = ["damaged settings", "random frames", "cable pulled"];
+const BRIEF: [&str; 4] = [
+    "damaged settings",
+    "more than one wall",
+    "random frames",
+    "cable pulled",
+];
 
 /// The longest check, a tenth of everything; it is in no sample.
 const LONGEST: &str = "cogging";
