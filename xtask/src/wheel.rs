@@ -7,11 +7,12 @@ use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
 /// What builds the wheel, and what its tests need beside it.
-const TOOLS: [&str; 4] = [
+const TOOLS: [&str; 5] = [
     "maturin>=1.9,<2",
     "pytest>=7",
     "numpy>=1.22",
     "gymnasium>=1",
+    "mypy>=1.11",
 ];
 
 pub fn run(args: &[String]) -> Outcome {
@@ -26,6 +27,11 @@ fn made() -> Result<Outcome, Outcome> {
     let python = tools(&folder)?;
     let package = shell::root().join("bindings/python");
     program(&package)?;
+    // Its types are part of what it offers.
+    let mut types = shell::program(&python);
+    types.args(["-m", "mypy", "--strict"]);
+    types.arg(package.join("python"));
+    shell::run(types.current_dir(&folder)).went_well()?;
     let out = folder.join("built");
     // What an older wheel was called, this one may not be.
     if out.exists() {

@@ -62,7 +62,7 @@ def _ask(*words: str) -> dict[str, Any]:
     done = subprocess.run([program(), *words, "--json"], capture_output=True, stdin=subprocess.DEVNULL, encoding="utf-8", check=False)
     said = done.stderr.strip()
     if done.returncode in (0, 3) and done.stdout:
-        results = json.loads(done.stdout)
+        results: dict[str, Any] = json.loads(done.stdout)
         if done.returncode == 3:
             raise NotMet(said, 3, results)
         return results
@@ -114,7 +114,9 @@ class _Scene:
             handle, self.file = tempfile.mkstemp(suffix=".toml", prefix="touchstone-")
             with os.fdopen(handle, "w", encoding="utf-8") as file:
                 file.write(_toml(scene))
-        self.name = self.file or os.fspath(scene)
+            self.name = self.file
+        else:
+            self.name = os.fspath(scene)
 
     def __enter__(self) -> str:
         return self.name

@@ -53,7 +53,7 @@ def sweep(
     kept.mkdir(parents=True, exist_ok=True)
     folders = [kept / f"{count}-{part}" for part in range(1, count + 1)]
     _compute(executor, text, asked, folders, progress)
-    drawn = {name: options[name] for name in ("no_certificate", "overlay", "force") if name in options}
+    drawn: dict[str, Any] = {name: options[name] for name in ("no_certificate", "overlay", "force") if name in options}
     results = _ask("sweep", "merge", *map(str, folders), *_options(drawn), "--out", os.fspath(out))
     for folder in folders:
         for file in folder.iterdir():
@@ -99,8 +99,9 @@ def _compute(
 def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[str, bytes]:
     """Computes one part, wherever this runs; its files by name."""
     with tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
-        scene = text
-        if not isinstance(text, str):
+        if isinstance(text, str):
+            scene = text
+        else:
             scene = str(Path(folder) / "scene.toml")
             Path(scene).write_bytes(text)
         made = Path(folder) / "part"

@@ -10,5 +10,5 @@ def text(value: object) -> str:
     if isinstance(value, (int, str)):
         return str(value)
     if isinstance(value, float) or hasattr(value, "__float__"):
-        return format(Decimal(repr(float(value))), "f")  # type: ignore[arg-type]
+        return format(Decimal(repr(float(value))), "f")
     raise TypeError(f"{value!r}: give a number, a word, True or False")

@@ -10,13 +10,20 @@ an environment is ten of these ticks. Importing this module registers ``touchsto
     >>> observation, reward, terminated, truncated, info = press.step([0.5])
 """
 
+from __future__ import annotations
+
+import abc
 import math
+from typing import Any
 
 import gymnasium
 import numpy
+import numpy.typing
 
 from ._native import Guard
 from ._wall import Wall
+
+Observation = numpy.typing.NDArray[numpy.float32]
 
 RATE_HZ = 1000
 TICKS_PER_STEP = 10
@@ -35,29 +42,29 @@ FASTEST_RAD_PER_S = 100.0
 class Knob:
     """An inertia with a damper, crossed exactly over a tick of constant torque."""
 
-    def __init__(self, angle_rad=0.0):
+    def __init__(self, angle_rad: float = 0.0) -> None:
         self.angle_rad, self.speed_rad_per_s = angle_rad, 0.0
         self._count = self.count
         self._decay = math.exp(-DAMPING_N_M_S_PER_RAD / INERTIA_KG_M2 / RATE_HZ)
 
-    def advance(self, torque_n_m):
+    def advance(self, torque_n_m: float) -> None:
         """One tick."""
         final = torque_n_m / DAMPING_N_M_S_PER_RAD
         before, self.speed_rad_per_s = self.speed_rad_per_s, final + (self.speed_rad_per_s - final) * self._decay
         self.angle_rad += final / RATE_HZ + (before - self.speed_rad_per_s) * INERTIA_KG_M2 / DAMPING_N_M_S_PER_RAD
 
     @property
-    def count(self):
+    def count(self) -> int:
         """What the encoder reads."""
         return math.floor(self.angle_rad / COUNT_RAD + 0.5)
 
-    def moved_rad(self):
+    def moved_rad(self) -> float:
         """How far the encoder moved since this was last called."""
         before, self._count = self._count, self.count
         return (self._count - before) * COUNT_RAD
 
 
-def _guard():
+def _guard() -> Guard:
     return Guard(
         rate_hz=RATE_HZ,
         force_limit_n_m=MOTOR_TORQUE_N_M,
@@ -67,24 +74,25 @@ def _guard():
     )
 
 
-class _AtTheKnob(gymnasium.Env):
+class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
     """What the environments share. Observed: angle (rad), speed (rad/s), the motor's torque (N·m), and the goal."""
 
     metadata = {"render_modes": []}
 
-    def __init__(self):
+    def __init__(self) -> None:
         most = numpy.array([2 * RANGE_RAD, 10 * FASTEST_RAD_PER_S, MOTOR_TORQUE_N_M, 2 * RANGE_RAD], dtype=numpy.float32)
+        self._most = most
         self.observation_space = gymnasium.spaces.Box(-most, most)
         #: A share of HAND_TORQUE_N_M.
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=numpy.float32)
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         super().reset(seed=seed)
         self._steps, self._motor_n_m = 0, 0.0
         self._knob = Knob(self._begin())
         return self._observed(), {}
 
-    def step(self, action):
+    def step(self, action: numpy.typing.ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         share = float(numpy.asarray(action, dtype=float).reshape(-1)[0])
         if math.isnan(share):
             raise ValueError("action is not a number: give a share of the hand's torque from -1 to 1")
@@ -98,19 +106,38 @@ class _AtTheKnob(gymnasium.Env):
         reward = -1.0 if away else math.exp(-abs(error))
         return self._observed(), reward, away, self._steps >= STEPS_PER_EPISODE, {"error": error, "account_j": self._account_j()}
 
-    def _observed(self):
+    def _observed(self) -> Observation:
         seen = [self._knob.angle_rad, self._knob.speed_rad_per_s, self._motor_n_m, self._goal()]
-        box = self.observation_space
-        return numpy.clip(numpy.array(seen, dtype=numpy.float32), box.low, box.high)
+        return numpy.clip(numpy.array(seen, dtype=numpy.float32), -self._most, self._most)
 
-    def _disturbance(self):
+    def _disturbance(self) -> float:
         return 0.0
+
+    @abc.abstractmethod
+    def _begin(self) -> float:
+        """Draws an episode; where the knob stands then, rad."""
+
+    @abc.abstractmethod
+    def _motor(self) -> float:
+        """The motor's torque in this tick, N·m."""
+
+    @abc.abstractmethod
+    def _goal(self) -> float:
+        """What the agent is told of its task."""
+
+    @abc.abstractmethod
+    def _error(self) -> float:
+        """How far from the goal; 1 is one tolerance away."""
+
+    @abc.abstractmethod
+    def _account_j(self) -> float | None:
+        """What the guard would still let out, J; None without a guard."""
 
 
 class Press(_AtTheKnob):
     """Press a virtual wall with a given torque: the error is what the motor resists beside it, in tenths of it."""
 
-    def __init__(self, stiffness_n_m_per_rad=1.0):
+    def __init__(self, stiffness_n_m_per_rad: float = 1.0) -> None:
         super().__init__()
         self._settings = {
             "wall.k_desired_n_m_per_rad": stiffness_n_m_per_rad,
@@ -118,38 +145,42 @@ class Press(_AtTheKnob):
             "law.estimator.damping_n_m_s_per_rad": DAMPING_N_M_S_PER_RAD,
         }
 
-    def _begin(self):
+    def _begin(self) -> float:
         self._torque_n_m = float(self.np_random.uniform(0.02, 0.15))
         self._surface_rad = float(self.np_random.uniform(0.2, 0.8))
         self._wall = Wall(self._settings, counts_per_rev=COUNTS_PER_REV, surface_rad=self._surface_rad)
         return 0.0
 
-    def _motor(self):
+    def _motor(self) -> float:
         return self._wall.tick_count(self._knob.count)
 
-    def _goal(self):
+    def _goal(self) -> float:
         return self._torque_n_m
 
-    def _error(self):
+    def _error(self) -> float:
         return (-self._motor_n_m - self._torque_n_m) / (0.1 * self._torque_n_m)
 
-    def _account_j(self):
+    def _account_j(self) -> float | None:
         return self._wall.account_j
 
 
 class _Guarded(_AtTheKnob):
     """A motor whose wanted torque goes through the guard."""
 
-    def _begin(self):
+    def _begin(self) -> float:
         self._behind = _guard()
         return 0.0
 
-    def _motor(self):
+    @abc.abstractmethod
+    def _wanted(self) -> float:
+        """The torque before the guard, N·m."""
+
+    def _motor(self) -> float:
         wanted = self._wanted()
         # The guard counts a torque that resists a motion as positive.
         return -self._behind.tick(self._knob.moved_rad(), -wanted)
 
-    def _account_j(self):
+    def _account_j(self) -> float:
         return self._behind.account_j
 
 
@@ -159,20 +190,20 @@ class FindDetent(_Guarded):
     WIDTH_RAD = 0.2
     DEEP_N_M, SHALLOW_N_M = 0.1, 0.02
 
-    def _begin(self):
+    def _begin(self) -> float:
         self._deep = int(self.np_random.integers(2, 9)) * (1 if self.np_random.random() < 0.5 else -1)
         return super()._begin()
 
-    def _wanted(self):
+    def _wanted(self) -> float:
         place = self._knob.angle_rad / self.WIDTH_RAD
         nearest = math.floor(place + 0.5)
         most = self.DEEP_N_M if nearest == self._deep else self.SHALLOW_N_M
         return -most * math.sin(2 * math.pi * (place - nearest))
 
-    def _goal(self):
+    def _goal(self) -> float:
         return self.DEEP_N_M
 
-    def _error(self):
+    def _error(self) -> float:
         return self._knob.angle_rad / self.WIDTH_RAD - self._deep
 
 
@@ -181,21 +212,21 @@ class Hold(_Guarded):
 
     NOISE_N_M = 0.03
 
-    def _begin(self):
+    def _begin(self) -> float:
         self._angle_rad = float(self.np_random.uniform(-1.0, 1.0))
         super()._begin()
         return self._angle_rad
 
-    def _wanted(self):
+    def _wanted(self) -> float:
         return float(self.np_random.normal(0.0, self.NOISE_N_M))
 
-    def _goal(self):
+    def _goal(self) -> float:
         return self._angle_rad
 
-    def _error(self):
+    def _error(self) -> float:
         return (self._knob.angle_rad - self._angle_rad) / 0.01
 
 
-gymnasium.register("touchstone/Press-v0", entry_point=Press)
-gymnasium.register("touchstone/FindDetent-v0", entry_point=FindDetent)
-gymnasium.register("touchstone/Hold-v0", entry_point=Hold)
+gymnasium.register("touchstone/Press-v0", entry_point="touchstone.gym:Press")
+gymnasium.register("touchstone/FindDetent-v0", entry_point="touchstone.gym:FindDetent")
+gymnasium.register("touchstone/Hold-v0", entry_point="touchstone.gym:Hold")
