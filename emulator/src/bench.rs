@@ -215,7 +215,7 @@ impl Bench {
         self.demand(Request::Hello)
     }
 
-    /// Changes the settings.
+    /// Changes the settings. The bench says nothing for seconds, so the device waits for no desktop unless `change` says so.
     ///
     /// # Errors
     /// They are refused.
@@ -224,6 +224,7 @@ impl Bench {
         if let Some(motor) = self.machine.chip().board.told {
             motor.tell(&mut settings);
         }
+        settings.limits.host_silence_s = Si::ZERO;
         change(&mut settings);
         self.demand(Request::SetAll(settings)).map(|_| ())
     }

@@ -118,7 +118,7 @@ const KNOWN: &[(&str, u64)] = &[
     ("tap", 0x042b_d40c_4853_6156),
     ("free-release", 0x562f_5265_9a23_41d6),
     ("low-stiffness", 0x8947_fbdf_6c30_f360),
-    ("gimbal-knob", 0xa7d9_bece_74c9_24d6),
-    ("voltage-knob", 0xdaa7_6e40_6843_833a),
+    ("gimbal-knob", 0xe020_62f5_0a5c_e59f),
+    ("voltage-knob", 0x1bd7_590a_9692_49cc),
     ("identify", 0x3a0b_e09c_1748_4722),
 ];

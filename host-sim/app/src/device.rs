@@ -5,12 +5,13 @@ pub mod eccentricity;
 pub mod start;
 
 use super::haptic;
-use super::out::{self, say, tell};
+use super::out::{self, note, say, tell};
 use super::port::PortOption;
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_drive::Reason;
 use touchstone_lab::report::csv::decimal;
@@ -127,7 +128,11 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Cogging { action } => return cogging::main(&mut client, *action),
         BoardAction::Eccentricity { action } => return eccentricity::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
-        BoardAction::Arm => command(DeviceCommand::Arm)?,
+        BoardAction::Arm => {
+            command(DeviceCommand::Arm)?;
+            let silence_s = client.settings()?.limits.host_silence_s;
+            note_silence(silence_s);
+        }
         BoardAction::Disarm => client.stop_by(DeviceCommand::Disarm)?,
         BoardAction::Stop => client.stop_by(DeviceCommand::Stop)?,
         BoardAction::Zero => command(DeviceCommand::Zero)?,
@@ -139,6 +144,19 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Ring { out } => return ring(&mut client, out),
     }
     state(status_of(&mut client)?.phase.name())
+}
+
+/// What becomes of an armed device that no program speaks to.
+pub fn note_silence(silence_s: Si) {
+    if silence_s == Si::ZERO {
+        note!(
+            "nothing switches this device off when its desktop hangs or is gone; `touchstone config set limits.host_silence_s 2` does, after 2 s"
+        );
+    } else {
+        note!(
+            "it switches off {silence_s} s after the last word of a program: keep `touchstone monitor` or `live` running (limits.host_silence_s; 0 for a knob that needs no desktop)"
+        );
+    }
 }
 
 /// Where the device stands after a command.

@@ -1,5 +1,6 @@
 //! `touchstone monitor`: what a device measures and does, live; every control tick as CSV.
 
+use super::device::note_silence;
 use super::number;
 use super::out::{self, is_read, print, say, tell};
 use super::port::PortOption;
@@ -8,6 +9,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_lab::report::csv::decimal;
 use touchstone_link::counted::Counted;
@@ -46,6 +48,9 @@ pub fn main(options: &Options) -> Result<()> {
     let stop = super::interrupt::noted()?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
+    if settings.limits.host_silence_s == Si::ZERO {
+        note_silence(Si::ZERO);
+    }
     let mut table = match &options.csv {
         Some(path) => Some(Table::new(path, settings.timing.rate_hz)?),
         None => None,

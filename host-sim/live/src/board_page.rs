@@ -63,7 +63,7 @@ pub fn render(content: &Content) -> (String, String) {
             " 'wasm-unsafe-eval'",
             String::new(),
             packed_module(),
-            "When this page is closed, it says stop to a device that is on; when it hangs, nobody does: limits.host_silence_s is the device's own watchdog on it.",
+            "When this page is closed, it says stop to a device that is on; when it hangs, nobody does: the device then switches itself off after limits.host_silence_s, 2 s as shipped.",
             "This page speaks to the port that you choose and to nothing else; frames, settings and the model beside the board are the program's own, as WebAssembly.",
         ),
     };

@@ -106,7 +106,8 @@ macro_rules! device_settings {
                     // Fingers that flick the rim of a knob of 40 mm at 2 m/s.
                     max_speed_rad_per_s: number("1", "1000") = "100", "rad/s",
                         "the speed above which it switches off (against a force, the guard's overspeed does)";
-                    host_silence_s: number("0", "60") = "0", "s",
+                    // A page in a tab that is not seen may be woken once a second only.
+                    host_silence_s: number("0", "60") = "2", "s",
                         "the time without a word of the desktop after which it switches off (0: it needs no desktop)";
                     fade_in_s: number("0", "10") = "0.2", "s",
                         "the time over which the torque fades in after arming";

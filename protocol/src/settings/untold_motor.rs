@@ -52,9 +52,6 @@ pub(super) fn fit(settings: &mut DeviceSettings) {
         law.limit_of_force_per_ms = "0.3322";
         law.limit_of_penetration_per_ms = "0.5238";
         law.step_of_ideal_per_ms = "0.1692";
-        law.estimator.bandwidth_hz = "83.88";
-        law.estimator.delay_s = "0.001323";
-        law.estimator.inertia_kg_m2 = "0.0000282";
         law.filter.damping_n_m_s_per_rad = "0.009071";
         law.filter.ground_damping_n_m_s_per_rad = "0.00125";
         law.filter.mass_kg_m2 = "0.0000009235";

@@ -3,11 +3,14 @@
 use super::{calibrated, status_of};
 use crate::out::{self, say, tell};
 use clap::{Subcommand, ValueEnum};
+use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_protocol::{
     Board, DeviceCommand, DeviceSettings, Phase, Reply, Request, StartReport, Unkept,
 };
 use touchstone_sim::error::{Error, Result};
+
+const SILENCE: &str = "limits.host_silence_s";
 
 /// What is done with an alignment.
 #[derive(Debug, Clone, Copy, Subcommand)]
@@ -168,6 +171,26 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
+/// A knob that starts by itself needs no desktop, so it must not switch off when one that has spoken is gone; one that no longer does has its
+/// watchdog back. The silence that is set then, s.
+fn waits_for_a_desktop(client: &mut Client, switch: Switch) -> Result<Si> {
+    let mut settings = client.settings()?;
+    let set = settings.limits.host_silence_s;
+    let wanted = match switch {
+        Switch::On => Si::ZERO,
+        Switch::Off if set == Si::ZERO => {
+            let board = client.identity().board;
+            DeviceSettings::defaults(board).limits.host_silence_s
+        }
+        Switch::Off => set,
+    };
+    if wanted != set {
+        settings.limits.host_silence_s = wanted;
+        client.tell(&Request::SetAll(settings))?;
+    }
+    Ok(wanted)
+}
+
 /// Whether the device saves now: a refusal must not come after half of it.
 fn saves(client: &mut Client) -> Result<()> {
     let phase = status_of(client)?.phase;
@@ -188,18 +211,29 @@ pub fn autostart(client: &mut Client, switch: Option<Switch>) -> Result<()> {
     };
     saves(client)?;
     client.tell(&Request::Autostart(switch == Switch::On))?;
+    let silence_s = waits_for_a_desktop(client, switch)?;
     client.tell(&Request::Save)?;
     out::result(
-        || serde_json::json!({ "autostart": switch == Switch::On }),
+        || {
+            serde_json::json!({
+                "autostart": switch == Switch::On,
+                "host_silence_s": silence_s.to_num::<f64>(),
+            })
+        },
         || {
             match switch {
                 Switch::On => {
                     tell!(
                         "on and saved: WHEN POWER COMES ON, THE SHAFT MOVES AND THE WALL IS THERE, with nobody asked"
                     );
+                    tell!(
+                        "{SILENCE} = 0: it goes on without a desktop, also after one that has spoken and is gone"
+                    );
                     tell!("off again: touchstone device autostart off");
                 }
-                Switch::Off => tell!("off and saved: it waits for a desktop"),
+                Switch::Off => tell!(
+                    "off and saved: it waits for a desktop, and switches off {silence_s} s after that falls silent ({SILENCE})"
+                ),
             }
             Ok(())
         },

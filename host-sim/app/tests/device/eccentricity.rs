@@ -68,7 +68,7 @@ fn a_magnet_is_measured_and_nothing_of_the_device_is_changed() {
             Phase::Stopped,
             "it ends at rest"
         );
-        assert_eq!(session.settings().limits.host_silence_s, 0);
+        assert_eq!(session.settings().limits.host_silence_s, 2);
     }
     let after = device
         .run(&["config", "get", "calibration.measures"])

@@ -80,7 +80,7 @@ fn a_board_becomes_a_tuned_knob() {
         assert!((settings.motor.resistance_ohm.to_num::<f64>() - measured).abs() < 1e-6);
         assert_eq!(settings.law.estimator.inertia_kg_m2.to_string(), "0.00007");
         assert!(!settings.calibration.measures);
-        assert_eq!(settings.limits.host_silence_s, 0);
+        assert_eq!(settings.limits.host_silence_s, 2);
         assert!(world.saved);
         assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
     }
@@ -139,7 +139,7 @@ fn a_cable_that_is_pulled_while_it_spins_costs_that_step_alone() {
     setup(&device, &out, &law).done();
     let (session, _) = &*device.world();
     assert!(!session.settings().calibration.measures);
-    assert_eq!(session.settings().limits.host_silence_s, 0);
+    assert_eq!(session.settings().limits.host_silence_s, 2);
 }
 
 #[test]

@@ -128,15 +128,21 @@ fn a_start_by_itself_is_asked_for_saved_shown_and_taken_back() {
     device.run(&["device", "stop"]).done();
     let said = device.run(&["device", "autostart", "on"]).done();
     assert!(said.contains("THE SHAFT MOVES"), "{said}");
+    // What starts without a desktop needs none later.
+    assert_eq!(device.world().0.settings().limits.host_silence_s, 0);
     device.power_up();
     let said = device.run(&["device", "autostart"]).done();
     assert!(said.contains("autostart  on; at this start:"), "{said}");
     // Settings come and go without it.
     device.run(&["config", "defaults"]).done();
     assert_eq!(status(&device)["start"]["autostart"], true);
+    device
+        .run(&["config", "set", "limits.host_silence_s", "0"])
+        .done();
     device.run(&["device", "autostart", "off"]).done();
     device.power_up();
     assert_eq!(status(&device)["start"]["autostart"], false);
+    assert_eq!(device.world().0.settings().limits.host_silence_s, 2);
 }
 
 #[test]
