@@ -8,6 +8,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+use touchstone_drive::ControlInput;
 use touchstone_drive::around::Surrounding;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::wire::checked;
@@ -27,19 +28,30 @@ const PRESS_S: f64 = 3.0;
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
 
-/// A supply that may rise.
+/// A supply that may rise, and a desktop that may fall silent.
 #[derive(Debug, Clone, Copy)]
-pub struct Supply(f64);
+pub struct Outside {
+    supply_v: f64,
+    /// A frame came since the last tick; `None` before there is a line.
+    heard: Option<bool>,
+}
 
-impl Tamper for Supply {
+impl Tamper for Outside {
     fn bus_v(&mut self, _tick: u32) -> f64 {
-        self.0
+        self.supply_v
+    }
+
+    fn input(&mut self, _tick: u32, input: &mut ControlInput) -> bool {
+        if let Some(heard) = &mut self.heard {
+            input.host_heard = std::mem::take(heard);
+        }
+        true
     }
 }
 
 /// The knob with what stands around it.
 pub struct ServedKnob {
-    knob: Knob<Supply>,
+    knob: Knob<Outside>,
     settings: DeviceSettings,
     decimation: u16,
     /// Records that are dropped from now on.
@@ -61,8 +73,12 @@ impl ServedKnob {
     #[must_use]
     pub fn new() -> Self {
         let settings = DeviceSettings::defaults(BOARD);
+        let outside = Outside {
+            supply_v: 24.0,
+            heard: None,
+        };
         Self {
-            knob: Knob::new(&settings, GIMBAL, 0.0, Supply(24.0)),
+            knob: Knob::new(&settings, GIMBAL, 0.0, outside),
             settings,
             decimation: 1,
             gap: 0,
@@ -84,7 +100,7 @@ impl ServedKnob {
         match word {
             "gap" => self.gap = number as u32,
             "noise" => self.noise = number as usize,
-            "volts" => self.knob.tamper.0 = number,
+            "volts" => self.knob.tamper.supply_v = number,
             "pull" => self.plugged = false,
             "plug" => self.plugged = true,
             _ => eprintln!("note: {what}: not known; try gap N, noise N, volts V, pull or plug"),
@@ -224,6 +240,7 @@ pub fn serve(
     let mut line: Option<(TcpStream, Decoder)> = None;
     let begun = Instant::now();
     let mut ran_s = 0.0;
+    knob.knob.tamper.heard = Some(false);
     while !stop.load(Ordering::Relaxed) {
         for what in happens.try_iter() {
             knob.suffer(&what);
@@ -247,10 +264,11 @@ pub fn serve(
             };
             for &byte in bytes.get(..count.unwrap_or(0)).unwrap_or_default() {
                 let errors = decoder.errors();
-                if let Some(Ok(payload)) = decoder.push(byte)
-                    && let Answered::Now(answer) =
-                        session.answer_payload(payload, errors, &mut knob)
-                {
+                let Some(Ok(payload)) = decoder.push(byte) else {
+                    continue;
+                };
+                knob.knob.tamper.heard = Some(true);
+                if let Answered::Now(answer) = session.answer_payload(payload, errors, &mut knob) {
                     out.extend(framed(&answer));
                 }
             }

@@ -22,7 +22,7 @@ fn recorded(file: &Path) -> u32 {
         .run(&["config", "set", "wall.surface_rad", "0.3"])
         .done();
     device.run(&["device", "calibrate"]).done();
-    device.run(&["device", "arm"]).done();
+    device.run(&["--quiet", "device", "arm"]).done();
     let counts = device.world().0.settings().encoder.counts_per_rev;
     std::thread::scope(|threads| {
         let listening = threads.spawn(|| {

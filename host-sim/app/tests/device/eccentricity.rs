@@ -76,7 +76,7 @@ fn a_magnet_is_measured_and_nothing_of_the_device_is_changed() {
     assert_eq!(before, after);
 
     device.run(&["device", "calibrate"]).done();
-    device.run(&["device", "arm"]).done();
+    device.run(&["--quiet", "device", "arm"]).done();
     device
         .run(&["device", "eccentricity", "measure"])
         .failed(1, &["the wall is on", "touchstone device stop"]);

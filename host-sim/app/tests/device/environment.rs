@@ -74,7 +74,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
 fn an_armed_device_takes_it_at_once() {
     let device = Fake::new();
     for command in ["calibrate", "arm"] {
-        device.run(&["device", command]).done();
+        device.run(&["--quiet", "device", command]).done();
     }
     let path = dial("environment_at_once");
     let said = device

@@ -21,7 +21,7 @@ fn a_device_is_calibrated_armed_disarmed_and_stopped() {
         .failed(1, &["state `boot`", "touchstone device calibrate"]);
     assert_eq!(device.run(&["device", "calibrate"]).done(), "ready\n");
     assert_eq!(device.run(&["device", "zero"]).done(), "ready\n");
-    assert_eq!(device.run(&["device", "arm"]).done(), "armed\n");
+    assert_eq!(device.run(&["--quiet", "device", "arm"]).done(), "armed\n");
     device
         .run(&["device", "zero"])
         .failed(1, &["state `armed`"]);

@@ -14,6 +14,8 @@ mod json;
 mod lifecycle;
 mod monitor;
 mod setup;
+#[cfg(unix)]
+mod silence;
 mod spun;
 mod start;
 

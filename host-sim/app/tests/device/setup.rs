@@ -161,7 +161,7 @@ fn another_board_and_a_wall_that_is_on_are_refused() {
     let other = Spun::new(motor(), &knob(1.3e-3), 5);
     setup(&other, &out, &law).failed(2, &["belongs to the board", "--out"]);
 
-    device.run(&["device", "arm"]).done();
+    device.run(&["--quiet", "device", "arm"]).done();
     setup(&device, &out, &law).failed(1, &["the wall is on", "touchstone device disarm"]);
     assert_eq!(
         Phase::from(device.world().1.knob.device.state()),

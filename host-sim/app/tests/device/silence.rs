@@ -1,0 +1,119 @@
+//! A knob whose desktop is gone switches itself off, whatever became of the program that spoke to it.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
+/// As shipped, and what a busy machine may take to notice.
+const SILENT: Duration = Duration::from_millis(2_000 + 1_500);
+
+/// `touchstone demo --port-only`, ended with the test.
+struct Demo {
+    process: Child,
+    address: String,
+}
+
+impl Demo {
+    fn new() -> Self {
+        let mut process = Command::new(PROGRAM)
+            .args(["--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut address = String::new();
+        let said = process.stdout.take().unwrap();
+        BufReader::new(said).read_line(&mut address).unwrap();
+        Self {
+            process,
+            address: address.trim().into(),
+        }
+    }
+
+    fn command(&self, words: &[&str]) -> Command {
+        let mut command = Command::new(PROGRAM);
+        command.args(words).args(["--port", &self.address]);
+        command
+    }
+
+    fn run(&self, words: &[&str]) -> String {
+        let output = self.command(words).output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        let why = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{words:?}: {said}{why}");
+        said
+    }
+
+    /// On, and with `monitor` at it for longer than a device waits.
+    fn monitored(&self) -> Child {
+        self.run(&["device", "calibrate"]);
+        self.run(&["device", "arm"]);
+        let mut monitor = self
+            .command(&["monitor"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines();
+        let until = Instant::now() + SILENT;
+        let mut last = String::new();
+        while Instant::now() < until {
+            last = lines.next().expect("monitor ended").unwrap();
+        }
+        assert!(last.contains("armed"), "{last}");
+        monitor
+    }
+}
+
+impl Drop for Demo {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn signal(process: &Child, name: &str) {
+    let sent = Command::new("kill")
+        .args([name, &process.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+}
+
+#[test]
+fn a_device_whose_desktop_is_gone_switches_itself_off() {
+    for name in ["-KILL", "-STOP"] {
+        let demo = Demo::new();
+        let mut monitor = demo.monitored();
+        signal(&monitor, name);
+        std::thread::sleep(SILENT);
+        let fault = demo.run(&["device", "fault"]);
+        assert!(fault.contains("22 host-silent"), "{name}: {fault}");
+        let _ = monitor.kill();
+        monitor.wait().unwrap();
+    }
+}
+
+#[test]
+fn a_command_that_arms_and_ends_says_what_comes_and_it_comes() {
+    let demo = Demo::new();
+    demo.run(&["device", "calibrate"]);
+    let said = demo.command(&["device", "arm"]).output().unwrap();
+    let note = String::from_utf8(said.stderr).unwrap();
+    assert!(
+        note.contains("switches off 2 s after the last word"),
+        "{note}"
+    );
+    std::thread::sleep(SILENT);
+    assert!(demo.run(&["device", "fault"]).contains("22 host-silent"));
+    // Who needs no desktop says so.
+    demo.run(&["device", "stop"]);
+    demo.run(&["config", "set", "limits.host_silence_s", "0"]);
+    demo.run(&["device", "calibrate"]);
+    let said = demo.command(&["device", "arm"]).output().unwrap();
+    let note = String::from_utf8(said.stderr).unwrap();
+    assert!(note.contains("nothing switches this device off"), "{note}");
+    std::thread::sleep(SILENT);
+    assert_eq!(demo.run(&["device", "fault"]), "no fault\n");
+    assert_eq!(demo.run(&["device", "stop"]), "stopped\n");
+}
