@@ -26,6 +26,11 @@ fn main() {
     }
     // Sections start on no page of a file system: the image is for a flash memory.
     println!("cargo::rustc-link-arg-bins=--nmagic");
+    // A symbol without a place: `touchstone flash` knows by it which board a program is for, and it costs no flash.
+    for board in BOARDS {
+        let symbol = board.replace('-', "_");
+        println!("cargo::rustc-link-arg-bin={board}=--defsym=touchstone_board_{symbol}=0");
+    }
     let mut hash = FNV_BASIS;
     for part in [
         "firmware/src",
@@ -42,6 +47,15 @@ fn main() {
     }
     println!("cargo::rustc-env=TOUCHSTONE_BUILD_HASH={hash:016x}");
 }
+
+/// The programs, each with its board's name.
+const BOARDS: [&str; 5] = [
+    "nucleo-g474re",
+    "nucleo-g474re-ihm16m1",
+    "nucleo-g474re-simplefoc-mini",
+    "nucleo-g431rb-ihm16m1",
+    "b-g431b-esc1",
+];
 
 const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x100_0000_01b3;

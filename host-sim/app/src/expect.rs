@@ -138,7 +138,7 @@ impl Expectations {
                 "--expect",
                 words.contains(&came),
                 list(&words),
-                came.to_owned(),
+                run.verdict_and_why(),
             );
         }
         let out = run.energy_out;

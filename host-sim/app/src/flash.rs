@@ -1,6 +1,7 @@
 //! `touchstone flash`: the firmware into a board. The work is done by probe-rs: with the feature `probe` by the crate, which is then in
 //! this program, otherwise by the program of that name.
 
+mod mark;
 #[cfg_attr(feature = "probe", path = "flash/by_crate.rs")]
 #[cfg_attr(not(feature = "probe"), path = "flash/by_program.rs")]
 mod means;
@@ -34,6 +35,9 @@ pub struct Options {
     /// Looks at the program and says what would be done with it, without a probe and without a board.
     #[arg(long, conflicts_with = "log")]
     dry_run: bool,
+    /// Writes a program that says another board's name, or none.
+    #[arg(long)]
+    force: bool,
 }
 
 /// A program for a board, and through which probe it is reached.
@@ -73,16 +77,38 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// Whether the program says that it is this board's.
+    fn is_this_boards(&self) -> Result<()> {
+        let file = self.read()?;
+        let (board, marks) = (self.board.name(), mark::boards(&file));
+        if marks.iter().any(|mark| mark == board) {
+            return Ok(());
+        }
+        let problem = match &marks[..] {
+            [] => format!("does not say which board it is for, so not that it is {board}'s"),
+            marks => format!("is the program of {}, not of {board}", marks.join(", ")),
+        };
+        Err(Error::Io {
+            path: self.elf.clone(),
+            problem,
+            fix: "build or name the board's own program, or write this one nevertheless by `touchstone flash --force`".to_owned(),
+        })
+    }
+
+    fn read(&self) -> Result<Vec<u8>> {
+        std::fs::read(&self.elf).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => self.wrong("there is no such program"),
+            _ => self.wrong(error.to_string()),
+        })
+    }
+
     /// Whether it is a program for a Cortex-M, before anything is erased.
     fn check(&self) -> Result<()> {
         /// Magic, 32 bits, little-endian.
         const START: &[u8] = b"\x7fELF\x01\x01";
         /// Machine: Arm.
         const ARM: &[u8] = &[40, 0];
-        let file = std::fs::read(&self.elf).map_err(|error| match error.kind() {
-            ErrorKind::NotFound => self.wrong("there is no such program"),
-            _ => self.wrong(error.to_string()),
-        })?;
+        let file = self.read()?;
         if file.starts_with(START) && file.get(18..20) == Some(ARM) {
             Ok(())
         } else {
@@ -152,6 +178,9 @@ impl BoardName {
 /// Runs it.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
+    if !options.force {
+        job.is_this_boards()?;
+    }
     if options.dry_run {
         say!("{} into {}", job.elf.display(), job.chip());
         means::rehearse(&job)?;
@@ -173,7 +202,9 @@ pub fn main(options: &Options) -> Result<()> {
 
 /// Writes what there is for a board.
 pub fn write(board: BoardName) -> Result<()> {
-    into(&Job::new(board, None, None)?, None)
+    let job = Job::new(board, None, None)?;
+    job.is_this_boards()?;
+    into(&job, None)
 }
 
 fn into(job: &Job<'_>, log: Option<&Log>) -> Result<()> {

@@ -3,7 +3,9 @@
 mod haply_mock;
 
 use haply_mock::{Service, Wrong};
+use std::io::Write;
 use std::net::TcpListener;
+use std::time::{Duration, Instant};
 use touchstone_device::Inverse3;
 use touchstone_device::haptic::{HapticDevice, HapticFault};
 use touchstone_device::servo::{
@@ -88,6 +90,42 @@ fn whatever_goes_wrong_ends_with_no_force() {
             "{:?}: {saw:?}",
             report.ending
         );
+    }
+}
+
+/// What comes without a state in it does not put off the end.
+#[test]
+fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
+    for wrong in [Wrong::Pings, Wrong::Drip, Wrong::Binary] {
+        let service = Service::new("3.5.1", wrong, 250);
+        let report = played(&service).unwrap();
+        assert!(
+            matches!(&report.ending, Ending::Fault(HapticFault::Lost(..))),
+            "{:?}",
+            report.ending
+        );
+        // 0.3 s, a pause of the service, and what a busy machine adds.
+        let saw = service.saw();
+        assert!(saw.held_s < 1.5, "{saw:?}");
+    }
+}
+
+/// A service that answers, but a byte at a time or never to its end.
+#[test]
+fn a_service_that_drips_its_first_answers_is_refused_within_seconds() {
+    for begin in ["HTTP/1.1 200 OK\r\n\r\n", "HTTP/1.1 101 Switching", ""] {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap().to_string();
+        std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            let _ = stream.write_all(begin.as_bytes());
+            while stream.write_all(b" ").is_ok() {
+                std::thread::sleep(Duration::from_millis(100));
+            }
+        });
+        let begun = Instant::now();
+        Inverse3::connect(&address).expect_err("no service");
+        assert!(begun.elapsed() < Duration::from_secs(5), "{begin:?}");
     }
 }
 

@@ -101,7 +101,12 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
         let (_, room) = room.ok_or_else(|| format!("no chip is known for the board `{board}`"))?;
         let program = ProgramCode::open(Path::new(path))?;
         println!("{board}:");
-        let report = examine(&program, *room);
+        let mut report = examine(&program, *room);
+        // By it `touchstone flash` refuses the program for another board.
+        let mark = format!("touchstone_board_{}", board.replace('-', "_"));
+        if program.symbol(&mark).is_none() {
+            report.wrong.push(format!("no symbol {mark} is in it"));
+        }
         lines.push(format!("{board}: {}", report.line()));
         wrong.extend(report.wrong.iter().map(|what| format!("{board}: {what}")));
     }

@@ -139,7 +139,7 @@ class Run(dict[str, Any]):
 
     @property
     def verdict(self) -> str:
-        """passive, active, limit-cycle, unstable or no-contact."""
+        """passive, active, limit-cycle, unstable, not-judged or no-contact."""
         return str(self.summary["verdict"])
 
     def trace(self) -> dict[str, numpy.ndarray]:

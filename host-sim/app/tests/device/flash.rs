@@ -8,18 +8,29 @@ use std::path::Path;
 use std::process::Command;
 use touchstone_protocol::Board;
 
-/// An ELF program for a 32-bit Arm: 16 bytes for the beginning of the flash.
-fn elf(path: &Path) {
+/// An ELF program for a 32-bit Arm that says a board's name: 16 bytes for the beginning of the flash.
+fn elf_of(path: &Path, board: &str) {
     let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
     bytes.resize(16, 0);
     let words = |bytes: &mut Vec<u8>, all: &[u32]| {
         all.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
     };
-    // An executable for Arm of version 1, begun at the flash's begin, with one part of the program right behind its headers.
-    words(&mut bytes, &[40 << 16 | 2, 1, 0x0800_0000, 52, 0, 0]);
-    words(&mut bytes, &[32 << 16 | 52, 1, 0]);
+    let name = format!("\0touchstone_board_{}\0", board.replace('-', "_"));
+    let names = name.len() as u32;
+    // An executable for Arm of version 1, begun at the flash's begin, with one part of the program right behind its headers; then
+    // an empty symbol and one without a place, their names, and the headers of no section, of the symbols and of the names.
+    words(
+        &mut bytes,
+        &[40 << 16 | 2, 1, 0x0800_0000, 52, 132 + names, 0],
+    );
+    words(&mut bytes, &[32 << 16 | 52, 40 << 16 | 1, 3]);
     words(&mut bytes, &[1, 84, 0x0800_0000, 0x0800_0000, 16, 16, 5, 4]);
     bytes.extend([7; 16]);
+    words(&mut bytes, &[0, 0, 0, 0, 1, 0, 0, 0xfff1 << 16 | 0x10]);
+    bytes.extend(name.bytes());
+    words(&mut bytes, &[0; 10]);
+    words(&mut bytes, &[0, 2, 0, 0, 100, 32, 2, 1, 4, 16]);
+    words(&mut bytes, &[0, 3, 0, 0, 132, names, 0, 0, 1, 0]);
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
     std::fs::write(path, bytes).unwrap();
 }
@@ -39,7 +50,8 @@ fn run(folder: &Path, arguments: &[&str]) -> Said {
 #[test]
 fn the_built_program_is_downloaded_verified_and_started() {
     let here = folder("flash");
-    elf(&here.join("target/firmware/b-g431b-esc1/touchstone.elf"));
+    let built = here.join("target/firmware/b-g431b-esc1/touchstone.elf");
+    elf_of(&built, "b-g431b-esc1");
     let bin = here.join("bin");
     std::fs::create_dir_all(&bin).unwrap();
     script(&bin, "probe-rs", "echo \"$@\" >> asked");
@@ -48,7 +60,7 @@ fn the_built_program_is_downloaded_verified_and_started() {
         said.contains("STM32G431CBUx") && said.contains("flashed, verified and started"),
         "{said}"
     );
-    elf(&here.join("own.elf"));
+    elf_of(&here.join("own.elf"), "nucleo-g474re");
     run(
         &here,
         &[
@@ -74,7 +86,7 @@ fn the_built_program_is_downloaded_verified_and_started() {
 #[test]
 fn a_log_is_shown_after_the_flash_and_by_itself() {
     let here = folder("flash-log");
-    elf(&here.join("own.elf"));
+    elf_of(&here.join("own.elf"), "b-g431b-esc1");
     std::fs::create_dir_all(here.join("bin")).unwrap();
     let asked = "echo \"$@\" >> asked\nif [ $1 = attach ]; then echo boot; fi";
     script(&here.join("bin"), "probe-rs", asked);
@@ -110,7 +122,7 @@ fn a_log_is_shown_after_the_flash_and_by_itself() {
 #[test]
 fn without_its_probe_nothing_is_written() {
     let here = folder("flash-no-probe");
-    elf(&here.join("own.elf"));
+    elf_of(&here.join("own.elf"), "b-g431b-esc1");
     let flash = ["flash", "own.elf", "--board", "b-g431b-esc1", "--probe"];
     let with = |probe| run(&here, &[&flash[..], &[probe]].concat());
     with("fffe:fffd:NONE").failed(1, &["probe fffe:fffd:NONE", "is not connected"]);
@@ -136,6 +148,53 @@ fn without_its_probe_nothing_is_written() {
     with("fffe:fffd:NONE").failed(2, &["own.elf", "cut off"]);
 }
 
+/// Before a probe is looked for.
+#[test]
+fn another_boards_program_is_refused_by_both_names() {
+    let here = folder("flash-other-board");
+    for board in Board::ALL {
+        elf_of(&here.join(format!("{}.elf", board.name())), board.name());
+    }
+    let flash = |program: &str, board: Board, more: &[&str]| {
+        let first = ["flash", program, "--board", board.name(), "--dry-run"];
+        run(&here, &[&first[..], more].concat())
+    };
+    for program in Board::ALL {
+        for board in Board::ALL {
+            let file = format!("{}.elf", program.name());
+            let said = flash(&file, board, &[]);
+            if program == board {
+                said.done();
+                continue;
+            }
+            let problem = format!(
+                "{file}: is the program of {}, not of {}; ",
+                program.name(),
+                board.name()
+            );
+            said.failed(2, &[&problem, "--force"]);
+            // The chip may be another one; that is looked at where it is written.
+            flash(&file, board, &["--force"]).done();
+        }
+    }
+    let own = here.join("own.elf");
+    for mark in ["", "my-board"] {
+        elf_of(&own, mark);
+        let mut bytes = std::fs::read(&own).unwrap();
+        if mark.is_empty() {
+            // No table of symbols, as `strip` leaves it.
+            bytes[48..50].fill(0);
+            std::fs::write(&own, &bytes).unwrap();
+        }
+        let problem = match mark {
+            "" => "does not say which board it is for",
+            _ => "is the program of my-board, not of nucleo-g474re",
+        };
+        flash("own.elf", Board::NucleoG474re, &[]).failed(2, &["own.elf", problem, "--force"]);
+        flash("own.elf", Board::NucleoG474re, &["--force"]).done();
+    }
+}
+
 #[test]
 fn what_is_missing_is_named() {
     let here = folder("flash-missing");
@@ -153,7 +212,7 @@ fn what_is_missing_is_named() {
         .failed(2, &["is no ELF program for a 32-bit Arm"]);
     #[cfg(not(feature = "probe"))]
     {
-        elf(&here.join("own.elf"));
+        elf_of(&here.join("own.elf"), "nucleo-g474re");
         for command in ["flash", "log"] {
             run(&here, &[command, "own.elf", "--board", "nucleo-g474re"]).failed(
                 1,
@@ -179,10 +238,16 @@ fn the_programs_that_came_with_it_are_found_beside_it() {
     let archive = here.join("unpacked");
     for board in Board::ALL {
         let board = board.name();
-        elf(&archive.join(format!("firmware/{board}/touchstone.elf")));
+        elf_of(
+            &archive.join(format!("firmware/{board}/touchstone.elf")),
+            board,
+        );
     }
     // What somebody built once, here: another version than the program that runs.
-    elf(&here.join("target/firmware/nucleo-g474re/touchstone.elf"));
+    elf_of(
+        &here.join("target/firmware/nucleo-g474re/touchstone.elf"),
+        "nucleo-g474re",
+    );
     let touchstone = archive.join("touchstone");
     std::fs::hard_link(env!("CARGO_BIN_EXE_touchstone"), &touchstone)
         .or_else(|_| std::fs::copy(env!("CARGO_BIN_EXE_touchstone"), &touchstone).map(drop))

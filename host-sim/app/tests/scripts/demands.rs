@@ -3,7 +3,7 @@
 use crate::{folder, run, run_in};
 
 /// Runs that end in each of the verdicts.
-const ENDS: [(&str, &[&str]); 5] = [
+const ENDS: [(&str, &[&str]); 6] = [
     ("passive", &["low-stiffness"]),
     ("active", &["thesis-knob"]),
     ("unstable", &["thesis-knob", "--law", "spring"]),
@@ -11,6 +11,11 @@ const ENDS: [(&str, &[&str]); 5] = [
     (
         "limit-cycle",
         &["press-hold", "--law", "spring", "--k-desired", "1.1"],
+    ),
+    // The hand holds still for too short a time.
+    (
+        "not-judged",
+        &["low-stiffness", "--set", "motion.hold_s=0.04"],
     ),
     // Outside the wall, and nobody moves it.
     (
@@ -32,7 +37,7 @@ fn every_verdict_can_be_asked_for() {
             } else {
                 let err = said.ended(3).err;
                 assert_eq!(err.lines().count(), 1, "{err}");
-                let line = format!("not met: --expect: wanted {asked}, came {verdict} (");
+                let line = format!("not met: --expect: wanted {asked}, came {verdict}");
                 assert!(err.starts_with(&line), "{err}");
             }
         }
@@ -296,4 +301,50 @@ fn the_demands_of_the_documented_script_are_met() {
         arguments.extend(&demands);
         run(&arguments).ended(0);
     }
+}
+
+/// A hand that taps to the end: the wall is not judged by the hand's own motion, and every output says so.
+#[test]
+fn what_cannot_be_judged_is_said_with_why() {
+    let here = folder("not-judged");
+    let mut text = String::from("time_s,angle_rad\n");
+    for n in 0..4000 {
+        let time = f64::from(n) / 1e3;
+        text += &format!("{time},{:.6}\n", 0.1 * (19.0 * time).sin());
+    }
+    std::fs::write(here.join("taps.csv"), text).unwrap();
+    let taps = |options: &[&str]| {
+        let first = [
+            "run",
+            "low-stiffness",
+            "--operator-motion",
+            "taps.csv",
+            "--set",
+            "timing.duration_s=4",
+        ];
+        run_in(&here, &[&first[..], options].concat())
+    };
+    let why = "the hand never rests: it moves by ";
+    let table = taps(&[]).ended(0).out;
+    assert!(
+        table.contains("not judged") && table.contains(why),
+        "{table}"
+    );
+    let results = taps(&["--json"]).ended(0).json();
+    assert_eq!(results["runs"][0]["verdict"], "not-judged");
+    let said = results["runs"][0]["not_judged"].as_str().unwrap();
+    assert!(said.starts_with(why), "{said}");
+    let err = taps(&["--expect", "passive", "--junit", "taps.xml"])
+        .ended(3)
+        .err;
+    assert!(
+        err.contains(&format!("wanted passive, came not-judged: {said}")),
+        "{err}"
+    );
+    let junit = std::fs::read_to_string(here.join("taps.xml")).unwrap();
+    assert!(
+        junit.contains(&format!("came not-judged: {said}")),
+        "{junit}"
+    );
+    taps(&["--expect", "not-judged"]).ended(0);
 }

@@ -1,14 +1,17 @@
 //! The program as scripts, shells and impatient people use it: demands, exit codes, JSON, silence, signals, its own files.
 
 mod answers;
+mod cases;
 mod demands;
 #[cfg(unix)]
 mod interrupt;
 mod motion;
+mod readers;
 mod strict;
 mod sweep;
 mod tuning;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -65,7 +68,13 @@ pub fn program(folder: &Path, arguments: &[&str]) -> Command {
 
 /// Runs the program in a folder.
 pub fn run_in(folder: &Path, arguments: &[&str]) -> Said {
-    let output = program(folder, arguments).output().unwrap();
+    run_words(folder, arguments)
+}
+
+/// The same with words that need not be text.
+pub fn run_words<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Said {
+    let mut command = program(folder, &[]);
+    let output = command.args(words).output().unwrap();
     Said {
         code: output.status.code(),
         out: String::from_utf8(output.stdout).unwrap(),

@@ -4,6 +4,7 @@
 //! beginning, as its own lies at the base. Nothing of its limits was to be had: force and workspace are chosen.
 
 mod message;
+mod timed;
 
 pub use message::Generation;
 
@@ -14,6 +15,7 @@ use message::CursorState;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
+use timed::Timed;
 use tungstenite::{Message, WebSocket, client::client};
 
 /// Where the service listens unless it is told otherwise.
@@ -30,7 +32,7 @@ const COUNT_M: f64 = 5e-5;
 /// An Inverse3 that this program commands.
 #[derive(Debug)]
 pub struct Inverse3 {
-    socket: WebSocket<TcpStream>,
+    socket: WebSocket<Timed>,
     generation: Generation,
     device: String,
     sheet: DataSheet,
@@ -52,16 +54,14 @@ fn absent(service: &str, why: &std::io::Error) -> HapticFault {
 }
 
 /// A connection that does not wait without end.
-fn connected(service: &str) -> Result<TcpStream, HapticFault> {
+fn connected(service: &str) -> Result<Timed, HapticFault> {
     let wrong = |why: std::io::Error| absent(service, &why);
     let mut last = std::io::Error::from(ErrorKind::NotFound);
     for address in service.to_socket_addrs().map_err(wrong)? {
         match TcpStream::connect_timeout(&address, PATIENCE) {
             Ok(stream) => {
                 stream.set_nodelay(true).map_err(wrong)?;
-                stream.set_read_timeout(Some(PATIENCE)).map_err(wrong)?;
-                stream.set_write_timeout(Some(PATIENCE)).map_err(wrong)?;
-                return Ok(stream);
+                return Ok(Timed::new(stream, PATIENCE));
             }
             Err(why) => last = why,
         }
@@ -77,7 +77,7 @@ fn version(service: &str) -> Result<String, HapticFault> {
     let asked = format!("GET /version HTTP/1.1\r\nHost: {service}\r\nConnection: close\r\n\r\n");
     stream.write_all(asked.as_bytes()).map_err(wrong)?;
     let mut answer = Vec::new();
-    // A service that keeps the connection ends it by the time-out: what came until then is the answer.
+    // A service that keeps the connection, or drips, ends it by the deadline: what came until then is the answer.
     let _ = stream.take(65_536).read_to_end(&mut answer);
     let answer = String::from_utf8_lossy(&answer).into_owned();
     let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
@@ -153,15 +153,16 @@ impl Inverse3 {
         let rate_hz = rate.round().clamp(100.0, 10_000.0) as u32;
         self.sheet.rates_hz = (rate_hz, rate_hz);
         self.sheet.delay_s = 1.0 / rate;
-        let version = version.trim_matches(['"', '{', '}']);
+        let version = version.trim_matches(|c: char| !c.is_ascii_digit());
         self.sheet.name = format!("Inverse3 {} (service {version})", self.device);
         Ok(())
     }
 
-    /// The next state. A time-out of the socket is the end, so this never waits for long.
+    /// The next state. It has to be here, whole, by one deadline: neither pings nor single bytes put it off.
     fn state(&mut self) -> Result<CursorState, HapticFault> {
         let wrong = lost("reading its state");
         let known = (!self.device.is_empty()).then(|| self.device.clone());
+        self.socket.get_mut().begin(PATIENCE);
         loop {
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
@@ -170,7 +171,10 @@ impl Inverse3 {
                     return Ok(state);
                 }
                 Ok(Message::Close(_)) => return Err(wrong("the service closed it".into())),
-                // Pings are answered by the socket itself.
+                // Pings are answered by the socket itself. What is there already is read without asking for the time.
+                Ok(_) if self.socket.get_ref().is_over() => {
+                    return Err(wrong(self.socket.get_ref().over().to_string()));
+                }
                 Ok(_) => {}
                 Err(why) => return Err(wrong(why.to_string())),
             }
@@ -179,6 +183,7 @@ impl Inverse3 {
 
     fn say(&mut self, force_n: [f64; 3]) -> Result<(), HapticFault> {
         let text = self.generation.force(&self.device, force_n);
+        self.socket.get_mut().begin(PATIENCE);
         self.socket
             .send(Message::text(text))
             .map_err(|why| lost("commanding the force")(why.to_string()))
@@ -186,27 +191,17 @@ impl Inverse3 {
 
     /// Forgets states that came while nobody asked: they are of the past.
     fn catch_up(&mut self) -> Result<(), HapticFault> {
-        let short = |socket: &WebSocket<TcpStream>, time| {
-            let set = socket.get_ref().set_read_timeout(Some(time));
-            set.map_err(|why| lost("reading its state")(why.to_string()))
-        };
-        short(&self.socket, Duration::from_millis(1))?;
         let until = Instant::now() + PATIENCE;
-        let ended = loop {
+        loop {
+            self.socket.get_mut().begin(Duration::from_millis(1));
             match self.socket.read() {
-                Err(tungstenite::Error::Io(why))
-                    if matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
-                {
-                    break Ok(());
-                }
-                Err(why) => break Err(lost("reading its state")(why.to_string())),
+                Err(tungstenite::Error::Io(why)) if why.kind() == ErrorKind::TimedOut => break,
+                Err(why) => return Err(lost("reading its state")(why.to_string())),
                 // A service that does not wait for commands always has another one.
-                Ok(_) if Instant::now() > until => break Ok(()),
+                Ok(_) if Instant::now() > until => break,
                 Ok(_) => {}
             }
-        };
-        short(&self.socket, PATIENCE)?;
-        ended?;
+        }
         self.say([0.0; 3])
     }
 }
@@ -253,6 +248,7 @@ impl HapticDevice for Inverse3 {
         }
         self.engaged = false;
         let said = self.say([0.0; 3]);
+        self.socket.get_mut().begin(PATIENCE);
         let closed = self.socket.close(None).and_then(|()| self.socket.flush());
         said?;
         match closed {

@@ -4,9 +4,9 @@ use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use touchstone_device::haptic::{self, DeviceTwin, HapticDevice, SimulatedArm};
-use tungstenite::{Message, accept};
+use tungstenite::{Message, WebSocket, accept};
 
 /// What goes wrong at a state.
 #[derive(Clone, Copy, PartialEq)]
@@ -14,6 +14,12 @@ pub enum Wrong {
     Nothing,
     Gone,
     Silent,
+    /// Pings, and no state any more.
+    Pings,
+    /// The state, a byte every 200 ms.
+    Drip,
+    /// The state as bytes, not as text.
+    Binary,
     Unlisted,
     NoNumber,
     NotReady,
@@ -27,6 +33,8 @@ pub struct Saw {
     pub last_n: f64,
     pub commands: u32,
     pub refused: u32,
+    /// For how long a service that sends no states any more still had a client.
+    pub held_s: f64,
 }
 
 pub struct Service {
@@ -63,6 +71,40 @@ impl Service {
             .recv_timeout(Duration::from_secs(10))
             .expect("the service ends")
     }
+}
+
+/// Keeps the connection busy without a state, until the client is gone or ten seconds are over; gives the time.
+fn other_than_states(socket: &mut WebSocket<TcpStream>, wrong: Wrong, state: &str) -> f64 {
+    let begun = Instant::now();
+    let stream = socket.get_ref().try_clone().unwrap();
+    stream.set_nonblocking(true).unwrap();
+    let mut bytes = [
+        &[0x81, 126][..],
+        &(state.len() as u16).to_be_bytes(),
+        state.as_bytes(),
+    ]
+    .concat()
+    .into_iter();
+    while begun.elapsed() < Duration::from_secs(10) {
+        let sent = match wrong {
+            Wrong::Pings => socket.send(Message::Ping(Vec::new().into())).is_ok(),
+            Wrong::Binary => socket
+                .send(Message::binary(state.as_bytes().to_vec()))
+                .is_ok(),
+            _ => (&stream).write_all(&[bytes.next().unwrap_or(0)]).is_ok(),
+        };
+        let is_gone = match (&stream).read(&mut [0; 4096]) {
+            Ok(0) => true,
+            Ok(_) => false,
+            Err(why) => why.kind() != std::io::ErrorKind::WouldBlock,
+        };
+        if !sent || is_gone {
+            break;
+        }
+        let pause_ms = if wrong == Wrong::Drip { 200 } else { 2 };
+        thread::sleep(Duration::from_millis(pause_ms));
+    }
+    begun.elapsed().as_secs_f64()
 }
 
 fn say_version(mut stream: TcpStream, version: &str) {
@@ -103,6 +145,10 @@ fn served(stream: TcpStream, version: &str, wrong: Wrong, at: u32, told: &Sender
         match now {
             Wrong::Gone => break,
             Wrong::Silent => thread::sleep(Duration::from_millis(700)),
+            Wrong::Pings | Wrong::Drip | Wrong::Binary => {
+                saw.held_s = other_than_states(&mut socket, now, &state.to_string());
+                break;
+            }
             _ => {}
         }
         if socket.send(Message::text(state.to_string())).is_err() {

@@ -202,6 +202,7 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
         encoder_counts_per_rev: Some(COUNTS),
         rate_hz: 1000,
         verdict,
+        not_judged: None,
         k_displayed: held.then_some(shown),
         peak_penetration_ratio: held.then_some(1.0),
         dynamic_stiffness: Vec::new(),

@@ -148,7 +148,9 @@ impl Ended {
     fn of(verdict: Outcome) -> Self {
         match verdict {
             // Nothing moved for lack of a wall either.
-            Outcome::Passive | Outcome::Active | Outcome::NoContact => Ended::Rest,
+            Outcome::Passive | Outcome::Active | Outcome::NotJudged | Outcome::NoContact => {
+                Ended::Rest
+            }
             Outcome::LimitCycle => Ended::LimitCycle,
             Outcome::Unstable => Ended::Unstable,
         }

@@ -80,6 +80,7 @@ pub fn verdict_words(verdict: Verdict) -> VerdictWords {
         Verdict::Active => ("active", "△", Sign::Triangle, "33"),
         Verdict::LimitCycle => ("limit cycle", "≈", Sign::Waves, "35"),
         Verdict::Unstable => ("unstable", "✕", Sign::Cross, "31"),
+        Verdict::NotJudged => ("not judged", "?", Sign::Ring, "2"),
         Verdict::NoContact => ("no contact", "–", Sign::Ring, "2"),
     };
     VerdictWords {

@@ -123,7 +123,10 @@ pub const SETTINGS: &[(&str, &str, &str)] = &[
 /// What a run came to, in words and rounded numbers; `results.json` has all digits.
 pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
     let fact = |m: &Measure| (m.value)(s).map(|value| (m.words, (m.shown)(s, value)));
-    MEASURES.iter().filter_map(fact).collect()
+    let why = s.not_judged.as_ref().map(|why| ("why", why.clone()));
+    why.into_iter()
+        .chain(MEASURES.iter().filter_map(fact))
+        .collect()
 }
 
 fn of_desired(s: &Summary, k: f64) -> String {

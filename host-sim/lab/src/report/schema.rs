@@ -14,6 +14,7 @@ const VERDICTS: &[Verdict] = &[
     Verdict::Active,
     Verdict::LimitCycle,
     Verdict::Unstable,
+    Verdict::NotJudged,
     Verdict::NoContact,
 ];
 
@@ -41,6 +42,10 @@ fn schema() -> Value {
         })
         .collect();
     run.insert("verdict".into(), json!({"oneOf": verdicts}));
+    run.insert(
+        "not_judged".into(),
+        json!({"type": ["string", "null"], "description": "why the verdict is not-judged; null where it is another"}),
+    );
     let measures = MEASURES.iter().map(|m| (m.field, m.unit, m.meaning));
     let mut units = Map::new();
     for (field, unit, meaning) in SETTINGS.iter().copied().chain(measures) {

@@ -170,6 +170,12 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
             out += &line("", numbers.collect());
         }
     }
+    for s in all() {
+        if let Some(why) = &s.not_judged {
+            let (law, k) = (label::run_name(s), plain(s.k_desired));
+            out += &format!("not judged: {law} at {k}: {why}\n");
+        }
+    }
     out
 }
 

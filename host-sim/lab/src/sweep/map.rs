@@ -67,11 +67,13 @@ pub fn of_verdicts(sweep: &Sweep, cells: &Cells, over: &Over) -> Figure {
     figure
 }
 
-const VERDICT_CLASSES: [&str; 6] = [
+const VERDICT_CLASSES: [&str; 7] = [
     "tile passive",
     "tile active",
     "tile limit-cycle",
     "tile unstable",
+    // Both say nothing of the wall; the legend names them.
+    "tile no-contact",
     "tile no-contact",
     "tile refused",
 ];

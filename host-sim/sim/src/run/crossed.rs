@@ -159,11 +159,14 @@ pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
         "hand.pad_stiffness" => "operator.hand.pad_stiffness_n_m_per_rad",
         _ => "device",
     };
-    scene.error(
-        path,
-        format!("{} is not usable", invalid.value),
-        format!("give {}", invalid.needs),
-    )
+    let problem = match invalid.field {
+        "rates" => format!(
+            "something of the plant moves {:e} times in a tick",
+            invalid.value
+        ),
+        _ => format!("{} is not usable", invalid.value),
+    };
+    scene.error(path, problem, format!("give {}", invalid.needs))
 }
 
 /// The random numbers of a scene for a purpose.

@@ -4,52 +4,17 @@ use super::measure::{
     ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
     Settle, Settled, WorstWindow,
 };
+use super::rest::{Rest, Rested};
 use super::terms::Terms;
 use super::tick::{Recorder, Tick};
-use super::verdict::Verdict;
+use super::verdict::{NotJudged, Verdict};
 use super::wall::InsideGuard;
-
-/// Two numbers whose range is wanted.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    low: f64,
-    high: f64,
-}
-
-impl Span {
-    const EMPTY: Span = Span {
-        low: f64::INFINITY,
-        high: f64::NEG_INFINITY,
-    };
-
-    fn add(&mut self, x: f64) {
-        self.low = self.low.min(x);
-        self.high = self.high.max(x);
-    }
-
-    fn width(self) -> Option<f64> {
-        (self.high >= self.low).then_some(self.high - self.low)
-    }
-}
-
-/// Displacements of one quiet hold, in its last quarter.
-#[derive(Debug, Clone, Copy)]
-struct Hold {
-    from: u64,
-    to: u64,
-    motion: Span,
-    exits: u32,
-    at_limit: bool,
-    /// Whether the wall was touched at all; a device that coasts outside is not judged by its motion.
-    touched: bool,
-}
 
 /// Gathers.
 #[derive(Debug, Clone)]
 pub struct Judge {
     terms: Terms,
-    holds: Vec<Hold>,
-    current_hold: usize,
+    rest: Rest,
     energy_true: f64,
     loss: f64,
     throughput: f64,
@@ -168,6 +133,8 @@ impl Felt {
 pub struct Judgement {
     /// How it ended.
     pub verdict: Verdict,
+    /// Why it is not judged.
+    pub not_judged: Option<NotJudged>,
     /// N·m/rad.
     pub k_displayed: Option<f64>,
     /// N·m/rad.
@@ -218,28 +185,10 @@ impl Judge {
     /// Starts.
     #[must_use]
     pub fn new(terms: Terms) -> Self {
-        // Without a hold, the last fifth of the run stands for one.
-        let quiet = if terms.holds.is_empty() {
-            vec![(terms.ticks - terms.ticks / 5, terms.ticks)]
-        } else {
-            terms.holds.clone()
-        };
-        let holds = quiet
-            .into_iter()
-            .map(|(from, to)| Hold {
-                from: to - (to - from) / 4,
-                to,
-                motion: Span::EMPTY,
-                exits: 0,
-                at_limit: false,
-                touched: !terms.holds.is_empty(),
-            })
-            .collect();
         Self {
             felt: Felt::new(&terms),
+            rest: Rest::new(&terms),
             terms,
-            holds,
-            current_hold: 0,
             energy_true: 0.0,
             loss: 0.0,
             throughput: 0.0,
@@ -278,38 +227,22 @@ impl Judge {
         }
     }
 
-    fn hold(&mut self, tick: &Tick, touching: bool) {
-        let Some(hold) = self.holds.get_mut(self.current_hold) else {
-            return;
-        };
-        if tick.index >= hold.to {
-            self.current_hold += 1;
-        } else if tick.index >= hold.from {
-            hold.motion.add(tick.angle_rad);
-            hold.touched |= touching;
-            hold.exits += u32::from(self.touching && !touching);
-            hold.at_limit |= tick.force_n_m >= self.terms.force_limit_n_m;
-        }
-    }
-
     /// The judgement.
     #[must_use]
     pub fn finish(&self) -> Judgement {
         let held = !self.terms.holds.is_empty();
-        let peak_to_peak = self
-            .holds
-            .iter()
-            .filter(|hold| hold.touched)
-            .filter_map(|hold| hold.motion.width())
-            .reduce(f64::max);
-        let verdict = self.verdict(peak_to_peak);
+        let rested = self.rest.finish(&self.terms);
+        let verdict = self.verdict(&rested);
         let shown = self.shown.0 / self.shown.1;
         let felt = &self.felt;
         Judgement {
             verdict,
+            not_judged: rested.not_judged.filter(|_| verdict == Verdict::NotJudged),
             // The mean over an oscillation that leaves the wall is no stiffness.
-            k_displayed: (held && verdict < Verdict::Unstable && shown.is_finite())
-                .then_some(shown),
+            k_displayed: (held
+                && !matches!(verdict, Verdict::Unstable | Verdict::NoContact)
+                && shown.is_finite())
+            .then_some(shown),
             rate_hardness: felt.hardness.n_m_per_rad(),
             extended_rate_hardness: felt.rise.n_m_per_rad(),
             touch_torque_n_m: felt.rise.torque_n_m(),
@@ -322,7 +255,7 @@ impl Judge {
             ripple_above_50_hz_rms_n_m: felt.ripple.above_50_hz_rms_n_m(),
             release_speed_rad_per_s: felt.release.map(|release| release.speed_rad_per_s()),
             release_excursion_rad: felt.release.map(|release| release.excursion_rad()),
-            limit_cycle_peak_to_peak: peak_to_peak,
+            limit_cycle_peak_to_peak: rested.peak_to_peak,
             energy_true_min: self.energy_true_min,
             energy_user_min: self.energy_user_min,
             energy_out: self.energy_out(),
@@ -359,19 +292,15 @@ impl Judge {
         }
     }
 
-    fn verdict(&self, peak_to_peak: Option<f64>) -> Verdict {
-        let motion = peak_to_peak.unwrap_or(0.0);
-        let lost = self
-            .holds
-            .iter()
-            .any(|hold| hold.exits >= 2 || hold.at_limit);
-        let oscillates = motion > self.terms.limit_cycle_rad;
-        if !self.finite || (oscillates && lost) || motion > self.terms.unstable_rad {
+    fn verdict(&self, rested: &Rested) -> Verdict {
+        if !self.finite || rested.lost {
             Verdict::Unstable
         } else if self.contact_ticks == 0 {
             Verdict::NoContact
-        } else if oscillates {
+        } else if rested.oscillates {
             Verdict::LimitCycle
+        } else if rested.not_judged.is_some() {
+            Verdict::NotJudged
         } else if self.energy_out() > 0.0 {
             Verdict::Active
         } else {
@@ -400,7 +329,8 @@ impl Recorder for Judge {
             GuardWatch::record(&mut self.guard, tick.index, guard);
         }
         self.press(tick, e);
-        self.hold(tick, touching);
+        self.rest
+            .record(tick, self.touching && !touching, &self.terms);
         self.felt
             .record(tick, &self.terms, self.energy_true, self.loss);
         self.touching = touching;

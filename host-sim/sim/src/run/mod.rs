@@ -13,6 +13,7 @@ pub mod mechanics;
 pub mod passivity;
 pub mod plan;
 pub mod record;
+mod rest;
 pub mod settings;
 mod surroundings;
 pub mod terms;

@@ -30,6 +30,8 @@ pub struct Summary {
     pub rate_hz: u32,
     /// How it ended.
     pub verdict: Verdict,
+    /// Why it is not judged; `None` where it is.
+    pub not_judged: Option<String>,
     /// Stiffness displayed at the end of the hold, mean force over mean penetration, N·m/rad.
     pub k_displayed: Option<f64>,
     /// Rate-hardness of the first contact, thesis (1.5), from true force and true motion, N·m/rad.
@@ -92,6 +94,15 @@ impl Summary {
         self.verdict.name()
     }
 
+    /// The verdict's name, with why where the run is not judged.
+    #[must_use]
+    pub fn verdict_and_why(&self) -> String {
+        match &self.not_judged {
+            Some(why) => format!("{}: {why}", self.verdict_name()),
+            None => self.verdict_name().to_owned(),
+        }
+    }
+
     /// The numbers of a judged run.
     #[must_use]
     pub fn of(scene: &Scene, judge: &Judge) -> Self {
@@ -107,6 +118,7 @@ impl Summary {
             encoder_counts_per_rev: scene.encoder.as_ref().map(|encoder| encoder.counts_per_rev),
             rate_hz: scene.timing.rate_hz,
             verdict: judged.verdict,
+            not_judged: judged.not_judged.map(|why| why.to_string()),
             k_displayed: judged.k_displayed,
             rate_hardness: judged.rate_hardness,
             extended_rate_hardness: judged.extended_rate_hardness,

@@ -25,7 +25,11 @@ struct Placed(f64);
 
 impl<N: Reported> Reading<N> for Placed {
     fn angle(&self) -> Si {
-        Si::saturating_from_num(self.0)
+        // A plant that left all numbers is nowhere; its run is called unstable for it.
+        match self.0.is_nan() {
+            true => Si::ZERO,
+            false => Si::saturating_from_num(self.0),
+        }
     }
 
     fn penetration(&self, face: &Face) -> Position<N> {

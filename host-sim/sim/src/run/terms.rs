@@ -25,6 +25,10 @@ pub struct Terms {
     pub limit_cycle_rad: f64,
     /// Largest motion inside a hold that still is one and not the loss of the wall, rad.
     pub unstable_rad: f64,
+    /// Whether the hand's motion is a recording, so that its holds have to be found while it is played.
+    pub recorded: bool,
+    /// What the hand's tremor adds to the motion of its rest point, peak to peak, rad.
+    pub tremor_rad: f64,
     /// Torque limit of device or law, N·m.
     pub force_limit_n_m: f64,
     /// Quiet holds in ticks, first and past the last; the last one is the press.
@@ -80,6 +84,11 @@ impl Terms {
             period_s: scene.timing.period_s(),
             limit_cycle_rad: 4.0 * step,
             unstable_rad: UNSTABLE_RAD,
+            recorded: matches!(scene.operator.motion, MotionSpec::Recorded(_)),
+            tremor_rad: match (&scene.operator.tremor, scene.operator.hand()) {
+                (Some(tremor), Some(_)) => 2.0 * tremor.amplitude_rad,
+                _ => 0.0,
+            },
             // The law's own limit is met a quantum early: it is rounded towards zero.
             force_limit_n_m: device_limit.min(scene.law.force_limit_n_m) * (1.0 - 1e-3),
             press: push(&scene.operator.motion).and_then(|(push_n_m, ramp_end_s)| {

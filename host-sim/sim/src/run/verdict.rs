@@ -14,6 +14,8 @@ pub enum Verdict {
     LimitCycle,
     /// Leaves the wall again and again, hits the torque limit, or grows without bound.
     Unstable,
+    /// It cannot be seen whether the wall lets the device rest; [`NotJudged`] has why.
+    NotJudged,
     /// The wall was never touched: nothing was shown, good or bad. Last, so that it does not pass for a wall that holds.
     NoContact,
 }
@@ -21,8 +23,11 @@ pub enum Verdict {
 /// Name of a run in which the wall never pushed: nothing is known of the wall then, least of all that it is passive.
 pub const NO_CONTACT: &str = "no-contact";
 
-/// Every name with its meaning, from good to bad, [`NO_CONTACT`] last.
-pub const WORDS: [(&str, &str); 5] = [
+/// Name of a run that does not show whether the wall lets the device rest.
+pub const NOT_JUDGED: &str = "not-judged";
+
+/// Every name with its meaning, from good to bad, then those that say nothing of the wall.
+pub const WORDS: [(&str, &str); 6] = [
     (
         "passive",
         "came to rest; the user never got out more energy than was put in",
@@ -40,6 +45,10 @@ pub const WORDS: [(&str, &str); 5] = [
         "leaves the wall again and again, hits the torque limit, or grows",
     ),
     (
+        NOT_JUDGED,
+        "the hand did not rest, or the run was too short, so that it cannot be seen whether the wall does",
+    ),
+    (
         NO_CONTACT,
         "the wall never pushed, so that nothing is known of it",
     ),
@@ -52,7 +61,8 @@ impl Verdict {
             Verdict::Active => 1,
             Verdict::LimitCycle => 2,
             Verdict::Unstable => 3,
-            Verdict::NoContact => 4,
+            Verdict::NotJudged => 4,
+            Verdict::NoContact => 5,
         }
     }
 
@@ -69,6 +79,47 @@ impl Verdict {
     }
 }
 
+/// Why a run is [`Verdict::NotJudged`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NotJudged {
+    /// The hand moved while the device should have rested.
+    HandMoves {
+        /// By how much the hand's rest point moved, peak to peak, rad.
+        hand_rad: f64,
+        /// By how much the device moved in that time, peak to peak, rad.
+        device_rad: f64,
+    },
+    /// The run ends before the hand has held still for long enough.
+    TooShort {
+        /// For how long the device was looked at, s.
+        seen_s: f64,
+        /// For how long it must be looked at, s.
+        least_s: f64,
+    },
+}
+
+impl std::fmt::Display for NotJudged {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::HandMoves {
+                hand_rad,
+                device_rad,
+            } => write!(
+                f,
+                "the hand never rests: it moves by {:.2} mrad while the device moves by {:.2} mrad",
+                1e3 * hand_rad,
+                1e3 * device_rad
+            ),
+            Self::TooShort { seen_s, least_s } => write!(
+                f,
+                "only {:.1} ms of rest are seen, {:.0} ms are the least",
+                1e3 * seen_s,
+                1e3 * least_s
+            ),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +131,7 @@ mod tests {
             Verdict::Active,
             Verdict::LimitCycle,
             Verdict::Unstable,
+            Verdict::NotJudged,
             Verdict::NoContact,
         ] {
             let text = toml::Value::try_from(verdict).unwrap();

@@ -98,8 +98,8 @@ impl Scene {
     /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) says in
     /// words what was chosen.
     ///
-    /// # Errors Whatever is wrong with the recording, see [`Recording::read`]; [`Error::Option`] where the scene has
-    /// no hand.
+    /// # Errors Whatever is wrong with the recording, see [`Recording::read`]; a path that is not UTF-8; [`Error::Option`] where the
+    /// scene has no hand.
     pub fn with_recording(&self, file: &Path) -> Result<Scene> {
         let option = format!("--operator-motion {}", file.display());
         if self.operator.hand().is_none() {
@@ -108,6 +108,14 @@ impl Scene {
                 option,
                 problem,
                 fix: "add --set operator.grip=medium before it".into(),
+            });
+        }
+        // A scene is text, and so is the name of the recording in it.
+        if file.to_str().is_none() {
+            return Err(Error::Io {
+                path: file.to_owned(),
+                problem: "the path is not UTF-8, so no scene can name it".to_owned(),
+                fix: "rename the file or its folder".to_owned(),
             });
         }
         let recording = Recording::read(file)?;

@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use crate::plant::device::{not_negative, positive};
-use crate::plant::flow::{apply, columns, flow_integral};
+use crate::plant::flow::{apply, columns, flow_integral, within_numbers};
 use crate::plant::{Coulomb, Device, Hand, Invalid, Loss};
 
 /// `z' = A z + B [u, r] - e₁ friction(v)/J`: a linear plant in absolute angles, with dry friction at the device's velocity `v`, the
@@ -202,6 +202,7 @@ impl<const N: usize> ExactLinear<N> {
                 needs: "absent for a linear step",
             });
         }
+        within_numbers(&model.matrix, interval_s)?;
         Ok(Self {
             flow: columns(&flow_integral(&model.matrix, interval_s)),
         })

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, matrix};
 
 use super::device::{Device, Invalid, not_negative};
-use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral};
+use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, within_numbers};
 use super::state::State;
 use super::stepper::{LinearStepper, Loss, Stepper};
 
@@ -35,6 +35,7 @@ impl BareLinear {
         let m = matrix![-damping / inertia, 1.0 / inertia; 0.0, 0.0];
         let rates = matrix![1.0, 0.0; -damping / inertia, 1.0 / inertia];
         let viscous: SMatrix<f64, 2, 2> = matrix![damping, 0.0; 0.0, 0.0];
+        within_numbers(&m, interval_s)?;
         Ok(Self {
             step: columns(&(rates * flow_integral(&m, interval_s))),
             loss: columns(&quadratic_integral(&m, &viscous, interval_s)),

@@ -11,6 +11,7 @@
 //! their relative accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))`
 //! cancels, and a singular `M` (no damping, no spring) is nothing special.
 
+use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};
 
 /// Below this norm the series converges within [`TERMS`] terms; above it the interval is halved first and doubled back.
@@ -23,6 +24,22 @@ pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
     m.row_iter()
         .map(|row| row.iter().map(|entry| entry.abs()).sum())
         .fold(0.0, f64::max)
+}
+
+/// Beyond this norm of `M h` nothing is left in 53 bits of what is slow; and the halvings of a norm without end have none.
+const MOST_NORM: f64 = 1e15;
+
+/// Refuses a system whose rates are too far apart for numbers.
+pub(crate) fn within_numbers<const K: usize>(
+    m: &SMatrix<f64, K, K>,
+    h: f64,
+) -> Result<(), Invalid> {
+    let norm = (row_sum_norm(m) + row_sum_norm(&m.transpose())) * h;
+    (norm <= MOST_NORM).then_some(()).ok_or(Invalid {
+        field: "rates",
+        value: norm,
+        needs: "stiffnesses, dampings, inertias and bandwidths that move nothing 1e15 times in a tick",
+    })
 }
 
 /// How often to halve an interval with this norm of `M h` so that the series converges.

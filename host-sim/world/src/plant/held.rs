@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, matrix};
 
 use super::device::{Device, Invalid, not_negative};
-use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral};
+use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, within_numbers};
 use super::hand::Hand;
 use super::state::State;
 use super::stepper::{LinearStepper, Loss, Stepper};
@@ -57,6 +57,7 @@ impl HeldLinear {
         hand.validate()?;
         not_negative("interval_s", interval_s)?;
         let m = drive_matrix(device, hand);
+        within_numbers(&m, interval_s)?;
         let mut rates = SMatrix::<f64, 4, 5>::zeros();
         rates[(0, 0)] = 1.0;
         rates.set_row(1, &m.row(0));

@@ -87,7 +87,7 @@ impl Counts {
         // By adding half and flooring, without the library call that `round` is on plain x86-64.
         let shifted = scaled + 0.5;
         let cut = shifted as i64;
-        cut - i64::from((cut as f64) > shifted)
+        cut.saturating_sub(i64::from((cut as f64) > shifted))
     }
 }
 

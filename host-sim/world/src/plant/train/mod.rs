@@ -25,7 +25,7 @@ pub use shaft::{Harmonic, Shaft};
 pub use state::TrainState;
 
 use super::device::{Invalid, not_negative};
-use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral};
+use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, within_numbers};
 use super::stepper::{Loss, Port, Stepper};
 use links::{GAP, REST, SHAFT, TORQUE};
 
@@ -66,6 +66,7 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         };
         let substep_s = interval_s / f64::from(substeps);
         let made = links::assemble::<N, K>(links)?;
+        within_numbers(&made.matrix, substep_s)?;
         let rows = made.matrix.fixed_rows::<N>(0).into_owned();
         let integral = |form| columns(&quadratic_integral(&made.matrix, form, substep_s));
         Ok(Self {

@@ -1,0 +1,94 @@
+//! What the program writes as CSV is what other tools read: types and values of pandas, Polars and DuckDB.
+
+use crate::{folder, names, run_in};
+use std::path::Path;
+use std::process::Command;
+
+/// A square far outside of the simulated hand's way: nothing but zeros for as long as anybody plays it.
+const NEVER_MET: &str = "solid far
+facet normal 0 0 1
+outer loop
+vertex 70 70 50
+vertex 71 70 50
+vertex 70 71 50
+endloop
+endfacet
+endsolid far
+";
+
+#[test]
+fn pandas_polars_and_duckdb_read_what_was_written() {
+    let here = folder("readers");
+    let mut files = Vec::new();
+    run_in(&here, &["run", "thesis-knob", "-q", "--out", "run"]).ended(0);
+    let traces = names(&here.join("run/traces"));
+    let traces = traces.into_iter().filter(|name| name.ends_with(".csv"));
+    files.extend(traces.map(|name| format!("run/traces/{name}")));
+    // Without a guard and an observer: columns of nothing.
+    let spring = [
+        "run",
+        "free-release",
+        "--preset",
+        "thesis",
+        "--law",
+        "spring",
+    ];
+    run_in(&here, &[&spring[..], &["-q", "--out", "spring"]].concat()).ended(0);
+    let traces = names(&here.join("spring/traces"));
+    let traces = traces.into_iter().filter(|name| name.ends_with(".csv"));
+    files.extend(traces.map(|name| format!("spring/traces/{name}")));
+    let sweep = [
+        "sweep",
+        "low-stiffness",
+        "--no-certificate",
+        "-q",
+        "--out",
+        "sweep",
+    ];
+    let axes = [
+        "--x",
+        "wall.k_desired_n_m_per_rad=1,2,40",
+        "--y",
+        "timing.rate_hz=1000,2000",
+    ];
+    let measures = [
+        "--measure",
+        "k_displayed",
+        "--measure",
+        "guard_limited_ticks",
+    ];
+    run_in(&here, &[&sweep[..], &axes[..], &measures[..]].concat()).ended(0);
+    files.push("sweep/cells.csv".to_owned());
+    std::fs::write(here.join("far.stl"), NEVER_MET).unwrap();
+    // 30,000 rows of zero: what looks at the first ten thousand must not take them for integers.
+    for (object, seconds, file) in [("far.stl", "8", "far.csv"), ("plane", "1", "plane.csv")] {
+        let device = ["device", "run", object, "--device", "simulated", "-q"];
+        run_in(
+            &here,
+            &[&device[..], &["--seconds", seconds, "--csv", file]].concat(),
+        )
+        .ended(0);
+        files.push(file.to_owned());
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scripts/readers.py");
+    let python = Command::new("python3")
+        .arg(script)
+        .args(&files)
+        .current_dir(&here)
+        .output();
+    let Ok(output) = python else {
+        println!("skipped: there is no python3");
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    println!("{said}");
+    match output.status.code() {
+        Some(9) => println!("skipped: none of pandas, Polars and DuckDB is installed"),
+        code => assert_eq!(
+            code,
+            Some(0),
+            "{said}{}",
+            String::from_utf8_lossy(&output.stderr)
+        ),
+    }
+}

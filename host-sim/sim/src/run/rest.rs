@@ -1,0 +1,268 @@
+//! Whether the device rests while the hand does: looked at in the last quarter of every hold.
+//!
+//! A press says when it holds. The holds of a recording are found while it is played: spans in which the hand's rest point stays
+//! within the threshold of a limit cycle. Where the hand never rests, its own motion is no fault of the wall.
+
+use super::terms::Terms;
+use super::tick::Tick;
+use super::verdict::NotJudged;
+
+/// Least time for which the device is looked at, s: a period of 50 Hz, which most limit cycles are above.
+const LEAST_S: f64 = 0.02;
+/// Least span in which a recorded hand rests, s: three quarters of it are for the motion before to die away.
+const LEAST_STILL_S: f64 = 0.8;
+/// A span is taken down in pieces of this length, s.
+const PIECE_S: f64 = 0.05;
+/// A device that moves by more than so many times what its hand does is moved by the wall.
+const BEYOND_HAND: f64 = 2.0;
+
+/// Two numbers whose range is wanted.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    low: f64,
+    high: f64,
+}
+
+impl Span {
+    const EMPTY: Span = Span {
+        low: f64::INFINITY,
+        high: f64::NEG_INFINITY,
+    };
+
+    fn add(&mut self, x: f64) {
+        self.low = self.low.min(x);
+        self.high = self.high.max(x);
+    }
+
+    fn with(self, other: Span) -> Span {
+        Span {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+
+    fn width(self) -> Option<f64> {
+        (self.high >= self.low).then_some(self.high - self.low)
+    }
+}
+
+/// What happened in a stretch of time.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    motion: Span,
+    hand: Span,
+    exits: u32,
+    at_limit: bool,
+    /// Whether the wall was touched at all; a device that coasts outside is not judged by its motion.
+    touched: bool,
+    ticks: u64,
+}
+
+impl Seen {
+    const NOTHING: Seen = Seen {
+        motion: Span::EMPTY,
+        hand: Span::EMPTY,
+        exits: 0,
+        at_limit: false,
+        touched: false,
+        ticks: 0,
+    };
+
+    fn add(&mut self, tick: &Tick, left: bool, at_limit: bool) {
+        self.motion.add(tick.angle_rad);
+        self.hand.add(tick.rest_rad);
+        self.touched |= tick.force_n_m != 0.0;
+        self.exits += u32::from(left);
+        self.at_limit |= at_limit;
+        self.ticks += 1;
+    }
+
+    fn with(self, other: Seen) -> Seen {
+        Seen {
+            motion: self.motion.with(other.motion),
+            hand: self.hand.with(other.hand),
+            exits: self.exits + other.exits,
+            at_limit: self.at_limit || other.at_limit,
+            touched: self.touched || other.touched,
+            ticks: self.ticks + other.ticks,
+        }
+    }
+}
+
+/// The last quarter of a hold that the scene names, or that stands for one.
+#[derive(Debug, Clone)]
+struct Hold {
+    from: u64,
+    to: u64,
+    seen: Seen,
+}
+
+/// The span since which a recorded hand rests, in pieces.
+#[derive(Debug, Clone)]
+struct Still {
+    hand: Span,
+    ticks: u64,
+    pieces: Vec<Seen>,
+}
+
+impl Still {
+    const NONE: Still = Still {
+        hand: Span::EMPTY,
+        ticks: 0,
+        pieces: Vec::new(),
+    };
+
+    /// Its last quarter, if it is long enough.
+    fn end(&self, terms: &Terms) -> Option<Seen> {
+        let long_enough = self.ticks as f64 * terms.period_s >= LEAST_STILL_S;
+        let quarter = (self.pieces.len() / 4).max(1);
+        let last = self.pieces.iter().rev().take(quarter).copied();
+        last.reduce(Seen::with).filter(|_| long_enough)
+    }
+}
+
+/// Gathers.
+#[derive(Debug, Clone)]
+pub(super) struct Rest {
+    holds: Vec<Hold>,
+    current: usize,
+    /// Ends of the spans that were found in a recording.
+    found: Vec<Seen>,
+    still: Still,
+    piece_ticks: u64,
+}
+
+/// What is to be said of a run's holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rested {
+    /// Largest motion of the device in contact, peak to peak, rad.
+    pub peak_to_peak: Option<f64>,
+    /// The device moves, and by more than its hand.
+    pub oscillates: bool,
+    /// It does so and leaves the wall, is at the limit of its torque, or has gone far.
+    pub lost: bool,
+    /// Why it cannot be said whether it rests.
+    pub not_judged: Option<NotJudged>,
+}
+
+impl Rest {
+    pub fn new(terms: &Terms) -> Self {
+        // Without a hold, the last fifth of the run stands for one.
+        let quiet = if terms.holds.is_empty() {
+            vec![(terms.ticks - terms.ticks / 5, terms.ticks)]
+        } else {
+            terms.holds.clone()
+        };
+        let named = !terms.holds.is_empty();
+        let holds = quiet.into_iter().map(|(from, to)| Hold {
+            from: to - (to - from) / 4,
+            to,
+            seen: Seen {
+                touched: named,
+                ..Seen::NOTHING
+            },
+        });
+        Self {
+            holds: holds.collect(),
+            current: 0,
+            found: Vec::new(),
+            still: Still::NONE,
+            piece_ticks: ((PIECE_S / terms.period_s) as u64).max(1),
+        }
+    }
+
+    /// Takes a tick; `left`: with it the device left the wall.
+    pub fn record(&mut self, tick: &Tick, left: bool, terms: &Terms) {
+        let at_limit = tick.force_n_m >= terms.force_limit_n_m;
+        if let Some(hold) = self.holds.get_mut(self.current) {
+            if tick.index >= hold.to {
+                self.current += 1;
+            } else if tick.index >= hold.from {
+                hold.seen.add(tick, left, at_limit);
+            }
+        }
+        if terms.recorded {
+            self.follow(tick, left, at_limit, terms);
+        }
+    }
+
+    /// Looks for the spans in which a recorded hand rests.
+    fn follow(&mut self, tick: &Tick, left: bool, at_limit: bool, terms: &Terms) {
+        let mut hand = self.still.hand;
+        hand.add(tick.rest_rad);
+        if hand
+            .width()
+            .is_some_and(|width| width <= terms.limit_cycle_rad)
+        {
+            self.still.hand = hand;
+        } else {
+            self.found.extend(self.still.end(terms));
+            self.still = Still::NONE;
+            self.still.hand.add(tick.rest_rad);
+        }
+        if self.still.ticks.is_multiple_of(self.piece_ticks) {
+            self.still.pieces.push(Seen::NOTHING);
+        }
+        self.still.ticks += 1;
+        if let Some(piece) = self.still.pieces.last_mut() {
+            piece.add(tick, left, at_limit);
+        }
+    }
+
+    pub fn finish(&self, terms: &Terms) -> Rested {
+        let mut windows = self.found.clone();
+        windows.extend(self.still.end(terms));
+        // A recorded hand that never rests is looked at as any other: at the end.
+        if windows.is_empty() {
+            windows.extend(self.holds.iter().map(|hold| hold.seen));
+        }
+        let mut rested = Rested {
+            peak_to_peak: None,
+            oscillates: false,
+            lost: false,
+            not_judged: None,
+        };
+        let (mut left, mut far) = (false, false);
+        for window in &windows {
+            let hand_rad = window.hand.width().unwrap_or(0.0) + terms.tremor_rad;
+            let device_rad = window.motion.width().unwrap_or(0.0);
+            let is_hand_still = hand_rad <= terms.limit_cycle_rad;
+            let own_rad = if is_hand_still {
+                0.0
+            } else {
+                BEYOND_HAND * hand_rad
+            };
+            left |= window.exits >= 2 || window.at_limit;
+            if window.touched {
+                rested.peak_to_peak = rested
+                    .peak_to_peak
+                    .into_iter()
+                    .chain(window.motion.width())
+                    .reduce(f64::max);
+                rested.oscillates |= device_rad > own_rad + terms.limit_cycle_rad;
+                far |= device_rad > own_rad + terms.unstable_rad;
+            }
+            let rests = window.touched && device_rad <= terms.limit_cycle_rad;
+            if !is_hand_still && !rests {
+                rested.not_judged = Some(NotJudged::HandMoves {
+                    hand_rad,
+                    device_rad,
+                });
+            }
+        }
+        rested.lost = far || (rested.oscillates && left);
+        let seen_s = windows
+            .last()
+            .map_or(0.0, |window| window.ticks as f64 * terms.period_s);
+        // A tick's share of slack: times are rounded to ticks.
+        if seen_s + terms.period_s < LEAST_S {
+            // What moves so shortly need not go on.
+            rested.oscillates = false;
+            rested.not_judged = Some(NotJudged::TooShort {
+                seen_s,
+                least_s: LEAST_S,
+            });
+        }
+        rested
+    }
+}
