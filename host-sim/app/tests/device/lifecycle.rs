@@ -21,7 +21,9 @@ fn a_device_is_calibrated_armed_disarmed_and_stopped() {
         .failed(1, &["state `boot`", "touchstone device calibrate"]);
     assert_eq!(device.run(&["device", "calibrate"]).done(), "ready\n");
     assert_eq!(device.run(&["device", "zero"]).done(), "ready\n");
-    assert_eq!(device.run(&["--quiet", "device", "arm"]).done(), "armed\n");
+    let armed = device.run(&["device", "arm"]);
+    assert_eq!((armed.code, armed.out.as_str()), (Some(0), "armed\n"));
+    assert!(armed.err.contains("limits.host_silence_s"), "{}", armed.err);
     device
         .run(&["device", "zero"])
         .failed(1, &["state `armed`"]);
