@@ -24,6 +24,10 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// Options of `doctor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
+    /// What must be there: exit code 1 where something is missing for it. Without, all is looked for and nothing fails: who only simulates
+    /// needs none of it. `--port` asks for a board.
+    #[arg(value_name = "FOR")]
+    needs: Option<Needs>,
     /// Serial port or tcp:HOST:PORT; for a TCP port no probe is looked for.
     #[arg(long, value_name = "PORT")]
     port: Option<Address>,
@@ -33,6 +37,15 @@ pub struct Options {
     /// Where their nodes are; for tests.
     #[arg(long, hide = true, default_value = "/dev")]
     dev: PathBuf,
+}
+
+/// What somebody wants to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Needs {
+    /// A board: to flash it and to speak to it.
+    Board,
+    /// An omega.3.
+    Omega3,
 }
 
 /// What was found of one thing; for people a line, for programs an entry of `things`.
@@ -55,9 +68,12 @@ fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
     }
 }
 
-/// Runs it. Exit code 0 if all is there, 1 if something is missing.
+/// Runs it. Exit code 1 if something is missing of what was asked for, else 0.
 #[must_use]
 pub fn main(options: &Options) -> ExitCode {
+    let needs = options
+        .needs
+        .or(options.port.is_some().then_some(Needs::Board));
     let mut lacks = 0;
     let mut things = Vec::new();
     let mut tell = |what: &str, found: Found| {
@@ -93,6 +109,30 @@ pub fn main(options: &Options) -> ExitCode {
             env!("CARGO_PKG_VERSION")
         )),
     );
+    if needs == Some(Needs::Omega3) {
+        omega3(true, &mut tell);
+    } else {
+        board(options, &mut tell);
+        omega3(false, &mut tell);
+    }
+    let _ = match lacks {
+        _ if out::json() => print(format_args!(
+            "{:#}\n",
+            serde_json::json!({ "all_there": lacks == 0, "things": things })
+        )),
+        _ if out::quiet() => Ok(()),
+        0 => print(format_args!("all there\n")),
+        _ if needs.is_none() => print(format_args!(
+            "simulating needs none of what is missing; `touchstone doctor board` fails while it is\n"
+        )),
+        1 => print(format_args!("1 thing is missing\n")),
+        _ => print(format_args!("{lacks} things are missing\n")),
+    };
+    ExitCode::from(u8::from(lacks > 0 && needs.is_some()))
+}
+
+/// All that a board needs.
+fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
     let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
     // Behind a TCP port there is no board to be flashed.
     let for_boards = |found| match found {
@@ -107,27 +147,15 @@ pub fn main(options: &Options) -> ExitCode {
     if tcp {
         tell("probe", Skipped("not needed for a TCP port".into()));
     } else {
-        usb::examine(&options.sysfs, &options.dev, &mut tell);
+        usb::examine(&options.sysfs, &options.dev, tell);
     }
-    let address = port(options.port.as_ref(), &mut tell);
+    let address = port(options.port.as_ref(), tell);
     let (found, asked) = device(address.as_ref());
     tell("device", found);
     if let Some((start, promise)) = asked {
         tell("start", There(start));
         tell("promise", There(promise));
     }
-    omega3(&mut tell);
-    let _ = match lacks {
-        _ if out::json() => print(format_args!(
-            "{:#}\n",
-            serde_json::json!({ "all_there": lacks == 0, "things": things })
-        )),
-        _ if out::quiet() => Ok(()),
-        0 => print(format_args!("all there\n")),
-        1 => print(format_args!("1 thing is missing\n")),
-        _ => print(format_args!("{lacks} things are missing\n")),
-    };
-    ExitCode::from(u8::from(lacks > 0))
 }
 
 /// First line of what a program prints.
@@ -216,10 +244,13 @@ fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<A
     }
 }
 
-/// The omega.3's library, and with it the device. Who has no library is not missing one.
-fn omega3(tell: &mut impl FnMut(&str, Found)) {
+/// The omega.3's library, and with it the device. Who has no library is not missing one, unless that was asked.
+fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     let library = match haptic::library(None) {
         Ok(library) => library,
+        Err(Error::Device { problem, fix, .. }) if is_needed => {
+            return tell("omega.3", missing(problem, fix));
+        }
         Err(error) => return tell("omega.3", Skipped(format!("for an omega.3 only: {error}"))),
     };
     tell("omega.3", There(haptic::described(&library)));

@@ -158,6 +158,37 @@ fn a_device_that_does_not_answer_and_one_of_another_version() {
     );
 }
 
+#[test]
+fn who_asks_for_nothing_fails_for_nothing() {
+    let machine = Machine::new("doctor-nothing");
+    machine.remove("sys/bus/usb/devices/1-2");
+    let run = |words: &[&str]| -> Said {
+        let mut command = program(words);
+        command
+            .current_dir(&machine.0)
+            .env("PATH", machine.0.join("bin"))
+            .env("FDSDK", machine.0.join("none"))
+            .env_remove("CARGO_TARGET_DIR");
+        let (sysfs, dev) = (machine.0.join("sys"), machine.0.join("dev"));
+        command.arg("--sysfs").arg(sysfs).arg("--dev").arg(dev);
+        command.output().unwrap().into()
+    };
+    let said = run(&["doctor"]);
+    assert_eq!(said.code, Some(0), "{}", said.out);
+    for part in [
+        "no ST-LINK at the USB",
+        "simulating needs none of what is missing",
+    ] {
+        assert!(said.out.contains(part), "{part}: {}", said.out);
+    }
+    let said = run(&["doctor", "board"]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    let said = run(&["doctor", "omega3"]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    assert!(!said.out.contains("ST-LINK"), "{}", said.out);
+    assert!(said.out.contains("MISSING  omega.3"), "{}", said.out);
+}
+
 /// Root may open every node: there is nothing to see then.
 #[test]
 fn a_node_without_permission_comes_with_the_rule() {
