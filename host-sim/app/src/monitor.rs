@@ -228,7 +228,8 @@ struct Table {
 impl Table {
     fn new(path: &Path, rate_hz: u32) -> Result<Self> {
         let wrong = |error: csv::Error| io(path, &error);
-        let mut file = csv::Writer::from_path(path).map_err(wrong)?;
+        let file = crate::whole::begun(path).map_err(|error| wrong(error.into()))?;
+        let mut file = csv::Writer::from_writer(file);
         file.write_record(COLUMNS).map_err(wrong)?;
         Ok(Self {
             file,

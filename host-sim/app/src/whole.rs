@@ -50,6 +50,20 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     std::fs::rename(&beside.0, path)
 }
 
+/// A file that is written while it is made, such as a record without an end: a link in its place is replaced, never followed.
+///
+/// # Errors
+/// What the system said.
+pub fn begun(path: &Path) -> Result<std::fs::File> {
+    let is_link = std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_symlink());
+    let is_special = std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
+    if is_link && !is_special {
+        std::fs::remove_file(path)?;
+        return std::fs::File::create_new(path);
+    }
+    std::fs::File::create(path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,6 +112,12 @@ mod tests {
         write(&nowhere, "new").unwrap();
         assert!(!folder.join("none").exists());
         write(Path::new("/dev/null"), "x").unwrap();
+        std::fs::remove_file(&link).unwrap();
+        std::os::unix::fs::symlink(&other, &link).unwrap();
+        begun(&link).unwrap().write_all(b"new").unwrap();
+        begun(Path::new("/dev/null")).unwrap();
+        assert_eq!(fs::read(&other).unwrap(), b"mine");
+        assert_eq!(fs::read(&link).unwrap(), b"new");
         assert_eq!(names(&folder), ["link", "nowhere", "other"]);
         fs::remove_dir_all(folder).unwrap();
     }

@@ -51,24 +51,32 @@ pub fn open(address: &Address) -> Result<Box<dyn Transport>> {
 fn serial(name: &str) -> Result<Box<dyn Transport>> {
     let port = serialport::new(name, BAUD).timeout(PATIENCE).open();
     let stream = port.map_err(|error| {
-        let fix = match error.kind() {
-            serialport::ErrorKind::NoDevice => {
-                "connect the board, or choose another port with --port"
-            }
-            serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
-                "`touchstone doctor` shows how to get the permission"
-            }
-            serialport::ErrorKind::Io(ErrorKind::NotFound) => {
-                "connect the board, or choose another port with --port"
-            }
-            _ => "close what else uses it, or see `touchstone doctor`",
-        };
-        Error::device(name, format!("cannot be opened: {error}"), fix)
+        let said = error.to_string();
+        let fix = remedy(error.kind(), &said);
+        Error::device(name, format!("cannot be opened: {said}"), fix)
     })?;
     Ok(Box::new(Stream {
         stream,
         name: name.into(),
     }))
+}
+
+/// What to do about a port that does not open. Its library calls a busy port an absent one: what it said has to tell them apart.
+fn remedy(kind: serialport::ErrorKind, said: &str) -> &'static str {
+    use serialport::ErrorKind::{Io, NoDevice};
+    match kind {
+        _ if said.contains("busy") => {
+            "another program has it: close that one, or choose another port with --port"
+        }
+        _ if said.contains("typewriter") || said.contains("Is a directory") => {
+            "it is no serial port: choose one with --port, `touchstone doctor` lists them"
+        }
+        Io(ErrorKind::PermissionDenied) => "`touchstone doctor` shows how to get the permission",
+        NoDevice | Io(ErrorKind::NotFound) => {
+            "connect the board, or choose another port with --port"
+        }
+        _ => "close what else uses it, or see `touchstone doctor`",
+    }
 }
 
 fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
@@ -121,5 +129,38 @@ impl<S: Read + Write> Transport for Stream<S> {
             .write_all(bytes)
             .and_then(|()| self.stream.flush());
         sent.map_err(|error| self.gone(error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serialport::ErrorKind::{Io, NoDevice, Unknown};
+
+    #[test]
+    fn a_port_that_does_not_open_has_the_remedy_of_its_cause() {
+        for (kind, said, part) in [
+            (
+                NoDevice,
+                "Device or resource busy",
+                "another program has it",
+            ),
+            (NoDevice, "No such file or directory", "connect the board"),
+            (
+                Io(ErrorKind::NotFound),
+                "No such file or directory",
+                "connect the board",
+            ),
+            (
+                Io(ErrorKind::PermissionDenied),
+                "Permission denied",
+                "the permission",
+            ),
+            (Unknown, "Not a typewriter", "it is no serial port"),
+            (Unknown, "Is a directory", "it is no serial port"),
+            (Unknown, "Input/output error", "close what else uses it"),
+        ] {
+            assert!(remedy(kind, said).contains(part), "{said}");
+        }
     }
 }

@@ -10,6 +10,8 @@ use touchstone_sim::scene::{Preset, Scene};
 
 /// Time of a substep at most: twenty times what one takes with most effects, as the sine of a huge angle is slow and machines are busy.
 const SLOWEST_SUBSTEP: Duration = Duration::from_micros(20);
+/// Of a hand with friction: a stiff pad takes up to 4,096 power series in a tick.
+const SLOWEST_EVENTS: Duration = Duration::from_millis(8);
 /// Besides.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// A scene may ask for days in steps of microseconds, and gets them. The campaign has no time for them.
@@ -176,7 +178,10 @@ fn tried(base: &str, sets: &[String]) -> Ended {
         Err(error) => one_line(error),
     };
     let took = begun.elapsed();
-    let limit = PATIENCE + SLOWEST_SUBSTEP.mul_f64(steps);
+    let has_events = scene.operator.hand().is_some() && scene.device.friction.is_some();
+    let events = SLOWEST_EVENTS.mul_f64(f64::from(u8::from(has_events)));
+    let ticks = scene.timing.ticks() as f64;
+    let limit = PATIENCE + SLOWEST_SUBSTEP.mul_f64(steps) + events.mul_f64(ticks);
     assert!(
         took < limit,
         "{base} {sets:?} took {took:?} for {steps} steps"

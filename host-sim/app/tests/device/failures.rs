@@ -96,3 +96,41 @@ fn a_connection_that_is_cut_is_named() {
             .failed(1, &["the connection is gone"]);
     }
 }
+
+/// As `/dev/knob` of a udev rule; then what is no port, and one whose board is pulled out.
+#[cfg(unix)]
+#[test]
+fn a_port_may_be_a_link_be_none_or_vanish() {
+    use serialport::{SerialPort, TTYPort};
+    use std::os::unix::fs::symlink;
+    let here = crate::folder("ports");
+    let device = Fake::on_a_terminal();
+    let knob = here.join("knob");
+    symlink(&device.address, &knob).unwrap();
+    let knob = knob.display().to_string();
+    run(&["device", "status", "--port", &knob]).done();
+
+    std::fs::write(here.join("file"), "").unwrap();
+    let nowhere = here.join("nowhere");
+    symlink(here.join("none"), &nowhere).unwrap();
+    for (port, parts) in [
+        (here.join("file"), ["cannot be opened", "no serial port"]),
+        (here.clone(), ["cannot be opened", "no serial port"]),
+        ("/dev/null".into(), ["cannot be opened", "no serial port"]),
+        (nowhere, ["cannot be opened", "connect the board"]),
+    ] {
+        let port = port.display().to_string();
+        run(&["device", "status", "--port", &port]).failed(1, &[&[&port[..]], &parts[..]].concat());
+    }
+
+    let (master, slave) = TTYPort::pair().unwrap();
+    let name = slave.name().unwrap();
+    drop(slave);
+    let waiting = std::thread::spawn(move || run(&["device", "status", "--port", &name]));
+    std::thread::sleep(Duration::from_millis(500));
+    drop(master);
+    let begun = Instant::now();
+    let said = waiting.join().unwrap();
+    assert!(begun.elapsed() < Duration::from_secs(10));
+    said.failed(1, &["error: "]);
+}
