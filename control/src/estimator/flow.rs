@@ -41,18 +41,22 @@ pub struct DeviceInTicks {
 }
 
 /// More terms than `(β t)^k/k!` has digits, for `β t` up to 4.
-const TERMS: i32 = 48;
+const TERMS: i64 = 48;
 
 impl DeviceInTicks {
     /// `V`, ticks, and `X`, ticks², of a time in ticks, for `β t` from 0 to 4; beyond, the series is cut short.
+    #[inline]
     pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
         let mut term = time;
         for k in 2..TERMS {
-            let order = Exact::saturating_from_num(k);
+            // All that follows nothing is nothing: of a device that is hardly braked, after a few terms.
+            if term == Exact::ZERO {
+                break;
+            }
             let next = term
                 .saturating_mul(time)
-                .checked_div(order)
+                .checked_div_int(k)
                 .unwrap_or_default();
             reach = reach.saturating_add(term);
             drift = drift.saturating_add(next);
@@ -128,6 +132,7 @@ impl<N: Number> Flow<N, 0> {
 }
 
 /// `1 - exp(-a)`, for `a` up to 4.
+#[inline]
 pub(crate) fn approach(angle: Exact) -> Exact {
     // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
     let decay = DeviceInTicks {
