@@ -404,7 +404,7 @@ def main():
         print("NOT RUN: the firmware's board path; there is no emulator here")
     browsers = [browser for find, browser in ((chromium.find, chromium.Chromium), (firefox.find, firefox.Firefox)) if find()]
     for browser in (chromium.Chromium, firefox.Firefox):
-        if browser not in browsers and not (short and browsers):
+        if browser not in browsers and browsers and not short:
             print(f"NOT RUN: no {browser.name} here: install it, or name one in {browser.name.upper()}")
     if short:
         browsers = browsers[:1]
@@ -424,6 +424,7 @@ def main():
             space(browser, program, its, folder, min(seconds, 5), asked_for, check)
         simulated(browser, program, seconds if first else min(seconds, 5), asked_for, its)
     if not browsers:
+        print("NOT RUN: neither Chromium nor Firefox here: install one, or name it in CHROMIUM or FIREFOX")
         return 77
     print(f"the pages: {len(failures)} failures")
     return 1 if failures else 0
