@@ -182,7 +182,7 @@ fn compliance<N: Number>(
 }
 
 /// A share per millisecond as one per tick, so that the offset is as fast at every rate; at most all of it.
-#[inline(never)]
+#[inline]
 fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
     let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });
     over(per_s, Si::saturating_from_num(settings.rate_hz)).min(Si::ONE)

@@ -44,6 +44,7 @@ macro_rules! fields {
     }) => {
         impl crate::settings::$Table {
             /// Every number against its own range.
+            #[inline]
             pub(crate) fn check_ranges(&self) -> Result<(), SettingsError> {
                 $(fields!(@check (self) $field, $variant: $kind $range);)+
                 Ok(())
@@ -66,6 +67,7 @@ macro_rules! fields {
 }
 crate::law_settings!(fields);
 
+#[inline]
 pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), SettingsError> {
     if value < min || value > max {
         Err(SettingsError::OutOfRange {
@@ -304,6 +306,7 @@ pub struct Derived {
 impl Settings {
     /// Damping and inertia per tick.
     #[must_use]
+    #[inline]
     pub fn derived(&self) -> Derived {
         let rate = Si::saturating_from_num(self.rate_hz);
         let per_tick = |damping: Si| damping.saturating_mul(rate);
@@ -327,6 +330,7 @@ impl Settings {
     ///
     /// # Errors
     /// The first setting that is out of range.
+    #[inline]
     pub fn validate(&self) -> Result<(), SettingsError> {
         self.check_ranges()?;
         self.filter.check_ranges()?;

@@ -52,6 +52,7 @@ struct Answer {
 }
 
 impl Answer {
+    #[inline]
     fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let omega = settings.motor.current_bandwidth_hz.saturating_mul(TWO_PI);
         let quarters =
@@ -72,6 +73,7 @@ impl Answer {
     /// `s/(1 + s)` with `s = R/4L T`: a backward step, after which no less is missing than of the exponential. Of a motor that was not told
     /// nothing is: it is never driven.
     #[cfg(feature = "voltage")]
+    #[inline]
     fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {
         if is_untold {
             return ONE;
@@ -127,17 +129,20 @@ impl Part {
         self.square += (times(from, from) + times(to, to)) / 2;
     }
 
+    #[inline]
     fn mean(&self) -> i64 {
         self.area.checked_div(self.quarters).unwrap_or(0)
     }
 
     /// `∫ (H - mean)² dt`.
+    #[inline]
     fn variance(&self) -> i64 {
         (self.square - times(self.mean(), self.area)).max(0)
     }
 }
 
 /// Products of what is at most some hundreds, with [`BITS`] fractional bits.
+#[inline]
 fn times(a: i64, b: i64) -> i64 {
     (a * b) >> BITS
 }
@@ -162,6 +167,7 @@ impl ChangeConfig {
     ///
     /// # Errors
     /// A drive without a current loop of ours, or one that is not done with a change of force when the next one begins.
+    #[inline]
     pub fn new(
         settings: &DeviceSettings,
         hardware: &Hardware,
@@ -182,7 +188,7 @@ impl ChangeConfig {
     }
 
     #[cold]
-    #[inline(never)]
+    #[inline]
     fn of_loop(settings: &DeviceSettings, hardware: &Hardware) -> Option<Self> {
         let mut answer = Answer::new(settings, hardware);
         let tick = 4 * u32::from(periods_per_tick(settings, hardware));
@@ -256,6 +262,7 @@ impl ChangeConfig {
 ///
 /// # Errors
 /// As [`ChangeConfig::new`].
+#[inline]
 pub fn law_settings(
     settings: &DeviceSettings,
     hardware: &Hardware,

@@ -119,6 +119,7 @@ impl ThreePhase {
     ///
     /// # Errors
     /// A torque constant whose inverse does not fit.
+    #[inline]
     pub fn new(motor: &MotorSettings) -> Result<Self, SettingsError> {
         let inverse = quotient(Si::ONE, motor.torque_constant_n_m_per_a);
         let amps_per_nm = narrow(inverse);
@@ -180,6 +181,7 @@ impl Analogue {
     ///
     /// # Errors
     /// A full scale whose inverse does not fit.
+    #[inline]
     pub fn new(drive: &DriveSettings) -> Result<Self, SettingsError> {
         let codes = quotient(Si::const_from_int(2_047), drive.analogue_full_scale_n_m);
         let codes_per_nm = narrow(codes).to_bits();
@@ -220,6 +222,7 @@ impl AnyDrive {
     ///
     /// # Errors
     /// A coefficient that does not fit.
+    #[inline]
     pub fn new(settings: &DeviceSettings) -> Result<Self, SettingsError> {
         Ok(match settings.drive.kind {
             DriveKind::ThreePhase => Self::ThreePhase(ThreePhase::new(&settings.motor)?),

@@ -55,6 +55,7 @@ impl Device {
     ///
     /// # Errors
     /// As [`Config::new`].
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         Ok(Self::of(Config::new(settings, hardware)?, Memory::new()))
     }

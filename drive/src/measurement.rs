@@ -57,6 +57,7 @@ pub struct MeasurementConfig {
 impl MeasurementConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let rate = settings.timing.rate_hz.max(1);
         let of = |value: Si, parts: i64| quotient(value, Si::const_from_int(parts));

@@ -43,6 +43,7 @@ impl PiGains {
     ///
     /// # Errors
     /// A gain that does not fit: an inductance so large or so small that a period does not resolve the winding.
+    #[inline]
     pub fn new(
         resistance_ohm: Si,
         inductance_h: Si,

@@ -29,6 +29,7 @@ macro_rules! narrow {
 ///
 /// # Errors
 /// The first setting that is out of range.
+#[inline]
 pub fn validate(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), SettingsError> {
     settings.check_ranges()?;
     let rate_hz = settings.timing.rate_hz;
@@ -50,6 +51,7 @@ pub fn validate(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), Se
     ChangeConfig::new(settings, hardware).map(|_| ())
 }
 
+#[inline]
 fn validate_motor(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), SettingsError> {
     let limits = &settings.limits;
     narrow!(settings, limits.trip_current_a, to: hardware.current_max_a)?;
@@ -84,6 +86,7 @@ pub(crate) const fn out_of_format(path: &'static str, coefficient: Si) -> Settin
 
 /// PWM periods in a control period.
 #[must_use]
+#[inline]
 pub fn periods_per_tick(settings: &DeviceSettings, hardware: &Hardware) -> u16 {
     let periods = hardware
         .pwm_hz

@@ -25,6 +25,7 @@ pub const fn hardware(board: Board) -> &'static Hardware {
 ///
 /// # Errors
 /// The first setting that is refused.
+#[inline]
 pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsError> {
     settings.validate(board)?;
     validate(settings, hardware(board))

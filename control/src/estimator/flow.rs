@@ -45,6 +45,7 @@ const TERMS: i32 = 48;
 
 impl DeviceInTicks {
     /// `V`, ticks, and `X`, ticks², of a time in ticks, for `β t` from 0 to 4; beyond, the series is cut short.
+    #[inline]
     pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
         let mut term = time;
@@ -128,6 +129,7 @@ impl<N: Number> Flow<N, 0> {
 }
 
 /// `1 - exp(-a)`, for `a` up to 4.
+#[inline]
 pub(crate) fn approach(angle: Exact) -> Exact {
     // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
     let decay = DeviceInTicks {

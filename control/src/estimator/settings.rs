@@ -7,13 +7,14 @@ use crate::quotient::over;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
 /// `a / b` for two positive values, saturating.
+#[inline]
 fn ratio(a: Si, b: Si) -> Exact {
     ratio_of_bits(a.to_bits(), b.to_bits())
 }
 
 /// `a / b` for two positive values of one format, by their bits, rounded down and saturating.
 #[cold]
-#[inline(never)]
+#[inline]
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     let bits = i128::from(a)
         .wrapping_shl(Exact::FRAC_NBITS)
@@ -23,6 +24,7 @@ pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
 }
 
 /// A bandwidth against its range, a 500th to a fifth of the control rate.
+#[inline]
 pub(crate) fn check_bandwidth(
     field: Field,
     bandwidth_hz: Si,
@@ -45,6 +47,7 @@ pub(crate) fn check_bandwidth(
 }
 
 /// `2π p T`.
+#[inline]
 pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
     let rate = Si::saturating_from_num(rate_hz.max(1));
     ratio(bandwidth_hz, rate).saturating_mul(Exact::TAU)
@@ -60,6 +63,7 @@ impl EstimatorSettings {
     ///
     /// # Errors
     /// The first setting that is out of range.
+    #[inline]
     pub fn validate(&self, rate_hz: u32, force_limit: Si) -> Result<(), SettingsError> {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
@@ -86,7 +90,7 @@ impl EstimatorSettings {
     /// The torque that moves the inertia by a radian a tick in each tick, N·m (N a metre). A function of its own: where one block calls
     /// another function three times, small programs call it through a register, and what may be called so is not known to those who
     /// bound the stack.
-    #[inline(never)]
+    #[inline]
     fn inertia_in_ticks(&self, rate: Si) -> Si {
         self.inertia.saturating_mul(rate).saturating_mul(rate)
     }

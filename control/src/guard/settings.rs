@@ -35,6 +35,7 @@ struct Derived {
 }
 
 impl GuardSettings {
+    #[inline]
     fn derived(&self, device: &GuardedDevice) -> Derived {
         let rate = Si::saturating_from_num(device.rate_hz);
         let damping = self
@@ -60,6 +61,7 @@ impl GuardSettings {
     ///
     /// # Errors
     /// The first that is not.
+    #[inline]
     pub fn validate(&self, device: &GuardedDevice) -> Result<(), SettingsError> {
         self.check_ranges()?;
         let within = |field, value, max| validate::within(field, value, Si::ZERO, max);

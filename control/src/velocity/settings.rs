@@ -15,6 +15,7 @@ impl VelocitySettings {
     ///
     /// # Errors
     /// The first setting that is out of range.
+    #[inline]
     pub fn validate(&self, rate_hz: u32) -> Result<(), SettingsError> {
         self.check_ranges()?;
         match self.from {
@@ -66,6 +67,7 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
 }
 
 /// Of `1 - r`.
+#[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);
     // 1 - r² = (1 - r)(2 - (1 - r)).

@@ -42,6 +42,7 @@ pub struct CalibrationConfig {
 impl CalibrationConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let rate = settings.timing.rate_hz.max(1);
         let pole_pairs = settings.motor.pole_pairs.max(1);

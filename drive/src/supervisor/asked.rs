@@ -17,6 +17,7 @@ pub struct AskedConfig {
 impl AskedConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
         let rate_hz = settings.timing.rate_hz.max(1);
         let ticks = settings

@@ -47,6 +47,7 @@ pub struct HeatConfig {
 impl HeatConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
         let MotorSettings {
             continuous_current_a: continuous,

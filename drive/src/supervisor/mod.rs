@@ -65,6 +65,7 @@ pub struct SupervisorConfig {
 impl SupervisorConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let rate = settings.timing.rate_hz.max(1);
         let motor = (

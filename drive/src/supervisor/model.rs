@@ -44,6 +44,7 @@ pub struct ModelConfig {
 impl ModelConfig {
     /// From validated settings; `None` for a board that measures no current.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Option<Self> {
         let motor = &settings.motor;
         let pairs = Si::saturating_from_num(motor.pole_pairs);

@@ -26,6 +26,7 @@ pub struct PowerConfig {
 impl PowerConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let limits = &settings.limits;
         let span = limits

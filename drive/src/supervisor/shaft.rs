@@ -47,6 +47,7 @@ pub struct ShaftConfig {
 impl ShaftConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let rate = settings.timing.rate_hz.max(1);
         let counts = settings.encoder.counts_per_rev.max(1);

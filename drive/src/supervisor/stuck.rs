@@ -33,6 +33,7 @@ pub struct StuckConfig {
 impl StuckConfig {
     /// From validated settings.
     #[must_use]
+    #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
         let motor = &settings.motor;
         // Speed at which 8 counts pass in 10 ms, at least 5 rad/s: 2π · 8/(counts · 0.01 s).
