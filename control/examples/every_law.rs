@@ -11,7 +11,7 @@ use touchstone_control::environment::{
 use touchstone_control::law::View;
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{
-    Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError, Si,
+    Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError,
 };
 
 /// Validates settings and computes a law's coefficients.
@@ -80,9 +80,9 @@ pub fn surround(
 pub fn surrounded_tick(
     environment: &mut Environment<Fixed32>,
     at: &Counted,
-    at_change: Option<Si>,
+    since_change: Option<Position<Fixed32>>,
 ) -> Force<Fixed32> {
-    environment.tick(at, at_change)
+    environment.tick(at, since_change)
 }
 
 /// Both observers on their own.

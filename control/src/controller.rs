@@ -223,6 +223,13 @@ impl<N: Number> Controller<N> {
         self.guard.as_ref().is_some_and(|guard| guard.tripped)
     }
 
+    /// Whether a position is so deep inside of the wall that the guard lets no force pass: too near to where positions end.
+    #[must_use]
+    pub fn is_beyond_reach(&self, e: Position<N>) -> bool {
+        let guard = self.guard.as_ref();
+        e > Position::zero() && guard.is_some_and(|guard| guard.is_beyond_edge(e))
+    }
+
     /// The inside after the last tick.
     pub fn view(&self) -> View<N> {
         self.law.view()

@@ -5,15 +5,35 @@ use crate::{Number, Position, Si};
 
 /// Fractional bits of the angle of one count. 48 keep a turn of 40,000 counts exact to 1.4e-10 rad.
 const STEP_BITS: u32 = 48;
+/// Of them more than [`Si`] has.
+const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
 /// `round(2 π · 2^48)`.
 const TURN: i64 = 1_768_559_438_007_110;
 
 /// Angle of an encoder's counts relative to a wall's surface.
+///
+/// **No end after many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same at every turn, to the bit:
+/// the counts are reduced to a turn before anything is rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
     /// Angle of one count, rad, with [`STEP_BITS`] fractional bits.
     step: i64,
     surface: Si,
+    /// Counts of a turn.
+    counts: i64,
+    /// Share of a turn of one count, 2^-64, to the nearest.
+    share: u64,
+    /// Half a turn; where a count is there, its angle, so that both ways to it meet.
+    half_turn: Si,
+}
+
+/// A count as whole turns, to the nearest, and what is beyond them; of a count below zero, those of its negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Turned {
+    turns: i64,
+    /// At most half a turn.
+    rest: i64,
+    below: bool,
 }
 
 impl CountScale {
@@ -23,7 +43,77 @@ impl CountScale {
     pub fn new(counts_per_rev: u32, surface: Si) -> Option<Self> {
         let counts = i64::from(counts_per_rev);
         let step = TURN.checked_add(counts / 2)?.checked_div(counts)?;
-        Some(Self { step, surface })
+        // Of one count a turn the share is a whole turn, 2^64: the largest is as good.
+        let share = (1_u128 << 64)
+            .checked_add(u128::from(counts_per_rev / 2))?
+            .checked_div(u128::from(counts_per_rev))?;
+        let scale = Self {
+            step,
+            surface,
+            counts,
+            share: u64::try_from(share).unwrap_or(u64::MAX),
+            half_turn: Si::ZERO,
+        };
+        // Of an odd number no count is half a turn away: to the nearest.
+        let half_turn = if counts % 2 == 0 {
+            scale.within_turn(counts / 2)
+        } else {
+            Si::from_bits(nearest(TURN / 2))
+        };
+        Some(Self { half_turn, ..scale })
+    }
+
+    // In one place of a program: it is long, and the tick of an environment asks twice.
+    #[inline(never)]
+    fn turned(&self, count: i64) -> Turned {
+        let size = count.unsigned_abs();
+        let shares = u128::from(size)
+            .wrapping_mul(u128::from(self.share))
+            .wrapping_add(1 << 63);
+        let turns = ((shares >> 64) as i64).wrapping_abs();
+        Turned {
+            turns,
+            rest: (size.cast_signed()).wrapping_sub(turns.wrapping_mul(self.counts)),
+            below: count < 0,
+        }
+    }
+
+    /// The angle of at most half a turn, to the nearest step.
+    #[inline(always)]
+    fn within_turn(&self, rest: i64) -> Si {
+        let size = nearest(rest.wrapping_abs().wrapping_mul(self.step));
+        Si::from_bits(if rest < 0 { size.wrapping_neg() } else { size })
+    }
+
+    /// Where in its turn a count is, as a share of the turn in 2^-32: that of a turn more is the same, that of `-count` its negative.
+    #[inline]
+    #[must_use]
+    pub fn turn(&self, count: i64) -> i32 {
+        let Turned { rest, below, .. } = self.turned(count);
+        let share = rest.unsigned_abs().wrapping_mul(self.share);
+        let size = (share.wrapping_add(1 << 31) >> 32) as u32;
+        if (rest < 0) == below {
+            size
+        } else {
+            size.wrapping_neg()
+        }
+        .cast_signed()
+    }
+
+    /// How far so many counts are, to the step of the format that is next towards zero, saturating.
+    #[inline]
+    #[must_use]
+    pub fn moved<N: Number>(&self, counts: i64) -> Position<N> {
+        // 32 turns, which no position reaches.
+        let most = self.counts.wrapping_mul(32);
+        let way = counts
+            .min(most)
+            .max(most.wrapping_neg())
+            .wrapping_mul(self.step);
+        // Towards zero: a shift floors, and a negative way is first raised by what it may lose.
+        let lost = way >> (i64::BITS - 1) & ((1 << LOST) - 1);
+        let way = Si::from_bits(way.wrapping_add(lost) >> LOST);
+        Position(N::saturating_signal(way))
     }
 
     /// The same encoder before another surface.
@@ -33,15 +123,30 @@ impl CountScale {
         Self { surface, ..self }
     }
 
-    /// Angle of a count, to the step of [`Si`] towards zero, whatever the surface: that of `-count` is its negative, exactly.
-    #[inline]
+    /// Angle of a count, whatever the surface: that of `-count` is its negative, and that of a turn more is the turn more, exactly.
+    #[inline(never)]
     #[must_use]
     pub fn angle(&self, count: i64) -> Si {
-        // A step is positive. In 128 bits, so that a knob may turn on for as long as its counts go.
-        let size =
-            u128::from(count.unsigned_abs()).wrapping_mul(u128::from(self.step.unsigned_abs()));
-        let size = i64::try_from(size >> (STEP_BITS - Si::FRAC_NBITS)).unwrap_or(i64::MAX);
-        Si::from_bits(if count < 0 { size.wrapping_neg() } else { size })
+        self.on_steps(count, Si::DELTA)
+    }
+
+    /// The same in whole steps of such a size, a power of two: within a turn to the nearest, and a turn is a whole number of steps.
+    #[inline]
+    #[must_use]
+    pub fn on_steps(&self, count: i64, step: Si) -> Si {
+        let Turned { turns, rest, below } = self.turned(count);
+        let half = on_step(self.half_turn, step).to_bits();
+        let whole = Si::from_bits(turns.saturating_mul(half.wrapping_mul(2)));
+        let size = whole.saturating_add(on_step(self.within_turn(rest), step));
+        if below { size.saturating_neg() } else { size }
+    }
+
+    /// The same encoder, with its counts from whole turns further on and before another surface.
+    #[inline(always)]
+    #[must_use]
+    pub fn penetration_from<N: Number>(&self, turns: i32, surface: Si, count: i64) -> Position<N> {
+        let from = i64::from(turns).wrapping_mul(self.counts);
+        self.behind(surface, count.saturating_sub(from))
     }
 
     /// Penetration for a count, to the step below in the format, saturating: `e = 2π count / counts_per_rev - x_s`.
@@ -50,10 +155,32 @@ impl CountScale {
     #[inline]
     #[must_use]
     pub fn penetration<N: Number>(&self, count: i64) -> Position<N> {
+        self.behind(self.surface, count)
+    }
+
+    #[inline(always)]
+    fn behind<N: Number>(&self, surface: Si, count: i64) -> Position<N> {
         let angle = Si::from_bits(count.saturating_mul(self.step) >> (STEP_BITS - Si::FRAC_NBITS));
-        let penetration = Si::from_bits(angle.to_bits().difference(self.surface.to_bits()));
+        let penetration = Si::from_bits(angle.to_bits().difference(surface.to_bits()));
         Position(N::saturating_signal(penetration))
     }
+}
+
+/// An angle to the nearest of such steps, a power of two; that of the mirrored angle is its negative.
+#[inline(always)]
+pub(crate) fn on_step(angle: Si, step: Si) -> Si {
+    let bits = angle.to_bits();
+    let near = |size: i64| size.wrapping_add(step.to_bits() >> 1) & step.to_bits().wrapping_neg();
+    Si::from_bits(if bits < 0 {
+        near(bits.wrapping_neg()).wrapping_neg()
+    } else {
+        near(bits)
+    })
+}
+
+/// From [`STEP_BITS`] fractional bits to those of [`Si`], to the nearest.
+const fn nearest(size: i64) -> i64 {
+    size.wrapping_add(1 << (LOST - 1)) >> LOST
 }
 
 #[cfg(test)]
@@ -90,5 +217,55 @@ mod tests {
             fixed::types::I8F24::MIN
         );
         assert_eq!(CountScale::new(0, Si::ZERO), None);
+    }
+
+    #[test]
+    fn a_count_is_the_same_at_every_turn() {
+        for counts in [4_u32, 5, 4_096, 16_384, 40_000, 99_999, 1_000_000] {
+            let scale = CountScale::new(counts, Si::ZERO).unwrap();
+            let counts = i64::from(counts);
+            let near = (-counts / 2)..=(counts / 2);
+            // All that is half a turn away and next to it, and some between.
+            let some = near.step_by((counts as usize / 97).max(1));
+            for rest in some.chain([counts / 2, -(counts / 2), counts / 2 - 1, 1 - counts / 2]) {
+                let exact = core::f64::consts::TAU * rest as f64 / counts as f64;
+                let angle = scale.angle(rest);
+                assert!((angle.to_num::<f64>() - exact).abs() < 2f64.powi(-32) + 1e-14);
+                assert_eq!(scale.angle(-rest), -angle);
+                assert_eq!(scale.turn(-rest), scale.turn(rest).wrapping_neg());
+                for turns in [1_i64, -1, 10_000, -10_000, 340_000, -340_000] {
+                    let there = rest + turns * counts;
+                    assert_eq!(
+                        scale.turn(there),
+                        scale.turn(rest),
+                        "{counts} {rest} {turns}"
+                    );
+                    for step in [Si::DELTA, Si::from_bits(1 << 8), Si::from_bits(1 << 18)] {
+                        let turn = 2 * on_step(scale.half_turn, step);
+                        let whole = Si::from_bits(turns * turn.to_bits());
+                        let expected = whole + scale.on_steps(rest, step);
+                        assert_eq!(scale.on_steps(there, step), expected, "{counts} {rest}");
+                        assert!((scale.on_steps(rest, step) - angle).abs() <= step);
+                    }
+                }
+            }
+            assert!(
+                (scale.half_turn.to_num::<f64>() - core::f64::consts::PI).abs() < 2f64.powi(-32)
+            );
+        }
+    }
+
+    #[test]
+    fn a_way_is_that_of_its_counts_and_ends_with_the_format() {
+        let scale = CountScale::new(40_000, Si::lit("0.5")).unwrap();
+        for counts in [0_i64, 1, 3, 25, 39_999, 700_000] {
+            let exact = core::f64::consts::TAU * counts as f64 / 40_000.0;
+            let way: Position<Fixed32> = scale.moved(counts);
+            let lost = exact - way.0.to_num::<f64>();
+            assert!((-1e-12..2f64.powi(-24)).contains(&lost), "{counts}: {lost}");
+            assert_eq!(scale.moved::<Fixed32>(-counts), -way);
+        }
+        assert_eq!(scale.moved::<Fixed32>(i64::MAX).0, fixed::types::I8F24::MAX);
+        assert_eq!(scale.moved::<Fixed32>(i64::MIN).0, fixed::types::I8F24::MIN);
     }
 }

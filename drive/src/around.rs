@@ -15,7 +15,7 @@ use crate::hardware::Hardware;
 use crate::scenery::{Here, Scenery, law_tick};
 use touchstone_control::environment::{Counted, Environment, WallSettings};
 use touchstone_control::law::{Contact, View};
-use touchstone_control::{Controller, CountScale, Fixed32, Force, Guarded, Position, Si};
+use touchstone_control::{Controller, CountScale, Fixed32, Force, Guarded, Position};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::settings::environment::{CountsFrom, Surround};
@@ -208,9 +208,12 @@ impl Around {
                 new.environment.take_over(&before.environment, new.per_tick)
             }
             _ if self.ticked => {
-                let angle = scale.angle(self.count);
+                let at = Counted {
+                    scale,
+                    count: self.count,
+                };
                 new.environment
-                    .take_over_from(law, &new.first, (angle, self.shown), new.per_tick);
+                    .take_over_from(law, &new.first, (&at, self.shown), new.per_tick);
             }
             // Armed, and no tick yet.
             _ => new
@@ -248,16 +251,16 @@ impl Scenery for Around {
     }
 
     #[inline(always)]
-    fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
+    fn tick(&mut self, law: &mut Law, scale: &CountScale, here: &Here) -> Force<Fixed32> {
         if self.waits == Waits::ForTheTick {
-            self.take_over(law, here.at.scale);
+            self.take_over(law, *scale);
         }
         let force = match (self.runs, self.now()) {
-            (true, Some(now)) => environment_tick(&mut now.environment, here.at, here.since_change),
+            (true, Some(now)) => environment_tick(&mut now.environment, scale, here),
             _ => law_tick(law, here.penetration, here.since_change),
         };
         self.ticked = true;
-        self.count = here.at.count;
+        self.count = here.count;
         self.shown = force;
         force
     }
@@ -281,6 +284,14 @@ impl Scenery for Around {
     fn is_tripped(&self, law: &Law) -> bool {
         self.running()
             .map_or_else(|| law.tripped(), Environment::tripped)
+    }
+
+    #[inline(always)]
+    fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool {
+        match self.running() {
+            None => law.is_beyond_reach(penetration),
+            Some(environment) => environment.is_beyond_reach(),
+        }
     }
 
     #[inline(always)]
@@ -325,12 +336,12 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
 #[inline(never)]
 fn environment_tick(
     environment: &mut Environment<Fixed32>,
-    at: Counted,
-    since_change: Option<Position<Fixed32>>,
+    scale: &CountScale,
+    here: &Here,
 ) -> Force<Fixed32> {
-    let angle_since = |since: Position<Fixed32>| {
-        let angle = at.scale.angle(at.count);
-        angle.saturating_sub(Si::from_num(since.0))
+    let at = Counted {
+        scale: *scale,
+        count: here.count,
     };
-    environment.tick(&at, since_change.map(angle_since))
+    environment.tick(&at, here.since_change)
 }

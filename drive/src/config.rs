@@ -1,7 +1,7 @@
 //! What settings are computed into, once, and how a calibration changes over to other ones.
 //!
 //! The functions that compute it, here and in the crate `control`, are `#[inline]`: a program compiles them as its own, the firmware for size.
-//! What runs in every tick is compiled with its crate, for speed. On the STM32G431 that leaves 7 KiB of flash.
+//! What runs in every tick is compiled with its crate, for speed. On the STM32G431 that leaves 6 KiB of flash.
 
 use crate::angle::ElectricalScale;
 use crate::calibration::CalibrationConfig;

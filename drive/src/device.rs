@@ -196,10 +196,10 @@ impl Device {
             .supervisor
             .shaft()
             .at(config.supervisor.shaft(), reading);
+        let last = self.memory.record.count;
         self.memory.read = count.map(|count| {
-            config
-                .scale
-                .penetration(count.saturating_sub(self.memory.zero))
+            let count = count.saturating_sub(self.memory.zero);
+            config.scale.moved(count.saturating_sub(last))
         });
     }
 
@@ -271,7 +271,7 @@ impl Device {
         let after = self.memory.machine.state();
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
-        let last = self.memory.record.penetration;
+        let last = (self.memory.record.penetration, self.memory.record.count);
         // A fault may have switched off before this tick.
         let acted = watch.driven && found.is_none() && verdict.count.is_some();
         self.observe(tick, input, verdict.count);
@@ -280,7 +280,7 @@ impl Device {
         }
         let (drive, limits) = match (after, verdict.count) {
             (State::Armed, Some(_)) => {
-                self.since_change(last, read);
+                self.since_change(last, read, scenery);
                 self.display(tick, verdict.derating, verdict.count, scenery)
             }
             (State::Calibrating, _) => (calibration_drive(progress), Limits::NONE),

@@ -52,7 +52,8 @@ pub struct Record {
 
 impl Record {
     /// Before the first tick.
-    pub(crate) fn empty() -> Self {
+    #[must_use]
+    pub fn empty() -> Self {
         Self {
             tick: 0,
             state: State::Boot,

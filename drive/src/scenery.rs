@@ -2,21 +2,20 @@
 //!
 //! Not a part of the device: an environment is some kilobytes, too large for a stack.
 
-use touchstone_control::environment::Counted;
 use touchstone_control::law::View;
-use touchstone_control::{Controller, Fixed32, Force, Position};
+use touchstone_control::{Controller, CountScale, Fixed32, Force, Position};
 
 type Law = Controller<Fixed32>;
 
 /// Where the device is at a tick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
-    /// The count, before whatever surface.
+    /// The count.
     #[cfg_attr(
         not(feature = "large"),
         allow(dead_code, reason = "the wall alone has one surface")
     )]
-    pub at: Counted,
+    pub count: i64,
     /// How deep that is behind the surface of the settings' wall.
     pub penetration: Position<Fixed32>,
     /// How far it has moved since the force changed; `None` where that is not measured.
@@ -29,14 +28,16 @@ pub(crate) trait Scenery {
     fn armed(&mut self, law: &mut Law, fresh: &Law);
     /// The same where it stays armed, after a motion too fast for any force.
     fn again(&mut self, law: &mut Law, fresh: &Law);
-    /// One tick while armed: the force against `+x`.
-    fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32>;
+    /// One tick while armed: the force against `+x`. The encoder's scale apart, as a copy of it takes its time.
+    fn tick(&mut self, law: &mut Law, scale: &CountScale, here: &Here) -> Force<Fixed32>;
     /// What became of that force.
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
     /// The outputs are switched off, after a tick whose force was none, or at a time that nobody knows.
     fn switched_off(&mut self, law: &mut Law);
     /// Whether the guard has switched the force off for overspeed.
     fn is_tripped(&self, law: &Law) -> bool;
+    /// Whether a wall is off, since the device is deeper inside of it than positions reach.
+    fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;
     /// The inside of what is touched.
     fn view(&self, law: &Law) -> View<Fixed32>;
     /// Whether an environment runs in the place of the wall alone.
@@ -64,7 +65,7 @@ impl Scenery for WallAlone {
     }
 
     #[inline(always)]
-    fn tick(&mut self, law: &mut Law, here: &Here) -> Force<Fixed32> {
+    fn tick(&mut self, law: &mut Law, _: &CountScale, here: &Here) -> Force<Fixed32> {
         law_tick(law, here.penetration, here.since_change)
     }
 
@@ -81,6 +82,11 @@ impl Scenery for WallAlone {
     #[inline(always)]
     fn is_tripped(&self, law: &Law) -> bool {
         law.tripped()
+    }
+
+    #[inline(always)]
+    fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool {
+        law.is_beyond_reach(penetration)
     }
 
     #[inline(always)]

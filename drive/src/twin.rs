@@ -94,7 +94,7 @@ impl Twin {
             return None;
         }
         let force = self.law_tick(record);
-        self.becomes_of(force, limits);
+        self.becomes_of(force, record);
         if let Knows::Little(outside) = &mut self.knows {
             let is_outside = record.penetration_rad <= 0 && !limits.has(Limit::FadeIn);
             *outside = if is_outside {
@@ -128,7 +128,8 @@ impl Twin {
     }
 
     /// Tells the law what became of its force, as the device does.
-    fn becomes_of(&mut self, force: Force<Fixed32>, limits: Limits) {
+    fn becomes_of(&mut self, force: Force<Fixed32>, record: &Telemetry) {
+        let limits = Limits::from_wire(record.limits);
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.config.fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
@@ -147,11 +148,17 @@ impl Twin {
                 driven.torque.0.to_bits().saturating_neg(),
             )));
         }
-        // A flick of a knob that nothing holds begins anew, as in the device.
+        // A flick of a knob that nothing holds begins anew, and where the wall is off, as in the device.
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
         let is_free = self.law.view().contact == Contact::Free;
-        if self.law.tripped() && !pushed && is_free {
-            self.law.resume(&self.config.law);
+        if self.law.tripped() {
+            let beyond_reach = self.law.is_beyond_reach(Position(record.penetration_rad));
+            if beyond_reach {
+                self.law.switched_off();
+            }
+            if beyond_reach || !pushed && is_free {
+                self.law.resume(&self.config.law);
+            }
         }
     }
 }

@@ -148,6 +148,9 @@ impl Parts for Own {
     fn is_tripped(&mut self) -> bool {
         self.law.tripped()
     }
+    fn is_beyond_reach(&mut self, e: i32) -> bool {
+        self.law.is_beyond_reach(position(e))
+    }
     fn force_limit(&self) -> i32 {
         self.config.force_limit.to_bits()
     }
@@ -200,11 +203,11 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
     Some(config)
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
-    // Of a position near the last one a law has more to say.
     let last = any_position(s);
-    let near = |s: &mut S| {
+    // Of a short way a law has more to say.
+    let way = |s: &mut S| {
         if s.shortcut() {
-            position(last.0.to_bits().wrapping_add(s.i16().into()))
+            position(s.i16().into())
         } else {
             any_position(s)
         }
@@ -218,7 +221,7 @@ fn any_memory<S: Source>(s: &mut S) -> Memory {
         settings_refused: s.bool(),
         saturated: s.u16(),
         pushes: s.bool(),
-        read: some(s, near),
+        read: some(s, way),
         record: Record {
             tick: s.u32(),
             state: State::Boot,
@@ -334,6 +337,7 @@ replaced_property! {
     (touchstone_control::Controller::commanded, crate::device_parts::commanded)
     (touchstone_control::Controller::switched_off, crate::device_parts::switched_off)
     (touchstone_control::Controller::tripped, crate::device_parts::is_tripped)
+    (touchstone_control::Controller::is_beyond_reach, crate::device_parts::is_beyond_reach)
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
     /// P11: a control tick is its specification, from the reading to the drive's command and in all that it remembers: its parts are asked the

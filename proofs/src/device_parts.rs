@@ -55,11 +55,12 @@ pub fn end() -> bool {
         viewed::is_open(),
         told::is_open(),
         tripped::is_open(),
+        beyond::is_open(),
         faded::is_open(),
         driven::is_open(),
     ];
     let same_history = HISTORY.load(Relaxed) == OF_CODE.load(Relaxed);
-    same_history & (open == [false; 14]) & (DIFFERS.load(Relaxed) == 0)
+    same_history & (open == [false; 15]) & (DIFFERS.load(Relaxed) == 0)
 }
 fn done(what: usize) -> i64 {
     let history = (HISTORY.load(Relaxed) << 3) | what;
@@ -126,6 +127,7 @@ part!(pushed, 4, 1);
 part!(viewed, 1, 4);
 part!(told, 2, 1);
 part!(tripped, 1, 1);
+part!(beyond, 2, 1);
 part!(faded, 3, 1);
 part!(driven, 6, 10);
 
@@ -315,6 +317,10 @@ pub fn switched_off<N: Number>(_: &mut Controller<N>) {
 /// For `Controller::tripped`.
 pub fn is_tripped<N: Number>(_: &Controller<N>) -> bool {
     tripped::ask([so_far()])[0] & 1 == 1
+}
+/// For `Controller::is_beyond_reach`.
+pub fn is_beyond_reach<N: Format>(_: &Controller<N>, e: Position<N>) -> bool {
+    beyond::ask([so_far(), N::of_signal(e.0)])[0] & 1 == 1
 }
 /// For `torque_of`.
 pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {

@@ -18,11 +18,13 @@ pub enum Limit {
     Encoder = 5,
     /// Nothing is held back, but the force is not that of the wall alone: further walls or detents are at work.
     Beside = 6,
+    /// The knob is more than 20 turns inside of a wall, further than positions reach: this wall is off.
+    Reach = 7,
 }
 
 impl Limit {
     /// All of them, in the order of their bits.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Temperature,
         Self::Current,
         Self::Voltage,
@@ -30,6 +32,7 @@ impl Limit {
         Self::FadeIn,
         Self::Encoder,
         Self::Beside,
+        Self::Reach,
     ];
 
     /// The set of this one.

@@ -2,7 +2,7 @@
 
 use crate::si::si;
 use touchstone_control::environment::{
-    Counted, DetentSettings, Environment, Face, Side, WallSettings,
+    Counted, DetentSettings, Environment, Face, Side, Spacing, WallSettings,
 };
 use touchstone_control::{CountScale, Reported, Settings, Si};
 
@@ -60,7 +60,7 @@ pub fn mirrored(wall: &WallSettings) -> WallSettings {
 #[must_use]
 pub fn detents() -> DetentSettings {
     DetentSettings {
-        pitch: si("0.2617994"),
+        spacing: Spacing::Pitch(si("0.2617994")),
         strength: si("0.03"),
         centre: si("0.01234567"),
     }

@@ -1,7 +1,8 @@
 //! Walls on both sides, several walls and detents: what they promise together, over hostile motions and every law.
 
 use touchstone_control::environment::{
-    Counted, DetentSettings, Environment, Face, MOST_WALLS, Reading, Refused, Side, WallSettings,
+    Counted, DetentSettings, Environment, Face, MOST_WALLS, Reading, Refused, Side, Spacing,
+    WallSettings,
 };
 use touchstone_control::{
     Controller, Fixed16, Fixed32, Force, LawKind, Position, Reported, Settings, Si, StatesKind,
@@ -202,8 +203,28 @@ fn what_cannot_be_is_refused_by_name() {
     for pitch in ["0.0009", "6.3", "0", "-1"] {
         let pitch = si(pitch);
         assert_eq!(
-            refused(&plain, &[], &DetentSettings { pitch, ..good }),
+            refused(
+                &plain,
+                &[],
+                &DetentSettings {
+                    spacing: Spacing::Pitch(pitch),
+                    ..good
+                }
+            ),
             Refused::Pitch(pitch)
+        );
+    }
+    for per_turn in [0, 6284] {
+        assert_eq!(
+            refused(
+                &plain,
+                &[],
+                &DetentSettings {
+                    spacing: Spacing::PerTurn(per_turn),
+                    ..good
+                }
+            ),
+            Refused::PerTurn(per_turn)
         );
     }
     for strength in ["-0.001", "0.500001"] {
@@ -221,7 +242,7 @@ fn what_cannot_be_is_refused_by_name() {
             &plain,
             &[],
             &DetentSettings {
-                pitch: si("7"),
+                spacing: Spacing::Pitch(si("7")),
                 ..good
             },
         ),
@@ -249,8 +270,97 @@ fn a_reading_is_odd() {
                 k_desired: Si::ZERO,
             })
             .face;
-            let here: Position<Fixed32> = here.penetration(&face);
-            assert_eq!(here, there.penetration(&image));
+            let here: Position<Fixed32> = here.penetration(&face.reached());
+            assert_eq!(here, there.penetration(&image.reached()));
         }
+    }
+}
+
+/// Turns of a knob that nobody turns by chance.
+const FAR: i64 = 10_000;
+
+/// A wall so many turns further on.
+fn further(wall: &WallSettings, turns: i64) -> WallSettings {
+    // A turn in 2^-64 rad.
+    let way = (i128::from(turns) * 0x6_487e_d511_0b46_11a6 + (1 << 31)) >> 32;
+    let surface = wall.face.surface + Si::from_bits(way as i64);
+    WallSettings {
+        face: Face {
+            surface,
+            ..wall.face
+        },
+        ..*wall
+    }
+}
+
+#[test]
+fn a_knob_is_the_same_ten_thousand_turns_on() {
+    let walls = [wall("0.4", Side::Above), wall("-0.31", Side::Below)];
+    for mut settings in laws() {
+        settings.guard.change = touchstone_control::ChangeOfForce::Measured;
+        settings.guard.delay = si("0.0001");
+        settings.guard.lag = si("0.0003");
+        for ring in [
+            DetentSettings::around_a_turn(24, si("0.2"), si("0.0123")),
+            DetentSettings::around_a_turn(7, si("0.2"), si("-1.3")),
+        ] {
+            let runs = [0, FAR, -FAR].map(|turns| {
+                let walls = walls.each_ref().map(|wall| further(wall, turns));
+                let from = turns * i64::from(COUNTS);
+                let mut environment = built::<Fixed32>(&settings, &walls, Some(&ring));
+                let mut random = Random::new(77);
+                let felt = path(19, 6_000, 3_000).into_iter().map(|count| {
+                    let since = encoder().moved(i64::from(random.whole(20)));
+                    let force = environment.tick(&at(from + count), Some(since));
+                    let account = environment
+                        .guard
+                        .map(|guard| (guard.account(), guard.limited));
+                    (force, account, environment.tripped())
+                });
+                felt.collect::<Vec<_>>()
+            });
+            let [near, ..] = &runs;
+            let pushes = near.iter().filter(|(force, ..)| *force != Force::zero());
+            let limited = near
+                .iter()
+                .filter(|(_, account, _)| account.is_some_and(|(_, limited)| limited));
+            assert!(pushes.count() > 100 && limited.count() > 10, "no test");
+            for (far, turns) in runs.iter().zip(["0", "10,000", "-10,000"]) {
+                assert!(far == near, "{turns} turns on, {:?}", settings.law);
+            }
+        }
+    }
+}
+
+/// Turned there step by step: nothing that was remembered on the way is felt. A wall deeper than positions reach is off.
+#[test]
+fn a_knob_that_was_turned_there_is_the_same() {
+    let settings = Settings::default();
+    let ring = DetentSettings::around_a_turn(24, si("0.02"), si("0.0123"));
+    let walls = [wall("0.4", Side::Above)];
+    let built = |walls: &[WallSettings]| built::<Fixed32>(&settings, walls, Some(&ring));
+    for turns in [FAR, -FAR] {
+        let (end, step) = (turns * i64::from(COUNTS), turns.signum() * 300);
+        let mut turned = built(&walls);
+        let mut at_end = 0;
+        for n in 0..=end / step {
+            turned.tick(&at(n * step), None);
+            // The motor is at rest: the hand turns it through the wall.
+            turned.commanded(Force::zero());
+            let inside = (n * step) as f64 * COUNT_RAD - 0.4;
+            assert_eq!(turned.is_beyond_reach(), inside >= 128.0 - 1e-6, "{inside}");
+            at_end = n * step;
+        }
+        assert!(!turned.tripped());
+        let mut fresh = built(&[]);
+        fresh.guard = turned.guard;
+        fresh.tick(&at(at_end - end), None);
+        turned.tick(&at(at_end), None);
+        for n in 0..2_000_i32 {
+            let count = (600.0 * (f64::from(n) / 8.0).sin()) as i64;
+            let force = fresh.tick(&at(count), None);
+            assert_eq!(turned.tick(&at(end + count), None), force, "{turns} {n}");
+        }
+        assert_eq!(turned.guard, fresh.guard);
     }
 }

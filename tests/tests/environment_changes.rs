@@ -187,8 +187,7 @@ fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
             }
             touched += u32::from(shown > Force::zero());
             let (mut one, mut other) = (*after, *after);
-            let angle = encoder().angle(count);
-            one.take_over_from(&alone, &first, (angle, shown), per_tick());
+            one.take_over_from(&alone, &first, (&at(count), shown), per_tick());
             other.take_over(&around, per_tick());
             for _ in 0..400 {
                 count += i64::from(random.whole(5));
@@ -246,13 +245,4 @@ fn many_changes_have_one_account() {
         worst > 0.01 && limited > 100,
         "{worst} J, limited {limited}"
     );
-}
-
-#[test]
-fn detents_of_a_turn_are_those_of_the_simulator() {
-    for per_rev in 1..=6283_u32 {
-        let pitch = Si::saturating_from_num(std::f64::consts::TAU / f64::from(per_rev));
-        let here = DetentSettings::around_a_turn(per_rev, Si::ZERO, Si::ZERO);
-        assert_eq!(here.pitch, pitch, "{per_rev}");
-    }
 }

@@ -1,6 +1,6 @@
 //! The guard of an environment: one account for all walls and detents, one limit, and no force where a motion would not be counted.
 
-use touchstone_control::environment::{Environment, Face, Reading, Side};
+use touchstone_control::environment::{Environment, Reached, Reading, Side};
 use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
 use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wall};
 use touchstone_tests::random::Random;
@@ -164,7 +164,7 @@ impl Reading<Fixed32> for Far {
     fn angle(&self) -> Si {
         self.0
     }
-    fn penetration(&self, _: &Face) -> Position<Fixed32> {
+    fn penetration(&self, _: &Reached) -> Position<Fixed32> {
         Position::zero()
     }
 }

@@ -7,7 +7,7 @@
 //! **No new account.** The guard goes on with its books, and answers for what is carried as for any other force: a wall that appears under a
 //! hand, deep inside of it, pushes it out with what the account has.
 
-use super::{Environment, WallSettings, Walled, on_step};
+use super::{Environment, Reading, WallSettings};
 use crate::{Controller, Energy, Force, Number, Si};
 
 /// A force that belongs to no wall any more.
@@ -37,9 +37,8 @@ impl<N: Number> Environment<N> {
     /// At the beginning of an arming: all memory is new, in place. The guard begins with an account where one is given, else goes on
     /// with its own.
     pub fn begin(&mut self, account: Option<Energy<N>>) {
-        for Walled { states, law, .. } in self.walls.iter_mut().flatten() {
-            states.forget();
-            law.forget();
+        for wall in self.walls.iter_mut().flatten() {
+            wall.forget();
         }
         if let Some(guard) = &mut self.guard {
             guard.resume(account.unwrap_or(guard.account()));
@@ -75,7 +74,7 @@ impl<N: Number> Environment<N> {
         &mut self,
         before: &Controller<N>,
         wall: &WallSettings,
-        (angle, shown): (Si, Force<N>),
+        (at, shown): (&impl Reading<N>, Force<N>),
         per_tick: Force<N>,
     ) {
         let mut places = self.walls.iter_mut().flatten();
@@ -83,7 +82,7 @@ impl<N: Number> Environment<N> {
             (place.states, place.law) = (before.states, before.law);
         }
         self.guard = before.guard;
-        self.last = Some(on_step(angle, self.step));
+        self.last = Some(at.on_steps(self.step));
         self.commanded = before.last_commanded();
         self.carry(shown, per_tick);
     }

@@ -1,6 +1,6 @@
 //! Detents: a force that draws to the nearest of many places.
 
-use super::Refused;
+use super::{Reading, Refused, turn_of};
 use crate::{Compliance, Force, Number, Si};
 
 /// The finest pitch, rad (m).
@@ -8,11 +8,20 @@ pub(super) const FINEST: Si = Si::lit("0.001");
 /// The coarsest pitch, rad (m): a turn has at least one.
 pub(super) const COARSEST: Si = Si::lit("6.2831853072");
 
+/// How far detents are apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spacing {
+    /// So many in a turn, 1 to 6283: the same at every turn, to the bit.
+    PerTurn(u16),
+    /// So far from one to the next, rad (m), 0.001 to 6.283. Known to 2^-33, and its inverse to as much: 100,000 detents away, to some 1e-5 of it.
+    Pitch(Si),
+}
+
 /// What a person sets of detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DetentSettings {
-    /// From one to the next, rad (m).
-    pub pitch: Si,
+    /// How far they are apart.
+    pub spacing: Spacing,
     /// The largest force, N·m (N).
     pub strength: Si,
     /// Where one of them is, rad (m).
@@ -24,28 +33,32 @@ pub struct DetentSettings {
 /// is 0, and out of a detent it takes `A P/4` to the ridge. What sampling adds to that, the guard counts as it does with walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detents<N: Number> {
-    /// `1/P`.
-    per_pitch: u64,
-    centre: Si,
+    place: Place,
     /// `A`, as what a whole signal is multiplied with.
     strength: Compliance<N>,
+}
+
+/// Where they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    /// So many in a turn, and one of them such a part of the way to the next further on, 2^-32.
+    Turn { per_turn: i32, centre: i32 },
+    /// `1/P`, and where one of them is.
+    Axis { per_pitch: u64, centre: Si },
 }
 
 /// Of a pitch, as its fraction of `2^32`.
 const QUARTER: u32 = 1 << 30;
 
-/// A turn, in 2^-64 rad.
-const TURN: u128 = 0x6_487e_d511_0b46_11a6;
+/// The most in a turn: with the finest pitch.
+pub(super) const MOST: u16 = 6283;
 
 impl DetentSettings {
     /// Evenly around a turn, of 1 to 6283 of them.
     #[must_use]
-    pub fn around_a_turn(per_rev: u32, strength: Si, centre: Si) -> Self {
-        let per_rev = u128::from(per_rev.max(1));
-        // To the nearest of the 2^-32 rad of a setting.
-        let pitch = TURN.saturating_add(per_rev << 31) / (per_rev << 32);
+    pub const fn around_a_turn(per_turn: u16, strength: Si, centre: Si) -> Self {
         Self {
-            pitch: Si::from_bits(i64::try_from(pitch).unwrap_or(i64::MAX)),
+            spacing: Spacing::PerTurn(per_turn),
             strength,
             centre,
         }
@@ -54,11 +67,35 @@ impl DetentSettings {
     /// Checks the settings, and computes the coefficients.
     ///
     /// # Errors
-    /// A pitch from 0.001 to 6.283 rad is needed, and a force from 0 to the force limit.
+    /// A pitch from 0.001 to 6.283 rad is needed, or 1 to 6283 in a turn, and a force from 0 to the force limit.
     pub(super) fn detents<N: Number>(&self, limit: Si) -> Result<Detents<N>, Refused> {
-        if self.pitch < FINEST || self.pitch > COARSEST {
-            return Err(Refused::Pitch(self.pitch));
-        }
+        let place = match self.spacing {
+            Spacing::PerTurn(per_turn) => {
+                if per_turn == 0 || per_turn > MOST {
+                    return Err(Refused::PerTurn(per_turn));
+                }
+                let per_turn = i32::from(per_turn);
+                Place::Turn {
+                    per_turn,
+                    centre: turn_of(self.centre).wrapping_mul(per_turn),
+                }
+            }
+            Spacing::Pitch(pitch) => {
+                if pitch < FINEST || pitch > COARSEST {
+                    return Err(Refused::Pitch(pitch));
+                }
+                // To the nearest: 2^64 over the pitch with its 32 digits.
+                let pitch = u128::from(pitch.to_bits().unsigned_abs());
+                let per_pitch = (1_u128 << 64)
+                    .wrapping_add(pitch / 2)
+                    .checked_div(pitch)
+                    .unwrap_or_default();
+                Place::Axis {
+                    per_pitch: u64::try_from(per_pitch).unwrap_or_default(),
+                    centre: self.centre,
+                }
+            }
+        };
         let strength = (self.strength <= limit)
             .then(|| N::ratio(self.strength))
             .flatten()
@@ -66,29 +103,19 @@ impl DetentSettings {
                 strength: self.strength,
                 limit,
             })?;
-        // To the nearest: 2^64 over the pitch with its 32 digits.
-        let pitch = u128::from(self.pitch.to_bits().unsigned_abs());
-        let per_pitch = (1_u128 << 64)
-            .wrapping_add(pitch / 2)
-            .checked_div(pitch)
-            .unwrap_or_default();
         Ok(Detents {
-            per_pitch: u64::try_from(per_pitch).unwrap_or_default(),
-            centre: self.centre,
+            place,
             strength: Compliance(strength),
         })
     }
 }
 
 impl<N: Number> Detents<N> {
-    /// The force against `+x` at an angle: at most the strength, and the negative of that as far on the other side of the centre.
+    /// The force against `+x` at a position: at most the strength, and the negative of that as far on the other side of the centre.
     #[inline]
     #[must_use]
-    pub fn force(&self, angle: Si) -> Force<N> {
-        let way = angle.saturating_sub(self.centre).to_bits();
-        // The pitches since the centre, with 32 digits behind the point, of which only these are wanted.
-        let pitches = way.unsigned_abs().wrapping_mul(self.per_pitch);
-        let beyond = ((pitches >> 32) as u32).cast_signed();
+    pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
+        let beyond = self.beyond(at);
         let size = beyond.unsigned_abs();
         let from_rest = if size <= QUARTER {
             size
@@ -98,10 +125,32 @@ impl<N: Number> Detents<N> {
         // A quarter of a pitch as one.
         let share = N::saturating_signal(Si::from_bits(i64::from(from_rest) << 2));
         let force = Force(N::scale(self.strength.0, share));
-        if (way < 0) == (beyond < 0) {
-            force
-        } else {
-            -force
+        if beyond < 0 { -force } else { force }
+    }
+
+    /// How far beyond the nearest of them, as a part of the way to the next, 2^-32.
+    #[inline]
+    fn beyond(&self, at: &impl Reading<N>) -> i32 {
+        match self.place {
+            Place::Turn { per_turn, centre } => {
+                at.turn().wrapping_mul(per_turn).wrapping_sub(centre)
+            }
+            Place::Axis { per_pitch, centre } => along_axis(per_pitch, at.angle(), centre),
         }
+    }
+}
+
+/// The same by a pitch. Boards have none, and a memory without wait states that is short.
+#[cold]
+#[inline(never)]
+fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {
+    let way = angle.saturating_sub(centre).to_bits();
+    // The pitches since the centre, with 32 digits behind the point, of which only these are wanted.
+    let pitches = way.unsigned_abs().wrapping_mul(per_pitch);
+    let beyond = ((pitches >> 32) as u32).cast_signed();
+    if way < 0 {
+        beyond.wrapping_neg()
+    } else {
+        beyond
     }
 }

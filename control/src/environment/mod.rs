@@ -13,6 +13,10 @@
 //! **Signs.** Forces here act against `+x`, as those of a wall that is solid above its surface. A wall that is solid below is the mirror image of
 //! one above, and is calculated as that, so that an environment and its mirror image answer mirrored motions with mirrored forces, to the bit.
 //!
+//! **No end.** A knob may turn on for 340 million turns: detents and the guard's books are the same at every turn, to the bit. A wall is felt as
+//! far as positions reach, 128 rad of 32 bits: further outside nothing is to be felt, and deeper inside it is off, which
+//! [`Environment::is_beyond_reach`] says.
+//!
 //! Objects of three axes are in [`crate::space::environment`]: there a point is inside of one shape, here of any number.
 
 mod changing;
@@ -21,8 +25,8 @@ mod face;
 mod refused;
 
 use changing::Carried;
-pub use detents::{DetentSettings, Detents};
-pub use face::{Counted, Face, Reading, Side};
+pub use detents::{DetentSettings, Detents, Spacing};
+pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
 pub use refused::Refused;
 
 use crate::controller::Controller;
@@ -52,8 +56,18 @@ pub struct WallSettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Walled<N: Number> {
     wall: WallSettings,
+    reached: Reached,
     states: States<N>,
     law: AnyLaw<N>,
+}
+
+impl<N: Number> Walled<N> {
+    /// All memory is new.
+    #[cold]
+    fn forget(&mut self) {
+        self.states.forget();
+        self.law.forget();
+    }
 }
 
 /// Walls and detents behind one guard.
@@ -66,7 +80,12 @@ pub struct Environment<N: Number> {
     pub guard: Option<Guarded<N>>,
     /// A step of a position, for the guard's books.
     step: Si,
+    /// The last position, in whole steps.
     last: Option<Si>,
+    /// Where positions end, to either side.
+    end: Position<N>,
+    /// Whether a wall was off at the last tick, since the device is deeper inside than positions reach.
+    beyond_reach: bool,
     commanded: Force<N>,
     /// The force of the last tick, before any later stage.
     shown: Force<N>,
@@ -102,6 +121,8 @@ impl<N: Number> Environment<N> {
             guard: None,
             step: quantum::<N>(),
             last: None,
+            end: Position(N::saturating_signal(Si::MAX)),
+            beyond_reach: false,
             commanded: Force::zero(),
             shown: Force::zero(),
             carried: None,
@@ -129,7 +150,12 @@ impl<N: Number> Environment<N> {
                 _ => AnyLaw::new(&own).map_err(refused)?,
             };
             let wall = *wall;
-            last = Some(Walled { wall, states, law });
+            last = Some(Walled {
+                wall,
+                reached: wall.face.reached(),
+                states,
+                law,
+            });
             *slot = last;
         }
         if let Some(detents) = detents {
@@ -148,55 +174,69 @@ impl<N: Number> Environment<N> {
         Self { guard, ..self }
     }
 
-    /// One control period: where the device is, and where it was when the force changed since the last tick (where that is measured), to
-    /// the force against `+x`.
+    /// One control period: where the device is, and how far it has moved since the force changed (where that is measured), to the force
+    /// against `+x`.
     ///
     /// If a later stage changes that force, [`Environment::commanded`] must follow.
     #[inline]
-    pub fn tick(&mut self, at: &impl Reading<N>, at_change: Option<Si>) -> Force<N> {
-        let angle = at.angle();
+    pub fn tick(&mut self, at: &impl Reading<N>, since_change: Option<Position<N>>) -> Force<N> {
         let mut wanted = match &self.detents {
             None => Force::zero(),
-            Some(detents) => detents.force(angle),
+            Some(detents) => detents.force(at),
         };
+        let (end, commanded) = (self.end, self.commanded);
+        self.beyond_reach = false;
         for wall in self.walls.iter_mut().flatten() {
-            let Walled { wall, states, law } = wall;
-            let face = &wall.face;
-            states.commanded(face.side.seen(self.commanded));
-            let force = law.tick(states.sample(at.penetration(face)));
-            wanted = wanted + face.side.seen(force);
+            let e = at.penetration(&wall.reached);
+            if e >= end || e <= -end {
+                wall.forget();
+                self.beyond_reach |= e >= end;
+                continue;
+            }
+            let Walled {
+                wall, states, law, ..
+            } = wall;
+            let side = wall.face.side;
+            states.commanded(side.seen(commanded));
+            let force = law.tick(states.sample(e));
+            wanted = wanted + side.seen(force);
         }
         if self.carried.is_some() {
             wanted = self.carried_onto(wanted);
         }
         let wanted = wanted.within(self.limit);
-        let force = self.guarded(angle, at_change, wanted);
+        let force = self.guarded(at.on_steps(self.step), since_change, wanted);
         self.commanded = force;
         self.shown = force;
         force
     }
 
     #[inline(always)]
-    fn guarded(&mut self, angle: Si, at_change: Option<Si>, wanted: Force<N>) -> Force<N> {
+    fn guarded(
+        &mut self,
+        now: Si,
+        since_change: Option<Position<N>>,
+        wanted: Force<N>,
+    ) -> Force<N> {
         let Some(guard) = &mut self.guard else {
             return wanted;
         };
-        // In whole steps of the format, so that the displacements of a way add up to the way, and without end: a knob turns on.
-        let step = self.step;
-        let on_step = |angle| on_step(angle, step);
-        let now = on_step(angle);
+        // In whole steps of the format, of which a turn has a whole number: the displacements of a way add up to the way, are the same at
+        // every turn, and have no end: a knob turns on. A turn of 32 bits is wrong by a part in 10^8 for that, which the torque's is as well.
         let last = self.last.replace(now).unwrap_or(now);
-        let since = |angle: Si| Position(N::saturating_signal(angle.saturating_sub(last)));
-        let moved = since(now);
-        let before_change = at_change.map_or(Position::zero(), |angle| since(on_step(angle)));
-        guard.tripped |= wanted != Force::zero() && angle.saturating_abs() >= EDGE;
+        let moved = Position(N::saturating_signal(now.saturating_sub(last)));
+        let before_change = since_change.map_or(Position::zero(), |since| moved - since);
+        guard.tripped |= wanted != Force::zero() && now.saturating_abs() >= EDGE;
         // By the force that acted, so that the mirror image of a motion has the mirror image of its roundings.
         let (force, older) = (guard.state.force, guard.state.older);
-        if force < Force::zero() || (force == Force::zero() && older < Force::zero()) {
-            guard.moved_mirrored(moved, before_change, wanted)
-        } else {
-            guard.moved(moved, before_change, wanted)
-        }
+        let other_end = force < Force::zero() || (force == Force::zero() && older < Force::zero());
+        guard.moved_from(other_end, moved, before_change, wanted)
+    }
+
+    /// Whether a wall was off at the last tick: the device was deeper inside than positions reach.
+    #[must_use]
+    pub const fn is_beyond_reach(&self) -> bool {
+        self.beyond_reach
     }
 
     /// What became of the last tick's force, where a later stage changed it: estimators and guard then count with that.
@@ -234,15 +274,4 @@ impl<N: Number> Environment<N> {
         let touched = views.find(|view| view.contact != Contact::Free);
         Some(touched.unwrap_or(first))
     }
-}
-
-/// An angle towards 0 to a whole step, whose size is a power of two.
-fn on_step(angle: Si, step: Si) -> Si {
-    let bits = angle.to_bits();
-    let down = |size: i64| size & step.to_bits().wrapping_neg();
-    Si::from_bits(if bits < 0 {
-        down(bits.wrapping_neg()).wrapping_neg()
-    } else {
-        down(bits)
-    })
 }

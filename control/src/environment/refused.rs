@@ -14,6 +14,8 @@ pub enum Refused {
     Wall(u8, SettingsError),
     /// The detents' pitch is out of its range, rad (m).
     Pitch(Si),
+    /// There are no detents in a turn, or too many.
+    PerTurn(u16),
     /// The detents' largest force is below 0 or above the force limit, N·m (N).
     Strength {
         /// As given.
@@ -34,6 +36,11 @@ impl fmt::Display for Refused {
                 "a pitch of {pitch:.6} rad is outside {} to {} rad",
                 super::detents::FINEST,
                 super::detents::COARSEST
+            ),
+            Self::PerTurn(per_turn) => write!(
+                f,
+                "{per_turn} detents in a turn are outside 1 to {}",
+                super::detents::MOST
             ),
             Self::Strength { strength, limit } => write!(
                 f,

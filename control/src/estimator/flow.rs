@@ -41,7 +41,7 @@ pub struct DeviceInTicks {
 }
 
 /// More terms than `(β t)^k/k!` has digits, for `β t` up to 4.
-const TERMS: i32 = 48;
+const TERMS: i64 = 48;
 
 impl DeviceInTicks {
     /// `V`, ticks, and `X`, ticks², of a time in ticks, for `β t` from 0 to 4; beyond, the series is cut short.
@@ -50,10 +50,13 @@ impl DeviceInTicks {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
         let mut term = time;
         for k in 2..TERMS {
-            let order = Exact::saturating_from_num(k);
+            // All that follows nothing is nothing: of a device that is hardly braked, after a few terms.
+            if term == Exact::ZERO {
+                break;
+            }
             let next = term
                 .saturating_mul(time)
-                .checked_div(order)
+                .checked_div_int(k)
                 .unwrap_or_default();
             reach = reach.saturating_add(term);
             drift = drift.saturating_add(next);

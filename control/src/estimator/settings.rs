@@ -14,7 +14,7 @@ fn ratio(a: Si, b: Si) -> Exact {
 
 /// `a / b` for two positive values of one format, by their bits, rounded down and saturating.
 #[cold]
-#[inline]
+#[inline(never)]
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     let bits = i128::from(a)
         .wrapping_shl(Exact::FRAC_NBITS)

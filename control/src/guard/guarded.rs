@@ -113,10 +113,28 @@ impl<N: Number> Guarded<N> {
         before_change: Position<N>,
         wanted: Force<N>,
     ) -> Force<N> {
-        self.mirror();
-        let force = -self.moved(-moved, -before_change, -wanted);
-        self.mirror();
-        force
+        self.moved_from(true, moved, before_change, wanted)
+    }
+
+    /// From either end of the axis, in one place of a program: it is long.
+    #[inline]
+    pub(crate) fn moved_from(
+        &mut self,
+        other_end: bool,
+        moved: Position<N>,
+        before_change: Position<N>,
+        wanted: Force<N>,
+    ) -> Force<N> {
+        let seen = |way: Position<N>| if other_end { -way } else { way };
+        let turned = |force: Force<N>| if other_end { -force } else { force };
+        if other_end {
+            self.mirror();
+        }
+        let force = self.moved(seen(moved), seen(before_change), turned(wanted));
+        if other_end {
+            self.mirror();
+        }
+        turned(force)
     }
 
     fn mirror(&mut self) {

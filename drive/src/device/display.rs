@@ -5,7 +5,6 @@ use crate::command::{Drive, DriveCommand, Driven};
 use crate::scenery::{Here, Scenery};
 use crate::units::product;
 use fixed::types::I8F24;
-use touchstone_control::environment::Counted;
 use touchstone_control::law::Contact;
 use touchstone_control::{Fixed32, Force, Position};
 use touchstone_protocol::{FaultCode, Limit, Limits};
@@ -14,12 +13,20 @@ impl Device {
     /// How far the device has moved since the force changed, from the last position on; 0 where that is not measured.
     pub(super) fn since_change(
         &mut self,
-        last: Position<Fixed32>,
+        last: (Position<Fixed32>, i64),
         read: Option<Position<Fixed32>>,
+        scenery: &impl Scenery,
     ) {
-        if let (Some(change), Some(at)) = (&self.configs.now().change, read) {
-            let now = self.memory.record.penetration;
-            self.memory.record.since_change = change.since_change(at - last, now - at);
+        let config = self.configs.now();
+        if let (Some(change), Some(until)) = (&config.change, read) {
+            let record = &mut self.memory.record;
+            // Counts go on where positions end, far from the wall, and are the same at every turn.
+            let moved = if scenery.runs() {
+                config.scale.moved(record.count.saturating_sub(last.1))
+            } else {
+                record.penetration - last.0
+            };
+            record.since_change = change.since_change(until, moved - until);
         }
     }
 
@@ -27,10 +34,7 @@ impl Device {
     fn here(&self) -> Here {
         let measures = self.configs.now().change.is_some();
         Here {
-            at: Counted {
-                scale: self.configs.now().scale,
-                count: self.memory.record.count,
-            },
+            count: self.memory.record.count,
             penetration: self.memory.record.penetration,
             since_change: measures.then_some(self.memory.record.since_change),
         }
@@ -42,15 +46,15 @@ impl Device {
     pub(super) fn leave(
         &mut self,
         acted: bool,
-        last: Position<Fixed32>,
+        last: (Position<Fixed32>, i64),
         read: Option<Position<Fixed32>>,
         scenery: &mut impl Scenery,
     ) {
         if acted {
-            self.since_change(last, read);
+            self.since_change(last, read, scenery);
             let here = self.here();
             // What the law makes of it is forgotten with the next arming.
-            let _ = scenery.tick(&mut self.law, &here);
+            let _ = scenery.tick(&mut self.law, &self.configs.now().scale, &here);
             scenery.commanded(&mut self.law, Force::zero());
         }
         scenery.switched_off(&mut self.law);
@@ -65,7 +69,7 @@ impl Device {
         scenery: &mut impl Scenery,
     ) -> (DriveCommand, Limits) {
         let here = self.here();
-        let force = scenery.tick(&mut self.law, &here);
+        let force = scenery.tick(&mut self.law, &self.configs.now().scale, &here);
         let view = scenery.view(&self.law);
         let fading = self.memory.fade < u32::MAX;
         let step = self.configs.now().fade_step;
@@ -85,8 +89,16 @@ impl Device {
             scenery.commanded(&mut self.law, Force(I8F24::from_bits(torque)));
         }
         let pushed = core::mem::replace(&mut self.memory.pushes, force != Force::zero());
-        if scenery.is_tripped(&self.law) {
-            if pushed || view.contact != Contact::Free {
+        let is_tripped = scenery.is_tripped(&self.law);
+        // The wall alone is off where its guard trips.
+        let beyond_reach =
+            (is_tripped || scenery.runs()) && scenery.is_beyond_reach(&self.law, here.penetration);
+        if is_tripped {
+            if beyond_reach && !scenery.runs() {
+                // The wall alone is off here, which is no fault. What the last force may still do is paid for.
+                scenery.switched_off(&mut self.law);
+                scenery.again(&mut self.law, &self.configs.now().law);
+            } else if pushed || view.contact != Contact::Free {
                 let speed = self.memory.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
@@ -112,7 +124,8 @@ impl Device {
             limits
                 .with(Limit::FadeIn, fading)
                 .with(Limit::Force, full)
-                .with(Limit::Beside, scenery.runs()),
+                .with(Limit::Beside, scenery.runs())
+                .with(Limit::Reach, beyond_reach),
         )
     }
 }

@@ -25,7 +25,7 @@ pub struct Memory {
     pub saturated: u16,
     /// The law showed a force in its last tick.
     pub pushes: bool,
-    /// What the encoder said when the force changed since the last tick.
+    /// How far the device had moved when the force changed since the last tick.
     pub read: Option<Position<Fixed32>>,
     /// The last tick's record.
     pub record: Record,

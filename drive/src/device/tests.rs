@@ -35,25 +35,97 @@ fn the_present_position_becomes_zero_while_nothing_may_move() {
 }
 
 #[test]
-fn where_positions_end_a_pushed_shaft_is_a_fault_and_a_free_one_is_none() {
+fn where_positions_end_a_wall_is_off_and_says_so() {
     let step = Si::lit("0.05");
-    for (inside, fault) in [(true, Some((FaultCode::OverSpeed, 0))), (false, None)] {
+    for inside in [true, false] {
         let mut device = Device::new(&DeviceSettings::default(), &IHM08M1).unwrap();
-        let mut at = Si::lit("127");
-        while at < Si::lit("127.95") {
+        let steps = 20_u8;
+        // Through the end, and back.
+        for n in (0..steps).chain((0..steps).rev()) {
+            let at = Si::lit("127") + step * Si::from_num(n);
             let place = Position::from_si(at).unwrap();
             device.memory.record.penetration = if inside { place } else { -place };
-            device.display(0, 1 << 16, Some(0), &mut WallAlone);
+            let (_, limits) = device.display(0, 1 << 16, Some(0), &mut WallAlone);
             // Two displacements of the guard's 60 rad/s before the format's end.
             let is_there = at > Si::lit("127.88");
-            assert_eq!(
-                device.memory.record.force > Force::zero(),
-                inside && !is_there,
-                "{at}"
-            );
-            assert_eq!(device.memory.reported, fault.filter(|_| is_there), "{at}");
-            at += step;
+            let record = device.memory.record;
+            assert_eq!(record.force > Force::zero(), inside && !is_there, "{at}");
+            let told = limits.has(touchstone_protocol::Limit::Reach);
+            assert_eq!(told, inside && is_there, "{at}");
+            assert_eq!(device.memory.reported, None, "{at}");
         }
+    }
+}
+
+/// A detent shaken at 20 Hz, with the position measured when the force changes: counts, forces, ways and torques of every tick.
+#[cfg(feature = "large")]
+fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
+    use touchstone_protocol::settings::environment::DetentsBeside;
+    use touchstone_protocol::{Decimal, Surround};
+
+    let mut settings = DeviceSettings::default();
+    settings.encoder.kind = EncoderKind::Incremental;
+    settings.limits.fade_in_s = Si::ZERO;
+    settings.law.guard.change = touchstone_control::ChangeOfForce::Measured;
+    let environment = Surround {
+        first_wall: false,
+        detents: Some(DetentsBeside {
+            per_rev: 24,
+            strength_n_m: Decimal(Si::lit("0.05")),
+            centre_rad: Decimal(Si::ZERO),
+        }),
+        ..Surround::default()
+    };
+    let mut device = Device::new(&settings, &IHM08M1).unwrap();
+    let surrounding = Surrounding::new(&settings, &IHM08M1, &environment).unwrap();
+    let mut around = Around::new();
+    device.surround(&mut around, &surrounding);
+    let counts = i64::from(settings.encoder.counts_per_rev);
+    device.memory.zero = -turns * counts;
+    device.memory.record.count = turns * counts;
+    device.memory.machine = Machine::at(State::Armed);
+    let fresh = device.configs.now().law;
+    around.armed(&mut device.law, &fresh);
+    let mut input = quiet(0);
+    (input.current.bus, input.current.temperature) = (crate::Volts::lit("24"), 1_300);
+    let at = |tick: f64| (200.0 * (tick * 0.001 * 20.0 * core::f64::consts::TAU).sin()) as i32;
+    (0..2_000_i32)
+        .map(|n| {
+            let tick = f64::from(n);
+            input.encoder = EncoderReading::Counter32(at(tick).cast_unsigned());
+            let record = device.tick_around(&input, &mut around).record;
+            assert_eq!(record.state, State::Armed, "{:?}", device.fault());
+            // The motor follows.
+            input.current.current.q = record.current_command;
+            let change = at(tick + 0.4).cast_unsigned();
+            device.read_change(EncoderReading::Counter32(change));
+            (
+                record.count - turns * counts,
+                record.force.0.to_bits(),
+                record.since_change.0.to_bits(),
+                record.torque.0.to_bits(),
+            )
+        })
+        .collect()
+}
+
+#[test]
+#[cfg(feature = "large")]
+fn a_detent_is_the_same_ten_thousand_turns_on() {
+    let here = shaken(0);
+    let most = here.iter().map(|(_, force, ..)| force.abs()).max();
+    assert!(
+        most > Some(
+            Force::<Fixed32>::from_si(Si::lit("0.045"))
+                .unwrap()
+                .0
+                .to_bits()
+        ),
+        "{most:?}"
+    );
+    assert!(here.iter().any(|(_, _, since, _)| *since != 0));
+    for turns in [20, -21, 10_000, -10_000] {
+        assert!(shaken(turns) == here, "{turns} turns on");
     }
 }
 

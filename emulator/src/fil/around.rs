@@ -2,7 +2,7 @@
 //! on this machine to the bit; changed under the hand; kept in flash; and what is refused.
 
 use touchstone_control::environment::{Counted, Environment};
-use touchstone_control::{CountScale, Fixed32, Force, Si};
+use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::around::built;
 use touchstone_drive::change::ChangeConfig;
 use touchstone_drive::wire::hardware;
@@ -163,9 +163,8 @@ fn compared(
     let mut before: Vec<Environment<Fixed32>> = Vec::new();
     let tick = |environment: &mut Environment<Fixed32>, record: &Telemetry| {
         let count = i64::from(record.count);
-        let since = Si::from_num(record.since_change_rad);
-        let at_change = change.map(|_| scale.angle(count).saturating_sub(since));
-        environment.tick(&Counted { scale, count }, at_change)
+        let since_change = change.map(|_| Position(record.since_change_rad));
+        environment.tick(&Counted { scale, count }, since_change)
     };
     for (index, record) in armed.iter().enumerate() {
         if Limits::from_wire(record.limits).has(Limit::Encoder) {

@@ -30,6 +30,9 @@ pub const COLUMNS: [&str; 16] = [
 /// More than this are kept for nobody: who does not fetch them for so long is gone.
 const KEPT: usize = 20_000;
 
+/// Up to such a distance from the wall's surface a record has the position.
+const REACH_RAD: f64 = 127.0;
+
 /// Bytes of a busy record with its frame, and of the serial line in a second (921,600 baud, ten bits a byte), of which answers need
 /// some.
 const RECORD_BYTES: u32 = 36;
@@ -50,6 +53,7 @@ pub struct RecordRows {
     decimation: u16,
     period_s: f64,
     surface_rad: f64,
+    count_rad: f64,
     /// Control ticks since the page's clock began, gaps included.
     ticks: u64,
     numbers: Vec<f64>,
@@ -63,6 +67,7 @@ impl RecordRows {
         self.decimation = decimation;
         self.period_s = 1.0 / f64::from(settings.timing.rate_hz);
         self.surface_rad = settings.wall.surface_rad.to_num();
+        self.count_rad = std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev);
     }
 
     /// Takes a record.
@@ -73,7 +78,16 @@ impl RecordRows {
         if self.numbers.len() >= KEPT * COLUMNS.len() {
             self.numbers.clear();
         }
-        let angle = self.surface_rad + record.penetration_rad.to_num::<f64>();
+        let (deep, counted) = (
+            record.penetration_rad.to_num::<f64>(),
+            f64::from(record.count) * self.count_rad,
+        );
+        // Positions end 20 turns from the wall, and counts do not.
+        let angle = if deep.abs() < REACH_RAD {
+            self.surface_rad + deep
+        } else {
+            counted
+        };
         let force: f64 = record.force_n_m.to_num();
         let model: f64 = model.map_or(f64::NAN, |force| force.to_num());
         self.numbers.extend([
@@ -108,5 +122,32 @@ impl RecordRows {
             .chain(numbers)
             .flat_map(f64::to_le_bytes)
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchstone_control::CountScale;
+    use touchstone_drive::Record;
+
+    #[test]
+    fn the_page_turns_on_where_positions_end() {
+        let settings = DeviceSettings::default();
+        let mut rows = RecordRows::default();
+        rows.begin(None, 1, &settings);
+        let counts = settings.encoder.counts_per_rev;
+        let scale = CountScale::new(counts, settings.wall.surface_rad).unwrap();
+        let at = COLUMNS.iter().position(|name| *name == "angle_rad");
+        for turns in [0, 19, 21, -21, 10_000, -10_000_i32] {
+            let count = turns * counts as i32 + 7;
+            let angle = f64::from(count) * std::f64::consts::TAU / f64::from(counts);
+            let mut record = Record::empty();
+            record.count = count.into();
+            record.penetration = scale.penetration(record.count);
+            rows.push(&Telemetry::from(&record));
+            let shown = rows.numbers()[at.unwrap()];
+            assert!((shown - angle).abs() < 1e-7, "{turns}: {shown} for {angle}");
+        }
     }
 }

@@ -82,6 +82,9 @@ const fn limit_words(limit: Limit) -> &'static str {
         Limit::FadeIn => "fading in",
         Limit::Encoder => "bad encoder reading",
         Limit::Beside => "more than the wall to touch",
+        Limit::Reach => {
+            "a wall is off: the knob is more than 20 turns inside of it; turn it back, or zero it here"
+        }
     }
 }
 

@@ -8,7 +8,7 @@
 //! τ         = -f share', or -f once the share was 1
 //! (i, τ')   = drive(τ, angle, derating)
 //! told      = -τ' where it fades in or τ' /= τ                    the law's guard counts with that
-//! tripped   : a fault of the next tick, or begun anew where no force acted
+//! tripped   : begun anew deeper than positions reach, or where no force acted; else a fault of the next tick
 //! left      : books closed with the law's tick and no force, where the last force acted up to here; and the switching off told
 //! ```
 //!
@@ -65,6 +65,8 @@ pub trait Parts {
     fn switched_off(&mut self);
     /// Its guard has switched the force off for overspeed.
     fn is_tripped(&mut self) -> bool;
+    /// A position is so deep inside of the wall that its guard lets no force pass.
+    fn is_beyond_reach(&mut self, e: i32) -> bool;
     /// From which force on a tick is told to be at the limit.
     fn force_limit(&self) -> i32;
     /// By how much the share grows in a tick.
@@ -206,8 +208,9 @@ pub fn tick(
     let mut at_change = None;
     if shows || leaves && acted {
         if let (true, Some(read)) = (parts.measures_change(), found.read) {
-            let read = read.0.to_bits();
-            let since = parts.since_change(difference(read, last), difference(penetration, read));
+            let until = read.0.to_bits();
+            let moved = difference(penetration, last);
+            let since = parts.since_change(until, difference(moved, until));
             new.record.since_change = position(since);
         }
         let since = new.record.since_change.0.to_bits();
@@ -248,8 +251,13 @@ pub fn tick(
         }
         let pushed = new.pushes;
         new.pushes = shown != 0;
+        let mut beyond = false;
         if parts.is_tripped() {
-            if pushed || view.contact != Contact::Free {
+            beyond = parts.is_beyond_reach(penetration);
+            if beyond {
+                parts.switched_off();
+                parts.resume();
+            } else if pushed || view.contact != Contact::Free {
                 let milli = (Int::from(speed) * 1_000).div_euclid(1 << 16);
                 new.reported = Some((FaultCode::OverSpeed, signal(milli) as i32));
             } else {
@@ -267,6 +275,7 @@ pub fn tick(
             limits: driven
                 .limits
                 .with(Limit::FadeIn, fades)
+                .with(Limit::Reach, beyond)
                 .with(Limit::Force, size >= Int::from(parts.force_limit())),
             ..new.record
         };

@@ -207,7 +207,7 @@ impl Surround {
                 let limit = settings.law.force_limit_n_m;
                 fields::within(STRENGTH, strength, (Si::ZERO, limit))?;
                 Some(DetentSettings::around_a_turn(
-                    ring.per_rev.into(),
+                    ring.per_rev,
                     strength,
                     centre,
                 ))
@@ -256,6 +256,10 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         }
         Refused::Law(error) => refused(error),
         Refused::Strength { strength, .. } => limit(STRENGTH, *strength),
+        Refused::PerTurn(per_turn) => limit(
+            "environment.detents.per_rev",
+            Si::saturating_from_num(*per_turn),
+        ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
         // There is no place for a seventh.
         Refused::TooManyWalls => limit("environment", Si::ZERO),

@@ -6,7 +6,7 @@ use super::wall::{Inside, Wall, inside};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use touchstone_control::environment::{
-    Counted, DetentSettings, Environment, Face, Reading, Refused, Side, WallSettings,
+    Counted, DetentSettings, Environment, Face, Reached, Reading, Refused, Side, WallSettings,
 };
 use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 
@@ -16,7 +16,14 @@ struct Surroundings<N: Reported> {
     environment: Environment<N>,
     scale: CountScale,
     /// Where the torque changed since the last tick, if that is measured.
-    at_change: Option<Si>,
+    changed: Option<Changed>,
+}
+
+/// Where the torque changed.
+#[derive(Debug, Clone, Copy)]
+enum Changed {
+    At(i64),
+    AtPlace(f64),
 }
 
 /// A place that no encoder counts.
@@ -32,8 +39,9 @@ impl<N: Reported> Reading<N> for Placed {
         }
     }
 
-    fn penetration(&self, face: &Face) -> Position<N> {
-        let surface = face.surface.to_num::<f64>();
+    fn penetration(&self, Reached { turns, face }: &Reached) -> Position<N> {
+        let whole = f64::from(*turns) * std::f64::consts::TAU;
+        let surface = whole + face.surface.to_num::<f64>();
         Position::from_f64(match face.side {
             Side::Above => self.0 - surface,
             Side::Below => surface - self.0,
@@ -53,12 +61,20 @@ impl<N: Reported> Surroundings<N> {
 impl<N: Reported> Wall for Surroundings<N> {
     fn at_count(&mut self, count: i64) -> f64 {
         let at = self.counted(count);
-        self.environment.tick(&at, self.at_change).to_f64()
+        let since_change = match self.changed {
+            Some(Changed::At(changed)) => Some(self.scale.moved(count - changed)),
+            _ => None,
+        };
+        self.environment.tick(&at, since_change).to_f64()
     }
 
     fn at_penetration(&mut self, place_rad: f64) -> f64 {
+        let since_change = match self.changed {
+            Some(Changed::AtPlace(changed)) => Some(Position::from_f64(place_rad - changed)),
+            _ => None,
+        };
         self.environment
-            .tick(&Placed(place_rad), self.at_change)
+            .tick(&Placed(place_rad), since_change)
             .to_f64()
     }
 
@@ -67,11 +83,11 @@ impl<N: Reported> Wall for Surroundings<N> {
     }
 
     fn changed_at_count(&mut self, count: i64) {
-        self.at_change = Some(Reading::<N>::angle(&self.counted(count)));
+        self.changed = Some(Changed::At(count));
     }
 
     fn changed_at_penetration(&mut self, place_rad: f64) {
-        self.at_change = Some(Reading::<N>::angle(&Placed(place_rad)));
+        self.changed = Some(Changed::AtPlace(place_rad));
     }
 
     fn inside(&self) -> Inside {
@@ -93,17 +109,17 @@ pub(super) fn surrounded<N: Reported + 'static>(
     let walls: Vec<WallSettings> = faces.iter().map(|(_, wall)| *wall).collect();
     let detents = match named.detents.as_ref().filter(|it| it.strength_n_m > 0.0) {
         None => None,
-        Some(ring) => Some(DetentSettings {
-            pitch: Si::saturating_from_num(ring.pitch_rad()),
-            strength: si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
-            centre: si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
-        }),
+        Some(ring) => Some(DetentSettings::around_a_turn(
+            u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
+            si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
+            si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
+        )),
     };
     let refused = |refused| told(scene, &faces, &refused);
     let wall = Surroundings::<N> {
         environment: Environment::new(&own, &walls, detents.as_ref()).map_err(refused)?,
         scale: scale.before(Si::ZERO),
-        at_change: None,
+        changed: None,
     };
     let surface_rad = scene.wall.surface_rad;
     Ok(match &scene.encoder {
@@ -210,7 +226,7 @@ fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused
             refused.to_string(),
             "give a value up to law.force_limit_n_m",
         ),
-        Refused::TooManyWalls | Refused::Pitch(_) => scene.error(
+        Refused::TooManyWalls | Refused::Pitch(_) | Refused::PerTurn(_) => scene.error(
             "environment",
             refused.to_string(),
             "give fewer, or a coarser one",

@@ -102,14 +102,6 @@ pub struct DetentRing {
     pub centre_rad: f64,
 }
 
-impl DetentRing {
-    /// From one to the next, rad.
-    #[must_use]
-    pub fn pitch_rad(&self) -> f64 {
-        std::f64::consts::TAU / f64::from(self.per_rev)
-    }
-}
-
 impl Default for DetentRing {
     fn default() -> Self {
         DetentRing {
