@@ -188,6 +188,7 @@ mod tests {
             *field = Some(1.25);
         }
         s.guard_limited_ticks = Some(3);
+        s.not_judged = Some("the hand never rests".to_owned());
         run
     }
 
