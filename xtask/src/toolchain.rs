@@ -64,6 +64,8 @@ struct Candidate {
 
 /// The system package's compiler.
 const SYSTEM: &str = "/usr/bin/rustc";
+/// The system package comes without Rust's own linker.
+const SYSTEM_LINKER: &str = "ld.lld";
 
 impl Origin {
     fn rustc(&self) -> Command {
@@ -80,6 +82,11 @@ impl Origin {
 
     /// Its version and where its libraries lie, if it can build this workspace at all.
     fn look(self) -> Option<Candidate> {
+        // Without its linker it can build nothing for a board: then it is as good as not there.
+        let links = |linker| shell::capture(shell::program(linker).arg("--version")).is_some();
+        if matches!(self, Origin::System) && !links(SYSTEM_LINKER) {
+            return None;
+        }
         let version = shell::capture(self.rustc().arg("--version"))?;
         let sysroot = shell::capture(self.rustc().args(["--print", "sysroot"]))?;
         let mut identity = version.trim().to_owned();
@@ -152,9 +159,8 @@ impl Compiler {
             Origin::System => {
                 let mut cargo = shell::cargo_locked(subcommand);
                 cargo.env("RUSTC", SYSTEM).env_remove("RUSTDOC");
-                // The system package comes without Rust's own linker for it.
                 let target = self.target.to_uppercase().replace('-', "_");
-                cargo.env(format!("CARGO_TARGET_{target}_LINKER"), "ld.lld");
+                cargo.env(format!("CARGO_TARGET_{target}_LINKER"), SYSTEM_LINKER);
                 cargo
             }
         };
