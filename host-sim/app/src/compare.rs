@@ -3,7 +3,7 @@
 mod board_scorecard;
 
 use super::SceneOptions;
-use super::number;
+use super::number::{self, measured};
 use super::out::{self, note, say, tell};
 use super::report_options::program;
 use std::path::PathBuf;
@@ -164,12 +164,12 @@ fn print(found: &Beside) -> Result<()> {
             None => format!("never {:.0} % apart", 100.0 * PARTS),
         };
         say!(
-            "{:<9} rms {:.3e} {}, {:.2} % of its span; worst {:.3e} at {:.3} s; {parts}",
+            "{:<9} rms {} {}, {:.2} % of its span; worst {} at {:.3} s; {parts}",
             it.what,
-            it.rms,
+            measured(it.rms, 3),
             it.unit,
             100.0 * it.share,
-            it.worst,
+            measured(it.worst, 3),
             it.worst_at_s
         );
     }

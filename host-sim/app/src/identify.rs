@@ -1,7 +1,7 @@
 //! `touchstone identify`: what a device has, from swings, and Algorithm 2.1.
 
 use super::SceneOptions;
-use super::number;
+use super::number::{self, measured};
 use super::out::{json, print, quiet, say, tell};
 use touchstone_lab::identify::swing::{self, NotFound, Torques};
 use touchstone_lab::identify::{Bracket, Estimate, Mechanics, Search, Swings, identify};
@@ -96,8 +96,9 @@ pub fn main(options: &Options) -> Result<()> {
     }
     let line = |name: &str, found: Estimate, unit: &str| {
         format!(
-            "{name:<18}{:.4e} ± {:.1e} {unit}",
-            found.value, found.uncertainty
+            "{name:<18}{} ± {} {unit}",
+            measured(found.value, 4),
+            measured(found.uncertainty, 1)
         )
     };
     tell!("");
@@ -113,8 +114,8 @@ pub fn main(options: &Options) -> Result<()> {
     );
     say!("{}", line("dry friction", mechanics.friction_n_m, "N·m"));
     say!(
-        "left unexplained   {:.1e} rad rms",
-        mechanics.residual_rms_rad
+        "left unexplained   {} rad rms",
+        measured(mechanics.residual_rms_rad, 1)
     );
     tell!("");
     tell!("held, by Algorithm 2.1, {} presses:", found.presses.len());

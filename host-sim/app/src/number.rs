@@ -3,6 +3,17 @@
 use std::fmt::Display;
 use std::str::FromStr;
 
+/// Below this a measured quantity in its SI unit is what rounding left.
+const ROUNDING: f64 = 1e-15;
+
+/// A measured quantity for people, with so many digits after the first; what rounding left is 0.
+pub fn measured(value: f64, digits: usize) -> String {
+    if value.abs() < ROUNDING {
+        return "0".into();
+    }
+    format!("{value:.digits$e}")
+}
+
 /// A number in a range, for `value_parser`.
 pub fn within<T>(
     least: T,

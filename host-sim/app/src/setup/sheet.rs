@@ -2,6 +2,7 @@
 
 use super::super::device::cogging::Tried;
 use super::super::device::eccentricity;
+use super::super::number;
 use super::super::report_options::program;
 use super::kept::{VALUES, as_json, values};
 use std::path::{Path, PathBuf};
@@ -83,11 +84,11 @@ pub fn write(
         rows: [
             (
                 "cogging, effective value",
-                format!("{:.3e} N·m", tried.found.rms_n_m),
+                format!("{} N·m", number::measured(tried.found.rms_n_m, 3)),
             ),
             (
                 "cogging, largest",
-                format!("{:.3e} N·m", tried.found.peak_n_m),
+                format!("{} N·m", number::measured(tried.found.peak_n_m, 3)),
             ),
             (
                 "differs between turns",
