@@ -90,10 +90,24 @@ fn missing() -> Option<Outcome> {
     if !is_there() {
         packages::apt_get(&packages::EMULATOR);
     }
-    (!is_there()).then(|| {
+    if !is_there() {
         let names = packages::EMULATOR.join(" ");
-        Outcome::NotRun(format!(
+        return Some(Outcome::NotRun(format!(
             "the emulator cannot be built: apt-get install {names}"
+        )));
+    }
+    let own = || std::env::home_dir().unwrap_or_default().join(".cargo");
+    let sources = std::env::var_os("CARGO_HOME").map_or_else(own, PathBuf::from);
+    with_space(&[sources, shell::target("emulator")])
+}
+
+/// The build of Unicorn calls a shell script by its path, without quotes.
+fn with_space(folders: &[PathBuf]) -> Option<Outcome> {
+    let has_space = |folder: &&PathBuf| folder.to_string_lossy().contains(char::is_whitespace);
+    folders.iter().find(has_space).map(|folder| {
+        Outcome::NotRun(format!(
+            "the emulator cannot be built in a folder with a space in its name: {}; set CARGO_HOME and CARGO_TARGET_DIR to others",
+            folder.display()
         ))
     })
 }
@@ -133,4 +147,17 @@ fn has_libclang() -> bool {
     std::env::var_os("LIBCLANG_PATH").is_some()
         || folders.iter().any(|folder| holds(Path::new(folder)))
         || llvm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_with_a_space_is_named() {
+        let folders = ["/home/a", "/home/a b/target"].map(PathBuf::from);
+        assert!(with_space(&folders[..1]).is_none());
+        let said = with_space(&folders).map(|outcome| outcome.reason().to_owned());
+        assert!(said.is_some_and(|said| said.contains("/home/a b/target")));
+    }
 }
