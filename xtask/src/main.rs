@@ -33,6 +33,7 @@ mod sabotage;
 mod schema;
 mod setup;
 mod shell;
+mod site;
 mod step;
 mod test;
 mod thumb;
@@ -207,6 +208,12 @@ const STEPS: &[Step] = &[
         about: "the Python package with the program in it, `target/wheel`: built by maturin, installed, its tests run",
         gates: Gates::FULL_ONLY,
         run: wheel::run,
+    },
+    Step {
+        name: "site",
+        about: "book, live pages, a report and the API's documentation in one folder for any static host, `target/site`; links and loads checked",
+        gates: Gates::NONE,
+        run: site::run,
     },
     Step {
         name: "prove",
