@@ -38,7 +38,7 @@ pub struct Face {
 /// A surface that positions do not reach from zero is measured from a whole number of turns on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
-    /// Whole turns; 0 for a surface up to [`FROM_ZERO`].
+    /// Whole turns; 0 for a surface up to `FROM_ZERO`.
     pub turns: i32,
     /// What is left of the surface beyond them.
     pub face: Face,
