@@ -8,9 +8,22 @@ import pytest
 import touchstone
 
 try:
-    SCENES = [scene["name"] for scene in touchstone.scenes()["scenes"]]
+    ALL = [scene["name"] for scene in touchstone.scenes()["scenes"]]
 except touchstone.Failed as missing:
     pytest.skip(str(missing), allow_module_level=True)
+
+
+#: Of three axes: results, and no trace.
+SPACE = ["delta-ball"]
+SCENES = [name for name in ALL if name not in SPACE]
+
+
+@pytest.mark.parametrize("scene", SPACE)
+def test_three_axes_have_the_programs_results_and_no_trace(scene):
+    printed = subprocess.run([touchstone.program(), "run", scene, "--json"], check=True, capture_output=True).stdout
+    assert touchstone.run(scene)["runs"] == json.loads(printed)["runs"]
+    with pytest.raises(touchstone.Mistake, match="without trace=True"):
+        touchstone.run(scene, trace=True)
 
 
 @pytest.fixture(scope="module", params=SCENES)

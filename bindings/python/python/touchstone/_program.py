@@ -153,6 +153,7 @@ class Run(dict[str, Any]):
 def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = False, **options: Any) -> Run:
     """Runs a scene: a shipped name, a path, or a dict. ``changes`` maps fields to values; other keywords are the program's options.
 
+    A trace is there for one axis; a scene of three has its results alone.
     ``run("tap", {"device.inertia_kg_m2": 2e-4}, expect="passive", trace=True)``. Raises ``Mistake`` with place, problem and remedy, and
     ``NotMet`` where a demand (``expect=``, ``max_penetration=`` …) does not hold.
     """
@@ -162,7 +163,9 @@ def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = 
             words += ["--out", str(Path(folder) / "run")]
         done = Run(_ask(*words))
         if trace:
-            file = next((Path(folder) / "run" / "traces").glob("*.csv"))
+            file = next((Path(folder) / "run" / "traces").glob("*.csv"), None)
+            if file is None:
+                raise Mistake("a scene of three axes keeps no trace of every tick; run it without trace=True", 2)
             with open(file, encoding="utf-8") as rows:
                 names = rows.readline().strip().split(",")
                 done._columns = names, numpy.loadtxt(rows, delimiter=",", ndmin=2)
