@@ -3,7 +3,7 @@
 use crate::fake::{Fake, Trouble, nonsense};
 use crate::program;
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
@@ -119,7 +119,14 @@ impl Page {
     fn until(&mut self, holds: impl Fn(&Value) -> bool) -> Value {
         let begun = Instant::now();
         while begun.elapsed() < LIMIT {
-            match self.socket.read().unwrap() {
+            let message = match self.socket.read() {
+                // A machine that was stopped and goes on: the same question again.
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {
+                    continue;
+                }
+                read => read.unwrap(),
+            };
+            match message {
                 Message::Text(text) => {
                     let words: Value = serde_json::from_str(text.as_str()).unwrap();
                     if holds(&words) {
