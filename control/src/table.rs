@@ -291,7 +291,7 @@ const UNITS: &[(&str, &str)] = &[
 /// What a name ends in whose unit a person reads so: `N·m/rad` gives `n_m_per_rad`. For constants.
 ///
 /// # Panics
-/// If no setting has such a unit.
+/// If no setting has such a unit. Constants alone call it, so that this stops the compiler and no program.
 #[must_use]
 pub const fn suffix(unit: &str) -> &'static str {
     let mut index = 0;

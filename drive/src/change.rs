@@ -238,8 +238,8 @@ impl ChangeConfig {
         })
     }
 
-    /// How far the device has moved since the change of force, had all of it come at once: by the ways from a tick's reading to the one more,
-    /// and from there to the next tick's.
+    /// How far the device has moved since the force changed, as if all of the change had come at once. Given are the way from a tick's
+    /// reading to the second one, and the way from there to the next tick's.
     #[inline(always)]
     #[must_use]
     pub fn since_change(

@@ -83,8 +83,7 @@ def settings(page, check):
     change(page, "wall.k_desired_n_m_per_rad", "12")
     check(page.run("hello.k_desired_n_m_per_rad") == 12 and text(page, "answer").endswith("done"), "a stiffness is set")
     # That comes with the state, which may be told after the answer.
-    page.until("document.getElementById('unsaved').textContent.startsWith('changed')")
-    check(True, "and is not saved")
+    check(page.comes_true("document.getElementById('unsaved').textContent.startsWith('changed')"), "and is not saved")
     change(page, "wall.k_desired_n_m_per_rad", "-4")
     check("outside" in text(page, "error") and page.run("inputs.get('wall.k_desired_n_m_per_rad').getAttribute('aria-invalid')") == "true", f"a wrong one is refused: {text(page, 'error')}")
     press(page, "save")

@@ -31,13 +31,19 @@ class Page:
             if (message := self.message(left)) is not None:
                 self.note(message)
 
-    def until(self, script, limit=20):
-        """Waits until the expression is true."""
+    def comes_true(self, script, limit=20):
+        """Waits until the expression is true; whether it came true in time."""
         end = time.monotonic() + limit
         while not self.run(script):
             if time.monotonic() > end:
-                raise TimeoutError(f"never came true: {script}; {self.problems}")
+                return False
             self.wait(0.05)
+        return True
+
+    def until(self, script, limit=20):
+        """Waits until the expression is true."""
+        if not self.comes_true(script, limit):
+            raise TimeoutError(f"never came true: {script}; {self.problems}")
 
     def key(self, key, hold=0.02):
         self.press_key(key, True)

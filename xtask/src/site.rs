@@ -115,7 +115,7 @@ fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     Ok((pages.len(), wrong))
 }
 
-/// The book links sources: the file, or a list of a folder's, is copied to where the link leads. Whether there is one.
+/// The book links sources: the repository's file or folder is copied to where the link leads. Whether there is one.
 fn bring(site: &Path, to: &Path) -> Result<bool, Outcome> {
     let inside = to.strip_prefix(site).unwrap_or(to);
     let source = shell::root().join(inside);

@@ -221,8 +221,8 @@ impl<N: Number> Environment<N> {
         let Some(guard) = &mut self.guard else {
             return wanted;
         };
-        // In whole steps of the format, of which a turn has a whole number: the displacements of a way add up to the way, are the same at
-        // every turn, and have no end: a knob turns on. A turn of 32 bits is wrong by a part in 10^8 for that, which the torque's is as well.
+        // In whole steps of the format, of which a turn has a whole number. So displacements add up to the way, are the same at every turn
+        // and never end. A turn is wrong by a part in 10^8 for that with 32 bits, as a torque is.
         let last = self.last.replace(now).unwrap_or(now);
         let moved = Position(N::saturating_signal(now.saturating_sub(last)));
         let before_change = since_change.map_or(Position::zero(), |since| moved - since);

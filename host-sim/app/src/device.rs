@@ -129,8 +129,9 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Eccentricity { action } => return eccentricity::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => {
-            command(DeviceCommand::Arm)?;
+            // Asked for before: what fails here must not leave a device that is armed.
             let silence_s = client.settings()?.limits.host_silence_s;
+            client.tell(&Request::Command(DeviceCommand::Arm))?;
             note_silence(silence_s);
         }
         BoardAction::Disarm => client.stop_by(DeviceCommand::Disarm)?,

@@ -258,7 +258,7 @@ fn made_scenes_run_or_are_refused_in_a_line() {
 
 /// `cargo test --release -p touchstone-sim --test made_scenes -- --ignored --nocapture`
 #[test]
-#[ignore = "a quarter of an hour"]
+#[ignore = "more than half an hour; how many have run is not shown"]
 fn a_hundred_thousand_scenes() {
     campaign(100_000, 52);
 }

@@ -171,9 +171,9 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
-/// A knob that starts by itself needs no desktop, so it must not switch off when one that has spoken is gone; one that no longer does has its
-/// watchdog back. The silence that is set then, s.
-fn waits_for_a_desktop(client: &mut Client, switch: Switch) -> Result<Si> {
+/// Sets for how long the device may hear nothing of a desktop, and gives that, s. A knob that starts by itself needs no desktop: 0, for ever.
+/// One that no longer does gets the time that ships, where it has none.
+fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;
     let wanted = match switch {
@@ -211,7 +211,7 @@ pub fn autostart(client: &mut Client, switch: Option<Switch>) -> Result<()> {
     };
     saves(client)?;
     client.tell(&Request::Autostart(switch == Switch::On))?;
-    let silence_s = waits_for_a_desktop(client, switch)?;
+    let silence_s = set_silence(client, switch)?;
     client.tell(&Request::Save)?;
     out::result(
         || {

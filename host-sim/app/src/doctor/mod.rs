@@ -24,8 +24,8 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// Options of `doctor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// What must be there: exit code 1 where something is missing for it. Without, all is looked for and nothing fails: who only simulates
-    /// needs none of it. `--port` asks for a board.
+    /// What you want to use: exit code 1 where something is missing for it. If you name nothing, the command looks for everything and ends
+    /// with 0. `--port` means a board.
     #[arg(value_name = "FOR")]
     needs: Option<Needs>,
     /// Serial port or tcp:HOST:PORT; for a TCP port no probe is looked for.

@@ -17,7 +17,7 @@ fn elf_of(path: &Path, board: &str) {
     };
     let name = format!("\0touchstone_board_{}\0", board.replace('-', "_"));
     let names = name.len() as u32;
-    // An executable for Arm of version 1, begun at the flash's begin, with one part of the program right behind its headers; then
+    // An executable for Arm, with one part of the program right behind its headers, for the begin of the flash. Behind that:
     // an empty symbol and one without a place, their names, and the headers of no section, of the symbols and of the names.
     words(
         &mut bytes,
