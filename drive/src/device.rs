@@ -165,8 +165,8 @@ impl Device {
 
     /// The last tick's record.
     #[must_use]
-    pub const fn record(&self) -> Record {
-        self.memory.record
+    pub const fn record(&self) -> &Record {
+        &self.memory.record
     }
 
     /// What a measurement of the motor is about.
