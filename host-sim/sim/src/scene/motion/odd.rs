@@ -12,7 +12,8 @@ const GAP_S: f64 = 0.1;
 
 impl Recording {
     /// Notes, none for a recording as it should be.
-    pub(super) fn odd(&self) -> Vec<String> {
+    #[must_use]
+    pub fn odd(&self) -> Vec<String> {
         [self.gap(), self.bursts(), self.wraps(), self.speed()]
             .into_iter()
             .flatten()
