@@ -88,6 +88,23 @@ fn io(path: &Path, error: &std::io::Error) -> Error {
     }
 }
 
+/// The page of a command, after those of its own commands; pages that this program wrote before are replaced.
+fn pages(command: &clap::Command, folder: &Path) -> Result<()> {
+    for own in command.get_subcommands().filter(|own| !own.is_hide_set()) {
+        pages(own, folder)?;
+    }
+    let man = clap_mangen::Man::new(command.clone());
+    let file = folder.join(man.get_filename());
+    let mut text = Vec::new();
+    man.render(&mut text).map_err(|error| io(&file, &error))?;
+    let place = Named {
+        path: &file,
+        option: "its folder",
+        replaces: is_of_same_command(&file, ".TH touchstone"),
+    };
+    place.write(text)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,21 +157,4 @@ mod tests {
             );
         }
     }
-}
-
-/// The page of a command, after those of its own commands; pages that this program wrote before are replaced.
-fn pages(command: &clap::Command, folder: &Path) -> Result<()> {
-    for own in command.get_subcommands().filter(|own| !own.is_hide_set()) {
-        pages(own, folder)?;
-    }
-    let man = clap_mangen::Man::new(command.clone());
-    let file = folder.join(man.get_filename());
-    let mut text = Vec::new();
-    man.render(&mut text).map_err(|error| io(&file, &error))?;
-    let place = Named {
-        path: &file,
-        option: "its folder",
-        replaces: is_of_same_command(&file, ".TH touchstone"),
-    };
-    place.write(text)
 }

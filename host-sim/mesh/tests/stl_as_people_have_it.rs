@@ -32,6 +32,8 @@ fn text_reads_the_same_however_it_is_written() {
                 .replace("vertex", "Vertex"),
         ),
         ("space", format!("  \n\t{plain}")),
+        ("vertical-tab", format!("\u{b}{plain}")),
+        ("padded", format!("{plain}\n\0\0\0")),
         ("crlf", plain.replace('\n', "\r\n")),
         ("cr", plain.replace('\n', "\r")),
         ("tabs", plain.replace("  ", "\t")),
@@ -190,6 +192,12 @@ fn what_is_odd_is_noted_by_its_number() {
         .enumerate()
         .map(|(n, t)| if n < 6 { turned(t) } else { t })
         .collect();
+    let button = block([-10.0, -10.0, 5.0], [10.0, 10.0, 25.0]);
+    let hollow = block([-10.0, -10.0, -15.0], [10.0, 10.0, -5.0]);
+    let turned_all = |solid: Vec<_>| solid.into_iter().map(turned).collect::<Vec<_>>();
+    // A hollow in a block is as it should be.
+    let with_hollow = [slab(), turned_all(hollow)].concat();
+    assert_eq!(notes("hollow", &with_hollow), Vec::<String>::new());
     let ball_far_out = block([-1.0, -1.0, -1e6], [1.0, 1.0, -999_998.0]);
     for (name, triangles, expected) in [
         (
@@ -235,6 +243,16 @@ fn what_is_odd_is_noted_by_its_number() {
         ),
         ("metres", moved(0.0, 1e-3), "it is 0.1709 mm across"),
         ("micron", moved(0.0, 1e-4), "it is 0.0171 mm across"),
+        (
+            "one-of-two",
+            [slab(), turned_all(button)].concat(),
+            "1 of its 2 parts are inside out",
+        ),
+        (
+            "kilometres",
+            moved(0.0, 1e6),
+            "it is 170880 m across, where the device reaches 0.208 m",
+        ),
         (
             "huge",
             moved(1e5, 1e4),

@@ -101,6 +101,10 @@ fn rows_of_another_length_are_refused_by_their_line() {
             "m.csv:1: time_s: the recording takes 4e-11 s",
         ),
         (
+            "t_ms,angle_rad\n65534,0\n65535,1\n0,1\n",
+            "m.csv:4: t_ms: 0 comes after 65535, but times must rise; where a counter wrapped, add its range",
+        ),
+        (
             "time_s,angle_rad\n-1e308,1\n1e308,2\n",
             "m.csv:1: time_s: the recording takes inf s",
         ),
@@ -134,7 +138,7 @@ fn what_is_odd_is_noted_by_its_number() {
             sine(angle, |n, x| {
                 format!("{},{x}", at(n - n % 16) + (n % 16) as f64 * 1e-6)
             }),
-            "in bursts, 0.000001 s apart where 0.000",
+            "in bursts, 1.000e-6 s apart where ",
         ),
         (
             sine(angle, |n, x| {
