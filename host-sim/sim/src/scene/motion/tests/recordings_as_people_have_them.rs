@@ -144,7 +144,7 @@ fn what_is_odd_is_noted_by_its_number() {
             sine(angle, |n, x| {
                 format!("{},{x}", at(n - n % 8) + (n % 8) as f64 * 1e-4)
             }),
-            "in bursts, 0.000100 s apart",
+            "in bursts, 1.000e-4 s apart",
         ),
         (
             sine("time_s,angle_deg", |n, x| {
