@@ -21,7 +21,7 @@ impl Scene {
             return Scene::parse(text, &file);
         }
         let path = PathBuf::from(name_or_path);
-        let text = input::text(&path, input::MOST_OF_SETTINGS).map_err(|error| {
+        let text = input::text(&path, input::MOST_OF_SCENE).map_err(|error| {
             let names = shipped::names();
             let all = [names.clone(), shipped::feels()].concat();
             let fix = match (error.kind(), unknown::nearest(name_or_path, &all)) {
