@@ -69,6 +69,7 @@ function options(select, list, value) {
 /** Shows what the running scene has. */
 function show() {
   const words = (path) => (fields.get(path)?.words ?? []).map((word) => [word, word]);
+  options($("feel"), [["", `of this page: ${content.name}`], ...content.feels.map(([name]) => [name, name])], feelOf(chosen.base) ? chosen.base : "");
   options($("law"), words("law.kind"), field("law.kind"));
   const other = chosen.b ? (chosen.b.get("law.kind") ?? "same") : "";
   options($("other"), [["", "nothing"], ["same", chosen.b && !chosen.b.get("law.kind") ? `the same, ${pairs(chosen.b).join(", ")}` : "the same law"], ...words("law.kind")], other);
@@ -88,7 +89,7 @@ function show() {
   $("strength").value = chosen.strength;
   $("strength-n").textContent = chosen.strength.toFixed(2);
   $("speed").value = String(chosen.speed);
-  press("automatic", chosen.automatic);
+  pressing();
   $("automatic").disabled = !runs[0]?.facts.motion_s;
   const nobody = field("operator.grip") === "none" ? "Nobody holds the knob: it stays where it is.\n" : "";
   const warnings = (nobody + (runs[0]?.warnings ?? "")).trim(), many = warnings.split("\n").length;
@@ -150,23 +151,35 @@ function setOther(law) {
   open(true);
 }
 
-function preset(step) {
+/** Whether the reader wants things still: then nothing moves until somebody moves it. */
+const wantsStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
+function preset(step, demonstrate) {
   closeFile();
   const chapter = PRESETS[step - 1];
-  chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: Boolean(chapter), speed: 1, strength: chapter?.strength ?? 0.3 };
+  chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: Boolean(chapter) || demonstrate === true, speed: 1, strength: chapter?.strength ?? 0.3 };
   begin();
 }
+
+/** A knob that clicks, switches or springs back, in the place of the wall; the page's own scene for none. */
+function feel(name) {
+  if (!name) { preset(0); return; }
+  closeFile();
+  chosen = { base: name, step: 0, sets: new Map(), b: null, automatic: !wantsStill, speed: 1, strength: 0.3 };
+  begin();
+}
+const feelOf = (name) => content.feels.find(([own]) => own === name);
 
 /** Starts what is chosen from its beginning. */
 function begin() {
   aim = null;
   for (const button of $("story").children) {
-    if (Number(button.dataset.step) === chosen.step) button.setAttribute("aria-current", "step"); else button.removeAttribute("aria-current");
+    if (Number(button.dataset.step) === chosen.step && !feelOf(chosen.base)) button.setAttribute("aria-current", "step"); else button.removeAttribute("aria-current");
   }
   const chapter = PRESETS[chosen.step - 1];
   const title = document.createElement("strong");
-  title.textContent = chapter ? `${chosen.step}. ${chapter.name}.` : `${content.name}.`;
-  $("told").replaceChildren(title, chapter ? chapter.text : content.description);
+  const felt = feelOf(chosen.base);
+  title.textContent = chapter ? `${chosen.step}. ${chapter.name}.` : `${felt ? felt[0] : content.name}.`;
+  $("told").replaceChildren(title, chapter ? chapter.text : felt ? felt[1] : content.description);
   tell("strength", { n_m_per_rad: chosen.strength });
   open(false);
   tell("automatic", { on: chosen.automatic });
@@ -174,6 +187,10 @@ function begin() {
 }
 
 function press(id, on) { $(id).setAttribute("aria-pressed", String(on)); }
+function pressing() {
+  press("automatic", chosen.automatic);
+  $("by-itself").style.visibility = chosen.automatic ? "" : "hidden";
+}
 function run(on) {
   running = on;
   $("run").textContent = on ? "Pause" : "Run";
@@ -182,7 +199,7 @@ function run(on) {
 }
 function automatic(on) {
   chosen.automatic = on && Boolean(runs[0]?.facts.motion_s);
-  press("automatic", chosen.automatic);
+  pressing();
   tell("automatic", { on: chosen.automatic });
   share();
 }
@@ -223,8 +240,8 @@ function restart() {
 function setAim(angle) {
   closeFile();
   if (chosen.automatic) automatic(false);
-  const surface = runs[0]?.facts.surface_rad ?? 0.5;
-  aim = Math.max(surface - 3, Math.min(surface + 3, angle));
+  const about = runs[0] ? middle(runs[0]) : 0.5;
+  aim = Math.max(about - 3, Math.min(about + 3, angle));
   tell("aim", { rad: aim });
 }
 function letGo() { aim = null; tell("aim", { rad: null }); }
@@ -280,6 +297,7 @@ function opened({ a, b, keep }) {
   });
   // A changed setting or a law beside it is another run than the file's.
   if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();
+  if (chosen.automatic && !runs[0].facts.motion_s) automatic(false);
   show();
 }
 
@@ -304,7 +322,7 @@ function took({ a, b, count, recorded: ticks }) {
 }
 
 worker.onmessage = ({ data }) => {
-  if (data.type === "ready") { if (!fromAddress()) preset(0); else begin(); }
+  if (data.type === "ready") { if (!fromAddress()) preset(0, !wantsStill); else begin(); }
   if (data.type === "opened") opened(data);
   if (data.type === "rows") took(data);
   if (data.type === "back") turnedBack(data);
