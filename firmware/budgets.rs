@@ -11,7 +11,8 @@ pub const ENHANCED: u64 = 720;
 /// Another compiler may take some more.
 pub const SPACE: u64 = 2_620;
 
-/// All that the law's side of a control tick may choose: the law, the estimator of its states and the guard of its energy. 5 us.
+/// Bound for everything that the law's side of a control tick may run: the law, its estimator and the energy guard. 5
+/// us.
 pub const LAW: u64 = 850;
 
 /// The control interrupt, in any state and with any fault. 20.6 us: with the current loop twice on top 32 of a period's 100 us at the

@@ -27,7 +27,7 @@ pub struct VirtualMass<N: Number> {
     pub damping: Stiffness<N>,
     /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
     pub total: Stiffness<N>,
-    /// The same sum, to divide by.
+    /// `D`, prepared as a divisor.
     pub by_total: Divisor<N>,
 }
 
@@ -41,7 +41,7 @@ pub struct MassState<N: Number> {
 }
 
 impl<N: Number> MassState<N> {
-    /// After a displacement.
+    /// The filter after a displacement.
     #[inline(always)]
     #[must_use]
     pub fn moved_by(self, step: Position<N>) -> Self {
@@ -64,14 +64,14 @@ impl<N: Number> VirtualMass<N> {
             .plus_fitting(self.damping * moved)
     }
 
-    /// What drives the mass while the HIP is not coupled to it: its own motion.
+    /// The sum that drives the mass while the HIP is not coupled to it: its own motion alone.
     #[inline(always)]
     pub fn coast(&self, mass: &MassState<N>) -> Tension<N> {
         self.inertia * mass.moved
     }
 
-    /// Displacement under the drive and the wall's force, towards zero, and not beyond the range of positions: what the
-    /// observer counts must be what the mass moves.
+    /// Displacement under the drive and the wall's force, rounded towards zero and kept within the range of positions:
+    /// the observer must count exactly what the mass moves.
     #[inline(always)]
     pub fn displacement(
         &self,

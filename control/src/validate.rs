@@ -1,4 +1,5 @@
-//! Validation of settings: errors refuse, warnings name a passivity bound that was left and what is lost by it.
+//! Validation of settings. An error refuses; a warning names a passivity bound that is exceeded and what is lost by
+//! it.
 
 use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
@@ -30,7 +31,7 @@ macro_rules! fields {
             /// All of them.
             pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
 
-            /// Its path, in scenes and on devices.
+            /// The path of the setting in scenes and on devices.
             #[must_use]
             pub fn path(self) -> &'static str {
                 match self {
@@ -86,9 +87,9 @@ pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), Se
 pub enum SettingsError {
     /// Outside its physical range.
     OutOfRange {
-        /// Which setting.
+        /// The setting that was refused.
         field: Field,
-        /// Its value, SI.
+        /// The refused value in SI units.
         value: Si,
         /// Smallest allowed value, SI.
         min: Si,
@@ -97,7 +98,7 @@ pub enum SettingsError {
     },
     /// A value, or the coefficient made of it, does not fit the number format.
     OutOfFormat {
-        /// Which setting.
+        /// The setting that was refused.
         field: Field,
         /// The coefficient, SI (e.g. `m/T²` for the filter's mass).
         value: Si,
@@ -111,7 +112,7 @@ pub enum SettingsError {
         /// Coupling stiffness.
         k_filter: Si,
     },
-    /// The encoder's counts are too far apart for the guard's books.
+    /// The encoder's counts are too far apart for the guard's energy account.
     TooCoarse {
         /// A count, rad (m).
         count: Si,
@@ -209,7 +210,7 @@ pub enum Warning {
     GuardSoftensAtForceLimit {
         /// `C`, J.
         capacity: Si,
-        /// What the force limit needs, J.
+        /// Energy that the force limit needs, J.
         needed: Si,
     },
     /// Without a refill, rounding and one-count chatter use the account up in time, in the quietest hold.
@@ -359,7 +360,7 @@ impl Settings {
         Ok(())
     }
 
-    /// What the guard must know of the device behind it.
+    /// The properties of the device that the guard needs.
     #[must_use]
     pub fn guarded_device(&self) -> GuardedDevice {
         GuardedDevice {

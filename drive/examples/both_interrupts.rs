@@ -14,7 +14,7 @@ use touchstone_drive::{
 /// Validates settings and computes everything.
 ///
 /// # Errors
-/// As [`Device::new`].
+/// Same as [`Device::new`].
 #[inline(never)]
 pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, SettingsError> {
     Device::new(settings, hardware)
@@ -23,7 +23,7 @@ pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, 
 /// Other settings.
 ///
 /// # Errors
-/// As [`Device::configure`].
+/// Same as [`Device::configure`].
 #[inline(never)]
 pub fn configure(
     device: &mut Device,
@@ -33,7 +33,7 @@ pub fn configure(
     device.configure(settings, hardware)
 }
 
-/// What the start tells.
+/// Reports the start.
 #[inline(never)]
 pub fn started(device: &mut Device, flags: &ResetFlags) {
     device.started(ResetReason::of(flags));
@@ -65,7 +65,7 @@ pub fn current(
     (output, current.report().to_words())
 }
 
-/// Other coefficients for it.
+/// Gives the current loop other coefficients.
 #[inline(never)]
 pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
     current.reconfigure(*config);

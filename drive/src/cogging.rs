@@ -72,7 +72,7 @@ impl Played {
         }
     }
 
-    /// The current at so many counts from the encoder's own zero at a speed, along the count.
+    /// The current along the count, for a place in counts from the encoder's zero and a speed.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {

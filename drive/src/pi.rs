@@ -69,26 +69,27 @@ impl PiGains {
     }
 }
 
-/// One controller's memory: what the resistance and the motion take, V.
+/// Memory of one controller: its integral, which settles at the voltage of resistance and motion, V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pi {
     integral: Volts,
 }
 
 impl Pi {
-    /// With what is remembered, V.
+    /// A controller with a given integral, V.
     #[must_use]
     pub const fn of(integral: Volts) -> Self {
         Self { integral }
     }
 
-    /// What is remembered, V.
+    /// The integral, V.
     #[must_use]
     pub const fn integral(&self) -> Volts {
         self.integral
     }
 
-    /// One period: the error of the current to a voltage within `-limit..=limit`, and whether the limit acted.
+    /// Runs one period: takes the error of the current, returns a voltage within `-limit..=limit` and whether the
+    /// limit acted.
     #[inline]
     pub fn tick(&mut self, gains: &PiGains, error: Amps, limit: Volts) -> (Volts, bool) {
         let wanted = Volts::from_bits(product(gains.proportional.to_bits(), error.to_bits(), 16))

@@ -35,7 +35,7 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// On a board, with what is mounted there.
+    /// The bench of a board, with the parts that are usually mounted on it.
     #[must_use]
     pub fn on(board: Board) -> Self {
         Self {
@@ -60,7 +60,7 @@ impl Bench {
     /// Mounts a board and switches it on.
     ///
     /// # Errors
-    /// What the emulator refuses.
+    /// The emulator refuses the program.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut world = World::new(&setup.parts, 0.3);
         world.bridge.bus_v = setup.board.supply_v;
@@ -82,7 +82,7 @@ impl Bench {
         self.machine.chip().core.now
     }
 
-    /// Lets time pass, and takes what the device sends.
+    /// Lets time pass, and receives what the device sends.
     ///
     /// # Errors
     /// The machine halted.
@@ -98,7 +98,7 @@ impl Bench {
         })
     }
 
-    /// Runs until something is so, looked at every 100 us.
+    /// Runs until something is so, examined every 100 us.
     ///
     /// # Errors
     /// It was not within the time, or the machine halted.
@@ -127,10 +127,10 @@ impl Bench {
         self.machine.chip_mut().link().put(bytes, now);
     }
 
-    /// Asks and waits for the answer.
+    /// Sends a request and waits for the reply.
     ///
     /// # Errors
-    /// No answer within a second, or a halt.
+    /// No reply within a second, or a halt.
     pub fn ask(&mut self, request: Request<'_>) -> Result<Result<Reply, Refusal>, String> {
         let what = format!("an answer to {request:?}");
         let (id, frame) = self.link.ask(request);
@@ -143,7 +143,7 @@ impl Bench {
         answer.ok_or(what)
     }
 
-    /// Asks for something that must be granted.
+    /// Sends a request that must be granted.
     ///
     /// # Errors
     /// It was refused, or not answered.
@@ -284,10 +284,10 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// The same, where the settings are known: the surface, rad, the counts of a turn, the stiffness, N·m/rad.
+    /// Same as [`Bench::press`] with given settings: the surface, rad, the counts of a turn, the stiffness, N·m/rad.
     ///
     /// # Errors
-    /// There was no telemetry to tell where the wall is.
+    /// There was no telemetry to find the wall by.
     #[allow(clippy::too_many_arguments)]
     pub fn press_at(
         &mut self,
@@ -326,7 +326,7 @@ pub fn number(value: Si) -> f64 {
     value.to_num()
 }
 
-/// From 0 to 1, as people move.
+/// A smooth rise from 0 to 1, as a person's hand moves.
 #[must_use]
 pub fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);

@@ -5,12 +5,12 @@ use embassy_stm32::pac::{ADC1, ADC2};
 use embassy_stm32::peripherals;
 use embassy_stm32::triggers::TIM1_TRGO2;
 
-/// What the current loop and the supervisor need of a set, codes of 12 bits.
+/// The readings that the current loop and the supervisor need, in 12-bit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Readings {
     /// Current of phase A.
     pub phase_a: u16,
-    /// Of phase B.
+    /// Reading of phase B.
     pub phase_b: u16,
     /// Bus voltage.
     pub bus: u16,

@@ -47,7 +47,7 @@ property! {
 fn part_of(force: i32, share: u32) -> i64 {
     (i64::from(force) * i64::from(share)).div_euclid(1 << 31)
 }
-/// Whether a product is none or has the sign of its factors.
+/// Whether a product is zero or has the sign of its factors' product.
 fn has_sign(found: i32, a: i32, b: i32) -> bool {
     found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0))
 }
@@ -121,7 +121,7 @@ pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     }
     found
 }
-/// For [`part_of`]: the code's, where it has asked for the same part.
+/// Stands for [`part_of`]: the code's answer, if the code has asked for the same part.
 #[cfg(kani)]
 pub fn same_part(force: i32, share: u32) -> i64 {
     let any: i32 = kani::any();

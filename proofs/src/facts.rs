@@ -65,7 +65,7 @@ pub mod fact {
     }
 }
 
-/// One operation: unknown but for its fact under the checker; computed, and its fact checked, without.
+/// One operation: under the checker unknown but for its fact; otherwise computed, with its fact checked.
 #[cfg(kani)]
 macro_rules! known {
     ($op:literal, $exact:expr, |$r:ident| $fact:expr) => {{

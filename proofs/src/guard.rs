@@ -74,7 +74,7 @@ impl<N: Format> Valid<N> for Guard<N> {
             older: force(s),
         }
     }
-    /// In bits, and in numbers that no product of them leaves: what `Guard::new` sees to.
+    /// Whether the coefficients are in their formats, and small enough for their products, as `Guard::new` guarantees.
     fn valid(&self) -> bool {
         let most = N::exact(quarter::<N>());
         let bits = |x: Energy<N>| N::exact(N::of_energy(x.0));

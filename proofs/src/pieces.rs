@@ -32,7 +32,7 @@ macro_rules! composed_property {
     };
 }
 
-/// A property of the guard's tick, told what is booked.
+/// A property of the guard's tick, in which the booking's result is given.
 #[macro_export]
 macro_rules! booked_property {
     ($products:ident $($property:tt)*) => {
@@ -80,7 +80,7 @@ mod by_one_answer {
     const WORDS: usize = 9;
     type Words = [i64; WORDS];
 
-    /// What the code has asked a piece, and what it was told. Each is asked once in a tick.
+    /// A question of the code to a piece, and its answer. Each piece is asked once in a tick.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -368,7 +368,7 @@ mod by_one_answer {
         .into()
     }
 
-    /// In the place of a hand-over that a case leaves out, so that the checker does not follow what comes after it.
+    /// Stands for a hand-over that a case excludes, so that the checker does not follow the code behind it.
     pub fn no_hand_over<N: Format>(_: &EnhancedSfa<N>, _: &mut EnhancedState<N>) {
         assert!(false, "the case has no hand-over");
         kani::assume(false);

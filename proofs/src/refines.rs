@@ -348,6 +348,6 @@ refines!(
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// As shipped: with products, quotients and roots of which facts are known.
+    /// The shipped width: products, quotients and roots are unknown but for their facts.
     w32, Fixed32, at32, by minisat, products multiplied
 );

@@ -23,7 +23,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any number; on samples mostly from 0 to so much.
+/// Any number; on samples mostly from 0 to `most`.
 pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {

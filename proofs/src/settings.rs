@@ -222,7 +222,7 @@ mod tests {
         }
     }
 
-    /// Both sides of every bound, one quantum apart.
+    /// Checks both sides of every bound, one quantum apart.
     #[test]
     fn p8_every_bound_is_where_it_is_said_to_be() {
         type Put = fn(&mut Settings, Si);

@@ -1,4 +1,4 @@
-//! SI values as tests write them, and what is asked of messages about them.
+//! SI values as tests write them, and checks of messages about them.
 
 use touchstone_control::Si;
 

@@ -11,7 +11,7 @@ use touchstone_tests::variants::all;
 /// Every sequence of this many positions.
 const LENGTH: u32 = 6;
 
-/// As a measured value arrives: the ends of the format, and next to the surface.
+/// Measured values at their worst: the ends of the format, and next to the surface.
 fn worst<N: Reported>() -> [Position<N>; 6] {
     [
         Position::from_f64(-1e9),

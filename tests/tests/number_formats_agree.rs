@@ -37,7 +37,7 @@ fn wall(law: LawKind) -> Settings {
     }
 }
 
-/// One tick of both.
+/// One tick of both formats.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tick {
     e: f64,
@@ -103,12 +103,12 @@ fn compare<N: Grain>(
     largest
 }
 
-/// What the two formats together round off one force.
+/// Sum of both formats' rounding of one force.
 fn quantum<N: Grain>() -> f64 {
     N::FORCE_N_M + Fixed32::FORCE_N_M
 }
 
-/// A bound that nothing comes near says little: the largest difference must be some of it.
+/// Checks that a bound is not far too wide: the largest difference must be a good share of it.
 fn assert_tight(what: &str, largest: f64, bound: f64) {
     assert!(
         largest > bound / 8.0,

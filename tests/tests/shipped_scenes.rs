@@ -1,4 +1,4 @@
-//! Every shipped scene runs, and ends as it is known to end.
+//! Every shipped scene runs, and ends in its known way.
 
 use std::path::Path;
 use touchstone_control::LawKind;

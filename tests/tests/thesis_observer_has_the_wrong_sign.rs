@@ -13,7 +13,7 @@ const TICKS: u32 = 200;
 const STIFFNESS_N_M_PER_RAD: f64 = 5.0;
 const MILLI: f64 = 1e-3;
 
-/// What the sums say after one press, J.
+/// The sums after one press, J.
 struct Press {
     /// The port's own energy, with the angle's analytic velocity between the ticks.
     true_j: f64,
@@ -71,7 +71,7 @@ fn press<N: Reported>() -> Press {
     }
 }
 
-/// To the three digits in which the numbers are quoted.
+/// Compares to the three digits in which the numbers are quoted.
 fn assert_milli(what: &str, value_j: f64, quoted_mj: f64) {
     let value_mj = value_j / MILLI;
     assert!(

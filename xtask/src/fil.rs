@@ -12,13 +12,13 @@ use crate::{board_scorecard, emulator, sabotage};
 
 const SAMPLE: &str = "--sample";
 const BRIEF: &str = "--brief";
-/// What the first gate runs of it.
+/// The part that the first gate runs.
 pub const ONE_BOARD: Share = Share::Part(
     &[BRIEF, "--board", REFERENCE],
     "two of three injections; the checks of starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
      whether every fault code is latched",
 );
-/// What the full gate runs of it.
+/// The part that the full gate runs.
 pub const SAMPLED: Share = Share::Part(
     &[SAMPLE],
     "two of three injections and the map of the cogging; most checks of the boards that are not the reference",

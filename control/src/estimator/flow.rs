@@ -76,7 +76,8 @@ impl DeviceInTicks {
         self.flow(self.delay, |i| i)
     }
 
-    /// Over a time, each command ending so many ticks before its end, and beginning one tick earlier.
+    /// The motion over a time; each command ends the given number of ticks before its end, and begins one tick
+    /// earlier.
     fn flow<N: Number, const COMMANDS: usize>(
         &self,
         time: Exact,
@@ -144,8 +145,8 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 }
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
-    /// Whether over a time of 1 or 2 ticks nothing of it is longer than the time, and commands up to a limit take less than 2 rad and 2 rad
-    /// a tick for each tick: so no sum of [`Flow::apply`] overflows.
+    /// Whether the sums of [`Flow::apply`] cannot overflow: over 1 or 2 ticks no coefficient is longer than the time,
+    /// and commands up to the limit take less than 2 rad, and 2 rad a tick, for each tick.
     pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
         let mut taken = [N::Wide::default(); 2];
         let mut fits = true;

@@ -77,11 +77,11 @@ pub struct EnhancedSfa<N: Number> {
     pub compliance: Compliance<N>,
     /// How the offset is changed.
     pub augmentation: Augmentation<N>,
-    /// Which stiffness is regulated.
+    /// The stiffness that is regulated.
     pub regulate: Regulate,
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     pub update: OffsetUpdate,
-    /// Which observer.
+    /// The form of the energy observer.
     pub observer: ObserverForm,
     /// What happens to the force when the first contact ends.
     pub first_contact: FirstContact,
@@ -99,7 +99,7 @@ pub struct EnhancedSfa<N: Number> {
     pub limit: Force<N>,
 }
 
-/// What the augmented phase remembers.
+/// Memory of the augmented phase.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Augmented<N: Number> {
     /// The virtual mass.
@@ -126,8 +126,8 @@ pub struct EnhancedState<N: Number> {
 }
 
 impl<N: Number> EnhancedSfa<N> {
-    /// The force of the augmented wall and of the damper beside it, never pulling. The damper works on the displacement inside the
-    /// wall, as that of [`super::Spring`].
+    /// The force of the augmented wall plus that of the damper beside it, never pulling. The damper works on the
+    /// displacement inside the wall, as that of [`super::Spring`] does.
     #[inline(always)]
     fn damped(&self, augmented: Force<N>, sample: Sample<N>) -> Force<N> {
         (augmented + (self.damper * sample.moved_inside()).towards_zero())
@@ -253,9 +253,9 @@ impl<N: Number> EnhancedSfa<N> {
         Some(Force::zero())
     }
 
-    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass either: from where it and its energy
-    /// were it moves as if it had not been coupled, if the energy pays for that, and else stands still. (What the sum of its
-    /// coefficients holds beyond inertia and ground is one more damper to ground here.)
+    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass. It moves on from where it was
+    /// as if it had not been coupled, if its energy pays for that, and otherwise stands still. (Coefficients beyond
+    /// inertia and ground damping act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,

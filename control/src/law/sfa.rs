@@ -18,7 +18,7 @@ pub struct Sfa<N: Number> {
     pub gain: Ratio<N>,
     /// `1/k_v`.
     pub compliance: Compliance<N>,
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     pub update: OffsetUpdate,
     /// What happens to the force when the first contact ends.
     pub first_contact: FirstContact,

@@ -22,7 +22,7 @@ use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 pub struct Tdpa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// Which observer.
+    /// The form of the energy observer.
     pub observer: ObserverForm,
     /// `c_i/T` if the device's own damping counts as dissipation (2.6), else zero.
     pub device_damping: Stiffness<N>,

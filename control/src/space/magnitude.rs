@@ -27,7 +27,7 @@ impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
         }
     }
 
-    /// One control period: the force on the HIP.
+    /// Runs one control period; returns the force on the HIP.
     #[inline]
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let force = self.law.tick(self.track.sample(touch));

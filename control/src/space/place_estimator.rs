@@ -6,19 +6,19 @@
 //! `docs/three-axes.md` has both choices.
 //!
 //! Each axis is [`crate::Estimator`] as it stands, told `-x` for its penetration, so that a force along `x` is one that pushes out.
-//! On a plane across an axis through the origin a wall of three axes on estimated states therefore is the wall of one axis, to the bit.
+//! On a plane across an axis through the origin a wall of three axes on estimated states therefore is the wall of one axis, bit for bit.
 
 use super::number::Spatial;
 use super::vector::Vector;
 use crate::estimator::{Estimator, EstimatorState};
 use crate::{Force, Position};
 
-/// What the shells are told of the HIP.
+/// The predicted HIP that the shells work with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceAhead<N: Spatial> {
     /// Where it will be.
     pub at: Vector<Position<N>>,
-    /// Its displacement per tick then.
+    /// Displacement per tick at that time.
     pub moved: Vector<Position<N>>,
 }
 
@@ -37,8 +37,8 @@ impl<N: Spatial> PlaceEstimator<N> {
         }
     }
 
-    /// One control period: a measured position to place and displacement at the time at which the command that follows will begin to act.
-    /// [`PlaceEstimator::commanded`] must follow.
+    /// Runs one control period: takes a measured position, returns place and displacement for the time at which the
+    /// next command begins to act. [`PlaceEstimator::commanded`] must follow.
     #[inline]
     pub fn tick(&mut self, measured: Vector<Position<N>>) -> PlaceAhead<N> {
         let mut ahead = PlaceAhead {

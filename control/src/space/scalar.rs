@@ -8,7 +8,7 @@ use crate::{AnyLaw, Force, Number};
 
 /// A law with its memory.
 pub trait Along<N: Number> {
-    /// One control period: penetration and displacement along a direction, to the force out.
+    /// Runs one control period: takes penetration and displacement along a direction, returns the force out.
     fn tick(&mut self, sample: Sample<N>) -> Force<N>;
     /// The inside after the last tick.
     fn view(&self) -> View<N>;
@@ -40,12 +40,12 @@ impl<N: Number> Along<N> for AnyLaw<N> {
     }
 }
 
-/// One law with its memory, without the choice of the others.
+/// A single law with its memory, where no choice between laws is needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held<N: Number, L: Law<N>> {
     /// The law.
     pub law: L,
-    /// Its memory.
+    /// The memory of the law.
     pub state: L::State,
 }
 

@@ -51,7 +51,7 @@ impl<N: Spatial> SurfacePoint<N> {
         }
     }
 
-    /// One control period.
+    /// Runs one control period: finds the surface point for a place.
     #[inline]
     pub fn tick(&mut self, surface: &impl Surface<N>, at: Vector<Position<N>>) -> Touch<N> {
         let nearest = surface.nearest(at, &self.side);

@@ -16,7 +16,7 @@ use crate::{
     VelocityKind, VelocitySettings,
 };
 
-/// Which length is 1.
+/// The length that counts as 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LengthUnit {
     /// m: energies in J.
@@ -29,7 +29,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// How many of it are a metre.
+    /// How many of these units are a metre.
     #[must_use]
     pub fn per_metre(self) -> u32 {
         match self {
@@ -82,10 +82,10 @@ impl LengthUnit {
         }
     }
 
-    /// A law of these settings, given in SI, that reckons in this unit.
+    /// A law of these settings, given in SI, that calculates in this unit.
     ///
     /// # Errors
-    /// As [`AnyLaw::new`]; a range is that of the setting in SI, a coefficient that does not fit is told in this unit.
+    /// Same as [`AnyLaw::new`]; ranges are given in SI, a coefficient that does not fit in this unit.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
         let unit = self.settings(si);
         // Ranges are those of SI; the guard and the estimator of one axis are none of these.
@@ -98,10 +98,10 @@ impl LengthUnit {
         AnyLaw::new(&unit)
     }
 
-    /// An estimator an axis, of settings given in SI.
+    /// An estimator for each axis, from settings in SI.
     ///
     /// # Errors
-    /// As [`EstimatorSettings::estimator`]; ranges are told in this unit.
+    /// Same as [`EstimatorSettings::estimator`]; ranges are given in this unit.
     pub fn estimator<N: Spatial>(
         self,
         si: &[EstimatorSettings; 3],

@@ -37,12 +37,12 @@ pub struct ModelConfig {
     flux: I16F16,
     /// `p L`, H.
     henries: I16F16,
-    /// The mean is over so many ticks, as a power of two.
+    /// Length of the mean in ticks, as a power of two.
     over_log2: u32,
 }
 
 impl ModelConfig {
-    /// From validated settings; `None` for a board that measures no current.
+    /// Computes it from validated settings; `None` for a board that measures no current.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Option<Self> {
@@ -68,14 +68,14 @@ pub struct Model {
 }
 
 impl Model {
-    /// Nothing seen.
+    /// A memory that has seen no tick.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
     }
 
-    /// Takes a tick in which the motor was driven by the law, with the `speed` along the electrical angle, rad/s: by how much the
-    /// voltages are beyond what is allowed, mV.
+    /// Takes a tick in which the law drove the motor, with the `speed` along the electrical angle, rad/s. Returns by
+    /// how much the voltages exceed the allowed difference, mV.
     pub fn update(
         &mut self,
         config: &ModelConfig,

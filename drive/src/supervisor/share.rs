@@ -15,14 +15,14 @@ use touchstone_protocol::FaultCode;
 const BAD: u16 = 50;
 const MOST: u16 = 1_000;
 
-/// What of each kind is left.
+/// How many bad readings of each kind are still allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Share {
     of: [u16; 2],
 }
 
 impl Share {
-    /// None bad so far.
+    /// The state before any bad reading.
     #[must_use]
     pub const fn new() -> Self {
         Self { of: [0; 2] }

@@ -31,7 +31,7 @@ pub struct StuckConfig {
 }
 
 impl StuckConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -65,7 +65,7 @@ impl Default for Stuck {
 }
 
 impl Stuck {
-    /// Not at all.
+    /// The state in which nothing points to a stuck encoder.
     #[must_use]
     pub const fn new() -> Self {
         Self { ticks: 0 }

@@ -21,7 +21,7 @@ pub struct Masks {
     pub faultmask: bool,
 }
 
-/// Lowest of all: what the thread runs at.
+/// The lowest priority, at which the thread runs.
 const THREAD: i16 = 256;
 
 /// The controller.
@@ -171,7 +171,7 @@ impl Nvic {
         self.priority[exception] = priority & 0xf0;
     }
 
-    /// The same, read.
+    /// Reads a system exception's priority.
     #[must_use]
     pub fn system_priority(&self, exception: usize) -> u8 {
         self.priority[exception]

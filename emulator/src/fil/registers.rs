@@ -3,7 +3,7 @@
 //! A second witness for the wiring: `registers.tsv` and `pins.tsv` say what each register should hold and why, from the reference
 //! manual (RM0440), the boards' schematics and what is connected; where a field is, and which number a pin's function has, comes from
 //! the vendor's own description (`vendor.tsv`, written by `vendor.py`). Nothing in them is read from the firmware. Every register that
-//! the program writes has to be in the tables, with every bit that it changes: a register that nobody looked at is an error.
+//! the program writes has to be in the tables, with every bit that it changes: a register that nobody examined is an error.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -201,7 +201,7 @@ impl Vendor {
         self.get(register, "")
     }
 
-    /// Without a name, the whole register.
+    /// The mask of a field; without a field's name, of the whole register.
     fn mask(&self, register: &str, field: &str) -> Result<u32, String> {
         match field {
             "" => Ok(u32::MAX),

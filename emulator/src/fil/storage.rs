@@ -37,11 +37,12 @@ pub fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.boot().map(|_| ())
 }
 
-/// Damages the settings in flash in `ways` ways, one after the other: bits turned over in what was written. After each the
-/// device has the saved settings (another copy holds), or says `SettingsInvalid` and does not arm.
+/// Damages the settings in flash in `ways` ways, one after the other, by flipping written bits. After each, the device
+/// either has the saved settings (another copy holds), or reports `SettingsInvalid` and does not arm. Returns how many
+/// damages were noticed.
 ///
 /// # Errors
-/// What is wrong after which damage. Else how many of them were noticed.
+/// The damage after which something else happened.
 pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, String> {
     let (start, bytes) = place(program)?;
     let mut bench = Bench::new(program, setup)?;

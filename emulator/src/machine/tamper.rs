@@ -1,4 +1,4 @@
-//! What goes wrong inside of the processor: a stack that ends, a program that is somewhere else, a mask that stays.
+//! Faults inside the processor: an exhausted stack, a program counter that jumps, a stuck interrupt mask.
 
 use unicorn_engine::RegisterARM;
 
@@ -6,8 +6,8 @@ use super::state::Machine;
 use crate::cpu::RAM;
 
 impl Machine {
-    /// Puts the thread's stack at its end: what comes next overflows it. While the thread runs or sleeps: a handler whose stack is
-    /// moved would return to wherever the words there lead, which no overflow does.
+    /// Moves the thread's stack pointer to its end, so that the next use overflows it. Only while the thread runs or
+    /// sleeps: a handler with a moved stack would return to a random address, which no overflow does.
     ///
     /// # Errors
     /// The thread does not run within 50 ms.

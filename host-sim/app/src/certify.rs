@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     print(&certificate, &feel)
 }
 
-/// What is said first: of whom, whether the wall rests, and how it feels.
+/// The lines that come first: whether the wall rests with each grip, and how it feels.
 fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
     let worst = &certificate.hands[certificate.worst];
     let mut said = vec![

@@ -1,9 +1,9 @@
-//! What is said of a mistake: one line with place, problem and remedy, never longer than a person reads.
+//! Errors for people: one line with place, problem and remedy, no longer than a person reads.
 
 use clap::error::{ContextKind, ContextValue, Error as UsageError, ErrorKind};
 use std::error::Error as _;
 
-/// Longest word that is printed as it is: a path may be long, a value that was pasted by mistake is longer.
+/// Longest word that is printed whole: a path may be long; a value that was pasted by mistake is longer.
 const WORD_MAX: usize = 200;
 /// Longest message.
 const LINE_MAX: usize = 1500;

@@ -85,7 +85,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// What is written to standard input, line by line.
+/// The lines of standard input.
 fn lines() -> Receiver<String> {
     let (sender, happens) = channel();
     std::thread::spawn(move || {

@@ -22,7 +22,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// What a calibration takes beside the turns of the field: offsets, alignment, pauses; with a reserve.
+/// Time of a calibration beside the turns of the field: offsets, alignment, pauses; with a reserve.
 const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
 /// Options of `device`.
@@ -48,7 +48,7 @@ enum Action {
 
 #[derive(Debug, Clone, Subcommand)]
 enum BoardAction {
-    /// Who the board is, where it stands, and what it counted.
+    /// Show the board's identity, state and counters.
     Status,
     /// Finds direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
     Calibrate {
@@ -77,12 +77,13 @@ enum BoardAction {
         #[command(subcommand)]
         action: Option<cogging::CoggingAction>,
     },
-    /// Measures what the encoder's magnet out of the axis makes of the angle.
+    /// Measures the error of the encoder's angle that an off-centre magnet causes.
     Eccentricity {
         #[command(subcommand)]
         action: eccentricity::EccentricityAction,
     },
-    /// Shows whether the board starts by itself when power comes on, with no desktop; switches that on or off, and saves it.
+    /// Shows whether the board starts unattended when power comes on, without a desktop; switches that on or off, and
+    /// saves it.
     Autostart {
         #[arg(value_enum)]
         switch: Option<start::Switch>,
@@ -171,7 +172,7 @@ fn state(name: &str) -> Result<()> {
     )
 }
 
-/// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
+/// Time for one electrical turn and as many as the motor has pole pairs, forward and back, at the set speed.
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();

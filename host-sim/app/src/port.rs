@@ -29,7 +29,7 @@ impl PortOption {
         Client::connect(&self.address()?)
     }
 
-    /// What was given, or found.
+    /// The address that was given, or found.
     pub fn address(&self) -> Result<Address> {
         Address::given_or_found(self.port.as_ref())
     }

@@ -50,7 +50,7 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     })
 }
 
-/// What `run` was asked for beside the scene.
+/// Options of `run` beside the scene.
 pub struct RunOfSpace<'a> {
     pub print: bool,
     pub out: Option<&'a Path>,

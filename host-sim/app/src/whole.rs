@@ -1,4 +1,4 @@
-//! A file that is written whole or not at all: beside its place first, under a name that nobody else has, and then moved there.
+//! Files that are written whole or not at all: first beside their place, under a unique name, then moved there.
 
 use std::io::{ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
@@ -13,10 +13,11 @@ impl Drop for Beside {
     }
 }
 
-/// Writes a file. A link in its place is replaced, never followed; a device or a pipe, such as `/dev/stdout`, is written to as it is.
+/// Writes a file. A link in its place is replaced, never followed; a device or a pipe, such as `/dev/stdout`, is
+/// written to directly.
 ///
 /// # Errors
-/// What the system said. Then the file is as it was before.
+/// The system's message. The file is then unchanged.
 pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     let place = std::fs::symlink_metadata(path);
     if place.as_ref().is_ok_and(std::fs::Metadata::is_dir) {
@@ -50,10 +51,11 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     std::fs::rename(&beside.0, path)
 }
 
-/// A file that is written while it is made, such as a record without an end: a link in its place is replaced, never followed.
+/// Opens a file that grows while it is written, such as an endless recording. A link in its place is replaced, never
+/// followed.
 ///
 /// # Errors
-/// What the system said.
+/// The system's message.
 pub fn begun(path: &Path) -> Result<std::fs::File> {
     let is_link = std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_symlink());
     let is_special = std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir());

@@ -14,7 +14,7 @@ fn said(bytes: &[u8]) -> String {
 
 const BALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/delta-ball.toml");
 
-/// The comparison on both mechanisms with the check on other walls: what a mechanism changes is seen, and the books close on both.
+/// The comparison on both mechanisms with the check on other walls: what a mechanism changes is seen, and the energy balance closes on both.
 #[test]
 fn the_comparison_runs_on_a_delta_with_the_check_on_other_walls() {
     let folder = common::folder("space-mechanism");

@@ -47,11 +47,11 @@ impl FromStr for Address {
 /// A serial port that the system knows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
-    /// Its name.
+    /// The name by which the system opens the port.
     pub name: String,
     /// Whether it is the virtual port of an ST-LINK.
     pub st_link: bool,
-    /// What it is, for people.
+    /// A description for people.
     pub about: String,
 }
 

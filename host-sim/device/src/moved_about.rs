@@ -6,22 +6,22 @@
 use crate::haptic::{HapticFault, length};
 use crate::servo::ForceLaw;
 
-/// What is done.
+/// The motions that are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallMotions {
     /// Control rate, Hz.
     pub rate_hz: u32,
     /// How long each axis is pushed, s.
     pub axis_s: f64,
-    /// Longest push, N; the spring is beside it.
+    /// Largest push, N; the spring's force is added to it.
     pub push_n: f64,
-    /// So far from where it was, something is wrong, m.
+    /// Distance from the start at which the motion is aborted, m.
     pub furthest_m: f64,
 }
 
 /// For the force to fade in before anything is kept, s.
 const QUIET_S: f64 = 1.2;
-/// Of what holds it, N/m and N·s/m.
+/// Stiffness and damping that hold the device, N/m and N·s/m.
 const SPRING_N_PER_M: f64 = 120.0;
 const DAMPING_N_S_PER_M: f64 = 1.0;
 /// The sines, Hz, and their shares of the push; they never peak together for long.
@@ -46,7 +46,7 @@ pub struct MovedAbout {
     past: [[f64; 3]; WINDOW],
     tick: u64,
     at: [f64; 3],
-    /// What was kept of each axis.
+    /// The record of each axis.
     pub axes: [AxisRecord; 3],
 }
 
@@ -72,7 +72,7 @@ impl MovedAbout {
         (self.motions.axis_s * f64::from(self.motions.rate_hz)).ceil() as u64
     }
 
-    /// How many ticks all of it takes.
+    /// Number of ticks of all motions.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.quiet_ticks() + 3 * self.axis_ticks()

@@ -20,11 +20,11 @@ pub struct Omega3 {
     sheet: DataSheet,
 }
 
-/// From a read over the USB to the force of a write: chosen, a microframe of the USB for either; nobody measured it here.
+/// Time from a read over USB to the force of a write; assumed as one USB microframe each, not measured.
 const DELAY_S: f64 = 250e-6;
 /// How often each part of a release is tried. More would take longer than two ticks of the device.
 const RELEASE_TRIES: usize = 2;
-/// How often it is asked whether its motors are on, and how long it has in between.
+/// Number of checks whether the motors are on, and the time between them.
 const ENGAGE_ASKS: usize = 50;
 const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
 
@@ -108,7 +108,7 @@ impl Omega3 {
         }
     }
 
-    /// Its number, while it is held.
+    /// The library's number of the device while it is open.
     fn id(&self) -> Result<i8, HapticFault> {
         self.id
             .ok_or_else(|| unusable("it was released", "open it again"))

@@ -1,4 +1,4 @@
-//! What a device says of its own mechanics, with its motors off: a file that makes the device of a user a plant.
+//! A device's mechanics as reported with its motors off, in a file from which the device can be simulated.
 
 use crate::Omega3;
 use crate::haptic::{DeviceTwin, HapticDevice, HapticFault};
@@ -7,7 +7,7 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// A device as it was surveyed. All of it is what its library said, but for the damping.
+/// A surveyed device. All values except the damping were reported by its library.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
@@ -32,7 +32,7 @@ pub struct Survey {
     pub joint_angle_min_rad: Vec<f64>,
     /// Upper ends of the joints.
     pub joint_angle_max_rad: Vec<f64>,
-    /// Places, and what was said there.
+    /// The positions and the values reported there.
     #[serde(default)]
     pub pose: Vec<Pose>,
 }
@@ -127,7 +127,7 @@ impl Survey {
         })
     }
 
-    /// Of what was measured of each axis: mass, damping, friction; and where it was moved to.
+    /// Makes a survey from measured mass, damping and friction of each axis, and the range of motion.
     #[must_use]
     pub fn measured(
         device: &str,

@@ -13,10 +13,10 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// A connection or a write that takes longer has failed.
 const LIMIT: Duration = Duration::from_secs(2);
 
-/// What a read gave.
+/// The outcome of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// So many bytes.
+    /// This many bytes were read.
     Bytes(usize),
     /// Nothing for some 20 ms.
     Quiet,

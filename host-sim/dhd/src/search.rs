@@ -1,4 +1,4 @@
-//! Where the library is looked for, and what is said when it is not there.
+//! Places where the library is searched, and the message when it is not found.
 
 use crate::Dhd;
 use std::env;
@@ -16,7 +16,7 @@ const NAMES: [&str; 2] = ["libdrd.dylib", "libdhd.dylib"];
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const NAMES: [&str; 4] = ["libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"];
 
-/// What a file's name begins with and has in it, where a version follows.
+/// Beginning and middle of a file name before its version.
 #[cfg(target_os = "windows")]
 const VERSIONED: [(&str, &str); 0] = [];
 #[cfg(target_os = "macos")]
@@ -31,14 +31,14 @@ pub struct LibrarySearch {
     pub file: Option<PathBuf>,
     /// Folders, first to last.
     pub folders: Vec<PathBuf>,
-    /// Whether the system's loader is asked in the end.
+    /// Whether the system's loader is tried last.
     pub system: bool,
 }
 
 /// No library.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotLoaded {
-    /// Places, and what was wrong with each.
+    /// Places that were tried, each with its problem.
     pub tried: Vec<(PathBuf, String)>,
     /// Whether a file was named.
     pub named: bool,
@@ -71,7 +71,7 @@ impl NotLoaded {
 }
 
 impl LibrarySearch {
-    /// A file that the user named, by option; otherwise by `TOUCHSTONE_DHD`; otherwise where the SDK is or is installed to.
+    /// The search. An option's path comes first, then `TOUCHSTONE_DHD`, then the folders of the SDK.
     #[must_use]
     pub fn new(named: Option<&Path>) -> Self {
         let set = |name| env::var_os(name).filter(|text| !text.is_empty());
@@ -158,7 +158,7 @@ impl LibrarySearch {
     }
 }
 
-/// As in the names of the SDK's folders.
+/// The platform's name in the SDK's folders.
 fn platform() -> String {
     let system = if cfg!(target_os = "macos") {
         "mac"

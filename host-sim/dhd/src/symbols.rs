@@ -31,7 +31,7 @@ macro_rules! functions {
         }
 
         impl Calls {
-            /// Those of a library, or which one it lacks.
+            /// The functions of a library, or the first that it lacks.
             fn of(library: &Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($needed: {
@@ -85,7 +85,7 @@ functions! {
 pub struct Dhd {
     calls: Calls,
     path: PathBuf,
-    /// After the functions, which are dropped first.
+    /// The library is declared after the functions, so that they are dropped first.
     _library: Library,
 }
 

@@ -13,7 +13,7 @@ pub const FINGERTIP: f64 = 1e-4;
 pub struct Random(u64);
 
 impl Random {
-    /// A stream of its own for every seed.
+    /// The generator of a seed; each seed has its own stream.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut random = Self(seed);

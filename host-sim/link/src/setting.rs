@@ -47,11 +47,11 @@ pub fn parsed(path: &str, text: &str) -> Result<Setting> {
     Ok((field, bytes))
 }
 
-/// All settings with this one changed: the device's own check, before it is asked. Its message is the same, and names what is to be
-/// done.
+/// All settings with this one changed. This is the device's own check, made before the request, with the same message
+/// and remedy.
 ///
 /// # Errors
-/// No device of this kind takes them.
+/// No device of this kind accepts them.
 pub fn changed(
     before: &DeviceSettings,
     (field, bytes): &Setting,

@@ -1,4 +1,4 @@
-//! What the page is told in words.
+//! Messages to the page in words.
 
 use crate::fault_words::section;
 use crate::value;

@@ -54,7 +54,7 @@ pub fn page(code: FaultCode) -> String {
     name
 }
 
-/// What is wrong, and what to do.
+/// Problem and remedy.
 pub type ProblemAndFix = (String, &'static str);
 
 /// What to do with a device of another version.

@@ -1,6 +1,6 @@
-//! What a page calls that has a board's port itself: bytes in, bytes out, messages and rows for the page.
+//! Functions for a page that holds a board's port: bytes in, bytes out, messages and rows for the page.
 //!
-//! Bytes and texts go through the buffer of [`crate::exports`], whose words about `unsafe` count here too.
+//! Bytes and texts go through the buffer of [`crate::exports`], whose words about `unsafe` hold here too.
 #![allow(unsafe_code)]
 
 use crate::exports::{give, give_bytes, take, take_bytes};
@@ -52,7 +52,7 @@ extern "C" fn live_board_turn(now_ms: f64) {
     talk(|talk| talk.turn(now_ms));
 }
 
-/// Puts what is to be sent into the buffer; gives how many bytes.
+/// Puts the bytes to be sent into the buffer; returns how many.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_out() -> usize {
     give_bytes(talk(Talk::out))

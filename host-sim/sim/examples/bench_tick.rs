@@ -19,7 +19,7 @@ const REPEATS: usize = 100;
 const HOLD_S: &str = "operator.motion.hold_s=20";
 const DURATION_S: &str = "timing.duration_s=23";
 
-/// Ticks with a force, and what the encoder read.
+/// Ticks with a force, and the encoder's counts.
 #[derive(Default)]
 struct Contact {
     ticks: u64,

@@ -1,5 +1,5 @@
-//! Scenes made from the schema by a seed: every field at both ends of its range, at 0 and in between, with every environment. What is
-//! accepted runs to its end in a bounded time; what is refused is refused in one line.
+//! Scenes made from the schema by a seed: every field at both ends of its range, at 0 and in between, with every
+//! environment. An accepted scene runs to its end in a bounded time; a refused one gives one line.
 
 use std::panic::catch_unwind;
 use std::time::{Duration, Instant};
@@ -8,9 +8,10 @@ use touchstone_sim::run::train::Train;
 use touchstone_sim::scene::schema::{FIELDS, Field, Kind, Range};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// Time of a substep at most: twenty times what one takes with most effects, as the sine of a huge angle is slow and machines are busy.
+/// Longest time of a substep: twenty times what one takes with most effects, as the sine of a huge angle is slow and
+/// machines are busy.
 const SLOWEST_SUBSTEP: Duration = Duration::from_micros(20);
-/// Of a hand with friction: a stiff pad takes up to 4,096 power series in a tick.
+/// The same for a hand with friction: a stiff pad takes up to 4,096 power series in a tick.
 const SLOWEST_EVENTS: Duration = Duration::from_millis(8);
 /// Besides.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -39,7 +40,7 @@ impl Seeded {
     }
 }
 
-/// Names as people have them, and as nobody should.
+/// Names as people have them, and some that are hostile.
 const TEXTS: [&str; 6] = [
     "\"\"",
     "\"a \\\"quoted\\\" name\"",
@@ -102,7 +103,7 @@ fn value(field: &Field, seeded: &mut Seeded) -> String {
     }
 }
 
-/// What a scene is changed by.
+/// Random changes of a scene.
 fn made(seeded: &mut Seeded) -> (&'static str, Vec<String>) {
     let base = seeded.of(&[
         "thesis-knob",
@@ -213,7 +214,7 @@ fn campaign(number: usize, seed: u64) {
     assert!(runs > number / 10 && refused > number / 10 && too_long < number / 10);
 }
 
-/// What the campaign found: a step of the plant without an end, and panics where a plant leaves all numbers.
+/// Two findings of the campaign: a step of the plant without an end, and panics where a plant diverges.
 #[test]
 fn scenes_beyond_all_numbers_end() {
     for (base, sets) in [

@@ -1,4 +1,4 @@
-//! A hand that never rests is not judged as a wall that never rests; what is seen nevertheless is.
+//! A moving hand is not mistaken for a wall that does not rest; what can be seen nevertheless is judged.
 
 use std::path::PathBuf;
 use touchstone_sim::run;
@@ -45,7 +45,7 @@ fn sine(hz: f64, time_s: f64) -> f64 {
     libm::sin(std::f64::consts::TAU * hz * time_s)
 }
 
-/// Half of the critical stiffness: such a wall holds whatever the hand does.
+/// Half of the critical stiffness: such a wall holds under any hand.
 #[test]
 fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     let mut unjudged = 0;

@@ -25,8 +25,8 @@ pub struct Friction {
     pub kinetic: Int,
 }
 
-/// In a unit of which so many are a metre, for a device of a rate, Hz, and a damping: `0 < k <= 2 b/T`, `0 <= μ_k <= μ_s <= 10`, and
-/// what fits.
+/// The friction in a unit, given how many of them are a metre, for a device with a rate, Hz, and a damping: `0 < k <=
+/// 2 b/T`, `0 <= μ_k <= μ_s <= 10`, and all coefficients must fit.
 #[must_use]
 pub fn made(set: &Settings, per_metre: Int, rate: Int, damping: Int) -> Option<Friction> {
     let most = times(times(damping, rate * ONE), 2 * ONE);

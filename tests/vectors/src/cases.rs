@@ -11,11 +11,11 @@ use touchstone_control::{
 pub struct Case {
     /// Short, without spaces.
     pub name: &'static str,
-    /// The default settings but for what the name says.
+    /// The default settings with the change that the name states.
     pub settings: Settings,
 }
 
-/// All of them.
+/// All cases.
 #[must_use]
 pub fn cases() -> [Case; 19] {
     let base = Settings::thesis();

@@ -27,7 +27,7 @@ struct Mutant {
     /// The harness that refutes it; may be missing where a test is named.
     #[serde(default)]
     harness: String,
-    /// The test that fails of it, `package name`; may be missing where a harness is named.
+    /// The test that must fail with the change, `package name`; may be missing where a harness is named.
     #[serde(default)]
     test: String,
 }
@@ -36,13 +36,13 @@ struct Mutant {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sabotage {
-    /// What is taken out.
+    /// Name of the part that is taken out.
     name: String,
     /// Whose program.
     board: String,
     /// What `fil --only` is given.
     only: String,
-    /// What a line says that tells what is wrong.
+    /// Text of the line that reports the problem.
     says: String,
     change: Vec<Change>,
 }
@@ -55,7 +55,7 @@ struct Change {
     replace: String,
 }
 
-/// An entry as it is printed.
+/// Lines of a printed entry.
 type Lines<'l> = Vec<(&'static str, &'l str)>;
 
 impl Mutant {

@@ -28,7 +28,7 @@ use crate::Position;
 /// The closest surface point, as seen from the HIP.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest<N: Spatial> {
-    /// Out of the object.
+    /// The direction out of the object.
     pub normal: Direction<N>,
     /// How deep the HIP is below it, positive inside.
     pub depth: Position<N>,

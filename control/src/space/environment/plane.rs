@@ -8,9 +8,9 @@ use crate::space::vector::{Direction, Vector};
 /// What lies below a plane. The depth is within a quantum, and exact where the normal is an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
-    /// Out of the object.
+    /// The direction out of the object.
     pub normal: Direction<N>,
-    /// Of the plane over the origin, along the normal.
+    /// Height of the plane over the origin, along the normal.
     pub height: Position<N>,
 }
 

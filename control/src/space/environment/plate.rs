@@ -9,7 +9,7 @@ use crate::space::vector::{Direction, Vector};
 /// tick; around its rim, and only there, the HIP comes to the other side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate<N: Spatial> {
-    /// Its body.
+    /// The body of the plate.
     pub body: Cuboid<N>,
     /// The axis across which it lies, 0 to 2; others are z.
     pub axis: usize,

@@ -25,7 +25,7 @@ use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::OMEGA3;
 
-/// What stands in the device's workspace.
+/// The object in the device's workspace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Scenery {
     /// A floor or a slope through the centre, or a ball of 30 mm around it.
@@ -77,7 +77,7 @@ pub struct Options {
     scored: scorecard::ScoreOptions,
     #[command(flatten)]
     wall: WallOptions,
-    /// Ends after so many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without it, with Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
     /// Keeps every tick as CSV; needs --seconds.

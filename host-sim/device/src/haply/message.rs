@@ -1,4 +1,4 @@
-//! What is said to the service of an Inverse3 and what it says, as JSON.
+//! The JSON messages to and from the service of an Inverse3.
 
 use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// Of a version's text: the first number with a point in it.
+    /// Parses a version's text: the first number with a point in it.
     #[must_use]
     pub fn of(version: &str) -> Option<Self> {
         let mut words = version.split(|letter: char| !letter.is_ascii_digit() && letter != '.');
@@ -45,7 +45,7 @@ impl Generation {
 /// A device's state, of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CursorState {
-    /// Its name.
+    /// The name of the device.
     pub device: String,
     /// Where it is in its own frame, m.
     pub position_m: [f64; 3],

@@ -8,14 +8,14 @@ use touchstone_world::plant::{
     OMEGA3_AXIS, State,
 };
 
-/// What of a device is simulated: in a hand, or with nobody at it.
+/// The simulated part of a device, with or without a hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceTwin {
     /// Limits.
     pub limits: Limits,
     /// Each axis, in kg and N·s/m.
     pub axes: [Device; 3],
-    /// The hand at it; without one its rest point is not asked for but at the start.
+    /// The hand that holds it; without one the hand's rest point is only used at the start.
     pub hand: Option<Hand>,
 }
 
@@ -83,7 +83,7 @@ impl Simulated {
     }
 }
 
-/// Where the hand means to be after so many seconds, m.
+/// The hand's intended position after this many seconds, m.
 pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
 
 /// A device that is simulated one control interval further at every command, under the force commanded.

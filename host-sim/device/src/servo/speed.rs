@@ -1,4 +1,4 @@
-//! The loop's own speed: the vendor's is a mean over 20 ms unless it is told otherwise, and some devices have none.
+//! The loop's own speed: the vendor's is by default a mean over 20 ms, and some devices have none.
 
 /// The window of the slope, s.
 const WINDOW_S: f64 = 4e-3;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use touchstone_device::haptic::{self, DeviceTwin, HapticDevice, SimulatedArm};
 use tungstenite::{Message, WebSocket, accept};
 
-/// What goes wrong at a state.
+/// The fault of a state message.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Wrong {
     Nothing,
@@ -26,7 +26,7 @@ pub enum Wrong {
     Uncalibrated,
 }
 
-/// What a service saw until its end.
+/// The messages that a service received until its end.
 #[derive(Debug, Default, Clone)]
 pub struct Saw {
     pub longest_n: f64,

@@ -1,4 +1,4 @@
-//! The tests' door to a library that was loaded by the program: what is to go wrong, and what was noted.
+//! The tests' access to a library that the program loaded: sets faults, and reads what was noted.
 #![allow(unsafe_code)] // To load the library a second time, which gives the same one.
 
 use crate::machine::machine;
@@ -50,7 +50,7 @@ pub struct Door {
 /// The library that was built with the tests: beside the program that runs.
 ///
 /// # Panics
-/// It is not there.
+/// It does not exist.
 #[must_use]
 pub fn built() -> PathBuf {
     let name = libloading::library_filename("touchstone_mock_dhd");
@@ -72,10 +72,10 @@ impl Door {
         Self::changed(folder, plan, |bytes| bytes)
     }
 
-    /// The same, changed on the way.
+    /// Same as [`Door::new`], with a changed copy of the library.
     ///
     /// # Panics
-    /// As [`Door::new`].
+    /// Same as [`Door::new`].
     #[must_use]
     pub fn changed(folder: &Path, plan: &[&str], change: impl Fn(Vec<u8>) -> Vec<u8>) -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(0);
@@ -100,7 +100,7 @@ impl Door {
         &self.path
     }
 
-    /// Asks: a number.
+    /// Sends a text, returns a number.
     ///
     /// # Panics
     /// The text is too long or not understood.

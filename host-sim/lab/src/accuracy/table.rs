@@ -1,4 +1,4 @@
-//! The same for a terminal.
+//! The results as a table for a terminal.
 
 use std::fmt::Write;
 

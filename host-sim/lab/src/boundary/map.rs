@@ -42,7 +42,7 @@ fn edges(values: &[f64]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// One panel a delay.
+/// The figures: one panel for each delay.
 #[must_use]
 pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
     let (columns, rows) = (edges(&plan.dampings), edges(&plan.stiffnesses));

@@ -28,12 +28,12 @@ use touchstone_sim::scene::{Encoder, MotionSpec, Scene};
 pub const DAMPINGS: [f64; 2] = [1e-4, 1.0];
 /// Least and largest `T sqrt(k_de/J)`.
 pub const STIFFNESSES: [f64; 2] = [0.1, 2.0];
-/// A press goes so many counts deep at least: shallower, nothing can be told from rounding.
+/// Least depth of a press in counts: of a shallower one nothing but rounding is seen.
 const DEEP_COUNTS: f64 = 20.0;
 /// Cells between two writes.
 const CELLS_A_WRITE: usize = 8;
 
-/// What is drawn.
+/// The plane to compute.
 #[derive(Debug, Clone)]
 pub struct BoundaryPlan {
     /// Inertia, rate, encoder, friction and press; damping, delay and stiffness are those of the cells.
@@ -75,12 +75,12 @@ pub enum TunedEnding {
     RestsElsewhere,
     /// Does not come to rest.
     DoesNotRest,
-    /// The law takes no settings for such a wall.
+    /// The law has no settings for such a wall.
     Refused,
 }
 
 impl TunedEnding {
-    /// All.
+    /// All endings.
     pub const ALL: [TunedEnding; 5] = [
         TunedEnding::Holds,
         TunedEnding::Rests,
@@ -102,7 +102,7 @@ impl TunedEnding {
 /// One cell that was computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryCell {
-    /// What the cell is of: a digest of scene, law, budget and seed.
+    /// A digest of scene, law, budget and seed, to which the cell belongs.
     pub plan: String,
     /// Delay, ticks.
     pub delay_ticks: f64,
@@ -122,7 +122,7 @@ pub struct BoundaryCell {
     pub displayed_error: Option<f64>,
     /// Deviation of the modulus of a hand that moves, share; empty where the wall was left.
     pub modulus_error: Option<f64>,
-    /// Its phase, degrees.
+    /// Phase of the moving hand, degrees.
     pub phase_deg: Option<f64>,
     /// What `certify` says of the three grips.
     pub certificate: Option<certify::Verdict>,
@@ -135,7 +135,7 @@ pub struct BoundaryCell {
 }
 
 impl BoundaryCell {
-    /// Whether `certify` says stable of it.
+    /// Whether the certificate of the cell is "stable".
     #[must_use]
     pub fn is_certified(&self) -> bool {
         self.certificate == Some(certify::Verdict::Stable)
@@ -148,7 +148,8 @@ impl BoundaryCell {
     }
 }
 
-/// So many values from `from` to `to` in even ratios, to four digits: what is run is what is written down.
+/// This many values from `from` to `to` in even ratios, rounded to four digits, so that the written values are those
+/// that run.
 fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count)
         .map(|index| {
@@ -159,7 +160,7 @@ fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
 }
 
 impl BoundaryPlan {
-    /// A plane of so many columns and rows.
+    /// A plane of this many columns and rows.
     #[must_use]
     pub fn new(base: Scene, rival: &'static Rival, [columns, rows]: [usize; 2]) -> Self {
         Self {
@@ -193,8 +194,8 @@ impl BoundaryPlan {
         places
     }
 
-    /// Device and wall of a place. The press is the scene's, or as strong as twenty counts of depth ask; the limits of torque and force
-    /// grow with it, since they are not what is looked at.
+    /// Device and wall of a place. The press is the scene's, or strong enough for twenty counts of depth. The limits
+    /// of torque and force grow with it, since the map is not about them.
     #[must_use]
     pub fn scene(&self, place: BoundaryPlace) -> Scene {
         let mut scene = self.base.clone();
@@ -284,10 +285,10 @@ impl BoundaryPlan {
         sha256(of.as_bytes())[..12].to_owned()
     }
 
-    /// Computes every cell that a file does not have yet; tells how many are done.
+    /// Computes every cell that a file does not have yet; `told` gets the number of finished cells.
     ///
     /// # Errors
-    /// A file that holds the cells of something else, or cannot be written.
+    /// A file that holds the cells of another plane, or cannot be written.
     pub fn fill(&self, file: &Path, mut told: impl FnMut(u64)) -> Result<Vec<BoundaryCell>> {
         let (mut journal, mut cells) = Journal::open::<BoundaryCell>(file)?;
         let digest = self.digest();
@@ -339,11 +340,11 @@ pub struct ColumnLimits {
     pub rests_up_to: Option<f64>,
     /// The largest at which one does.
     pub highest_at_rest: Option<f64>,
-    /// The same as the first with a moving hand.
+    /// The limit of stiffness with a moving hand as well.
     pub holds_up_to: Option<f64>,
     /// The largest at or below the first of which `certify` says stable.
     pub certified_up_to: Option<f64>,
-    /// `k_de` at the first over what the device's own damping makes passive.
+    /// `k_de` at the first limit, over the stiffness that the device's own damping makes passive.
     pub times_critical: Option<f64>,
 }
 

@@ -106,7 +106,7 @@ impl LinearLaw {
 /// Phases of a law between which it changes, each linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
-    /// What it is called in a certificate.
+    /// Name of the phase in a certificate.
     pub name: &'static str,
     /// The phase.
     pub law: LinearLaw,

@@ -45,7 +45,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Hand;
 
-/// What a certificate says. The order is from good to bad.
+/// Verdict of a certificate, from good to bad.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, serde::Deserialize,
 )]
@@ -60,7 +60,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In lower case.
+    /// The verdict in lower case.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -71,7 +71,7 @@ impl Verdict {
     }
 }
 
-/// What is to be certified.
+/// Options of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// For which hands.
@@ -97,9 +97,9 @@ impl Default for Options {
 pub struct Certificate {
     /// The scene.
     pub scene: String,
-    /// The worst over the scene's hand and the grips; without either, of a device that nobody holds.
+    /// The worst verdict over the scene's hand and the grips; without any hand, that of the free device.
     pub verdict: Verdict,
-    /// Of the hypothetical hand that is worst in the whole family; absent where none was looked for.
+    /// The verdict for the hypothetical hand that is worst in the whole family; `None` where it was not searched.
     pub every_hand: Option<Verdict>,
     /// `k_de`, N·m/rad.
     pub k_desired: f64,
@@ -111,7 +111,7 @@ pub struct Certificate {
     pub worst: usize,
     /// Margins over the scene's hand and the grips.
     pub margins: Option<Margins>,
-    /// What the certificate says nothing of.
+    /// Effects that the certificate does not cover.
     pub not_covered: Vec<String>,
 }
 

@@ -10,7 +10,7 @@ pub struct Column {
     pub unit: &'static str,
     /// Meaning in a few words.
     pub meaning: &'static str,
-    /// Its numbers.
+    /// The column's numbers in a trace.
     pub values: fn(&Trace) -> &[f64],
 }
 

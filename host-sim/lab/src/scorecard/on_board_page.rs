@@ -78,12 +78,12 @@ pub fn verdict(card: &BoardCard) -> String {
     )
 }
 
-/// What the scatter is.
+/// Explanation of the scatter.
 pub const SCATTER: &str = "Scatter: the desktop's own figure where the surface lies at eight places within a count; and the board's at the places at which it was played, where those are several.";
 
 const HEADER: [&str; 7] = ["", "desktop", "board", "apart", "scatter", "board's", ""];
 
-/// As text: what is the scorecard's own, and every grip's where it is apart.
+/// As text: the scorecard's figures, and every grip's where it differs.
 #[must_use]
 pub fn text(card: &BoardCard) -> String {
     let several = card.places > 1;

@@ -20,10 +20,10 @@ const BANDS: [&str; 8] = [
     "band band7",
 ];
 
-/// Places that somebody measured.
+/// Measured places.
 #[derive(Debug, Clone, Default)]
 pub struct Overlay {
-    /// What they are.
+    /// Name of the measurements.
     pub name: String,
     /// In the axes' units.
     pub points: Vec<(f64, f64)>,
@@ -32,9 +32,9 @@ pub struct Overlay {
 /// What is drawn over the tiles.
 #[derive(Debug, Clone, Default)]
 pub struct Over {
-    /// Of theory.
+    /// Lines of theory.
     pub lines: Vec<Line>,
-    /// Of others' measurements.
+    /// Measured places.
     pub points: Option<Overlay>,
 }
 

@@ -32,7 +32,7 @@ impl Outcome {
     }
 }
 
-/// A statement of the thesis, and what was found.
+/// A statement of the thesis, and the finding.
 #[derive(Debug, Clone)]
 pub struct Claim {
     /// Short name, stable across versions.
@@ -43,7 +43,7 @@ pub struct Claim {
     pub statement: &'static str,
     /// How it fared.
     pub outcome: Outcome,
-    /// What was measured.
+    /// The measured value.
     pub measured: String,
 }
 
@@ -128,7 +128,7 @@ fn variant(
     run::run(&scene.with(change)?, true)
 }
 
-/// All claims. `runs` are those of [`super::cells`]; a few more are made here.
+/// All claims, checked against `runs`, which are those of [`super::cells`], and a few more runs.
 ///
 /// # Errors
 /// A base scene that cannot be run.

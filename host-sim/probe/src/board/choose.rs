@@ -15,7 +15,7 @@ const OPTION: &str = "--probe";
 /// A probe at the USB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
-    /// As `--probe` takes it: VID:PID:SERIAL.
+    /// The probe as `--probe` names it: VID:PID:SERIAL.
     pub selector: String,
     /// What it calls itself.
     pub name: String,

@@ -1,4 +1,4 @@
-//! What a running program tells, through a ring in its RAM (RTT) that the probe reads while it runs.
+//! The log of a running program, through a ring in its RAM (RTT) that the probe reads.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ const CHANNEL: usize = 0;
 const PAUSE: Duration = Duration::from_millis(10);
 /// A program that was started has set up its ring by then; a board that is being reset answers again.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Of each part of the program, this much is compared with the flash before its words are believed.
+/// Bytes of each part of the program that are compared with the flash before its log is decoded.
 const COMPARED_BYTES: usize = 1024;
 
 /// What there is to tell of a log.
@@ -100,7 +100,7 @@ impl Attached {
         Ok(channel.read(&mut core, bytes)?)
     }
 
-    /// Finds the ring, with some patience; `None` if nobody waits for it any more.
+    /// Finds the ring, with some patience; `None` if the log is no longer wanted.
     fn joined(
         &mut self,
         region: &ScanRegion,

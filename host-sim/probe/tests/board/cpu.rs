@@ -8,7 +8,7 @@ use crate::memory::Memory;
 pub enum Stop {
     /// BKPT.
     Breakpoint,
-    /// What a HardFault without a handler would be: a lockup.
+    /// A fault without a handler, which locks the processor up.
     Fault(String),
 }
 
@@ -38,7 +38,7 @@ fn register(code: u32, low: u32) -> usize {
     field(code, low, 3) as usize
 }
 
-/// A number of so many bits with a sign.
+/// A number of this many bits, sign-extended.
 fn signed(value: u32, bits: u32) -> u32 {
     (((value << (32 - bits)) as i32) >> (32 - bits)) as u32
 }

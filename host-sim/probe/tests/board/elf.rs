@@ -111,7 +111,7 @@ impl Program {
     }
 }
 
-/// So many bytes that repeat nowhere soon, beginning with a stack and a start.
+/// This many bytes without an early repetition, beginning with a stack and an entry point.
 pub fn code(size: usize) -> Vec<u8> {
     let mut bytes = 0x2000_8000_u32.to_le_bytes().to_vec();
     bytes.extend(0x0800_0101_u32.to_le_bytes());

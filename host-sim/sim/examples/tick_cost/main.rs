@@ -16,7 +16,7 @@ use touchstone_sim::run::chain::Staged;
 use touchstone_sim::run::plan::Plan;
 use touchstone_sim::scene::RestPath;
 
-/// So many ticks of what the plan makes of a configuration.
+/// Runs this many ticks of the planned loop of a configuration.
 fn planned(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;
@@ -27,7 +27,7 @@ fn planned(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
-/// The same where a hand presses, and nothing but the plan is in the loop.
+/// Same as [`planned`], where a hand presses, with nothing but the plan in the loop.
 fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;

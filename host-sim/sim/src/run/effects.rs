@@ -17,7 +17,7 @@ use crate::scene::{
 /// An effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// Its name.
+    /// The effect's name.
     pub name: &'static str,
     /// Where it stands.
     pub place: Place,
@@ -72,7 +72,7 @@ fn transmission(scene: &Scene) -> Transmission {
     }
 }
 
-/// Those of the world around law and wall, from the sensor to the hand.
+/// Effects of the world around law and wall, from the sensor to the hand.
 const WORLD: &[Effect] = &[
     Effect {
         name: "encoder",

@@ -1,4 +1,4 @@
-//! What a run is judged by, gathered tick by tick, and the verdict.
+//! The values that a run is judged by, gathered tick by tick, and the verdict.
 
 use super::measure::{
     ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
@@ -32,7 +32,7 @@ pub struct Judge {
     finite: bool,
 }
 
-/// What the energy guard did in a run.
+/// Actions of the energy guard in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
     /// Lowest account, J.
@@ -58,7 +58,7 @@ impl GuardWatch {
     }
 }
 
-/// What a hand feels.
+/// Measures of what a hand feels.
 #[derive(Debug, Clone)]
 struct Felt {
     peak: PeakPenetration,
@@ -169,7 +169,7 @@ pub struct Judgement {
     pub energy_out_worst_window_j: f64,
     /// Most that the wall's port gave in any window of time, J.
     pub energy_out_wall_worst_window_j: f64,
-    /// What the guard did, if there was one.
+    /// Actions of the guard, if there is one.
     pub guard: Option<GuardWatch>,
     /// When the press had settled, in ticks.
     pub settled: Option<Settled>,
@@ -281,7 +281,7 @@ impl Judge {
         }
     }
 
-    /// What the user's port gave beyond what it had taken, J.
+    /// Energy that the user's port gave beyond what it had taken, J.
     fn energy_out(&self) -> f64 {
         // Rounding of the two sums, and a millionth of what went through the port.
         let tolerance = 1e-12 + 1e-6 * self.throughput;

@@ -101,7 +101,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     Ok(control)
 }
 
-/// The law with what tells it the angle.
+/// The law with its sensor.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
     if let Some(named) = scene.environment.as_ref()
         && named.is_more_than_the_wall()

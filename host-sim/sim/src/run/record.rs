@@ -1,11 +1,11 @@
-//! What one run leaves behind: the summary that goes into `results.json` and the trace that the plots are drawn from.
+//! Results of one run: the summary for `results.json`, and the trace for the plots.
 
 use super::judge::Judge;
 pub use super::measure::DynamicStiffness;
 pub use super::verdict::Verdict;
 use crate::scene::Scene;
 use serde::Serialize;
-use touchstone_control::LawKind;
+use touchstone_control::{Choice as _, LawKind};
 
 /// One run in numbers, all SI. `None` stands for "does not apply", e.g. no hold in the scene.
 #[derive(Debug, Clone, Serialize)]
@@ -16,6 +16,7 @@ pub struct Summary {
     #[serde(serialize_with = "crate::scene::word")]
     pub law: LawKind,
     /// Name in tables and figures in place of the law's own, where a report compares two settings of one law.
+    /// [`Summary::word`] has it in results.
     #[serde(skip)]
     pub shown_as: Option<&'static str>,
     /// Number format of the law: `fixed32`, `fixed16`, `f32` or `f64`.
@@ -88,6 +89,15 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// The run's name in results and file names: its law's word, or the name that a report gives it, in lower case.
+    #[must_use]
+    pub fn word(&self) -> String {
+        match self.shown_as {
+            Some(name) => name.to_lowercase(),
+            None => self.law.word().to_owned(),
+        }
+    }
+
     /// The run's verdict by its name.
     #[must_use]
     pub const fn verdict_name(&self) -> &'static str {
@@ -181,7 +191,7 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device dissipated so far (viscous and dry friction), J.
     pub energy_device_loss_j: Vec<f64>,
-    /// What the guard's account would still pay the hand, J (NaN: the scene has no guard).
+    /// Energy that the guard's account would still pay the hand, J (NaN: the scene has no guard).
     pub guard_account_j: Vec<f64>,
 }
 

@@ -31,7 +31,7 @@ impl Default for SensorNoise {
     }
 }
 
-/// What a disc or a magnet out of the axis, or tilted, does: `A sin(n x + phase) + A2 sin(2n x + phase2)`.
+/// Error of a disc or a magnet that is off the axis, or tilted: `A sin(n x + phase) + A2 sin(2n x + phase2)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PeriodicError {

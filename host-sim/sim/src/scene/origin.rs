@@ -21,7 +21,7 @@ pub struct Origin {
     places: BTreeMap<String, Place>,
 }
 
-/// Where a value was written is no part of what a scene means: any two origins are equal.
+/// Origins do not count in a comparison of scenes: any two are equal.
 impl PartialEq for Origin {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -42,7 +42,7 @@ impl Origin {
         self.file.as_deref()
     }
 
-    /// Records where `path` was written. A field on the command line is looked up by itself, not by its table.
+    /// Records where `path` was written. A field on the command line is looked up by its own path, not by its table.
     pub(crate) fn put(&mut self, path: &str, place: Place) {
         self.places.insert(path.to_owned(), place);
     }

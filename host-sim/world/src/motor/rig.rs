@@ -1,4 +1,4 @@
-//! Motor, bridge, knob and hand in lock-step with whoever drives them: one call a PWM period.
+//! Motor, bridge, knob and hand in step with the caller: one call a PWM period.
 
 use super::bridge::{Bridge, Drive};
 use super::windings::{MotorParameters, Windings};

@@ -1,4 +1,4 @@
-//! A device that nobody holds, with Coulomb friction: exact in closed form.
+//! A device without a hand, with Coulomb friction: exact in closed form.
 
 use super::bare::BareLinear;
 use super::device::{Coulomb, Device, Invalid};
@@ -36,7 +36,7 @@ impl BareCoulomb {
         })
     }
 
-    /// One interval; the losses are worked out only where `LOSS` asks for them.
+    /// Advances by one interval; losses are computed only with `LOSS`.
     #[inline(always)]
     fn advance<const LOSS: bool>(&self, state: &mut State<2>, torque: f64) -> Loss {
         let v = state.0[1];

@@ -37,18 +37,18 @@ pub struct HeldCoulomb {
     breakaway: f64,
     /// `h²/8` times a bound of `d²v/dt²` per magnitude of each entry of the drive.
     slide_guard: [f64; 5],
-    /// The same per magnitude of each entry of the drive's own rate of change.
+    /// The same bound per magnitude of each entry of the drive's own rate of change.
     slide_rate_guard: [f64; 5],
-    /// That rate of change for each entry of the drive.
+    /// Rate of change for each entry of the drive.
     rates: [[f64; 5]; 5],
     /// Increment of `[x_h, v_h]` for the stuck drive `[d, v_h, g]`.
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
     /// `h²/8` times a bound of the second derivative of the pad's torque per magnitude of each entry of the stuck drive.
     stick_guard: [f64; 3],
-    /// The same per magnitude of each entry of the stuck drive's own rate of change.
+    /// The same bound per magnitude of each entry of the stuck drive's own rate of change.
     stick_rate_guard: [f64; 3],
-    /// That rate of change for each entry of the stuck drive.
+    /// Rate of change for each entry of the stuck drive.
     stuck_rates: [[f64; 3]; 3],
     /// Longest interval that one power series covers, s.
     piece_s: f64,
@@ -84,7 +84,7 @@ fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
         .sum()
 }
 
-/// Of the rougher bound, what is left to rounding beside the finer one, which may be nothing at all.
+/// Share of the rougher bound that allows for rounding beside the finer one, which may be zero.
 const ROUNDING: f64 = 1e-9;
 
 impl HeldCoulomb {
@@ -156,7 +156,7 @@ impl HeldCoulomb {
         torque + (hand.pad_stiffness * strain + hand.pad_damping * v_h)
     }
 
-    /// One interval; the losses are worked out only where `LOSS` asks for them.
+    /// Advances by one interval; losses are computed only with `LOSS`.
     #[inline(always)]
     fn advance<const LOSS: bool>(&self, state: &mut State<4>, torque: f64, rest: f64) -> Loss {
         let full = drive(state, torque, rest);
@@ -193,7 +193,7 @@ impl HeldCoulomb {
         loss
     }
 
-    /// One interval that begins with the device stuck.
+    /// Advances by one interval that begins with the device stuck.
     #[inline(always)]
     fn hold<const LOSS: bool>(
         &self,

@@ -38,13 +38,13 @@ pub struct Verdict {
     /// Whether an assertion of the property itself failed, not only a check that the compiler or the checker put in.
     pub own_failed: bool,
     pub covers: (usize, usize),
-    /// By the clock.
+    /// Duration by the clock, s.
     pub seconds: f64,
     /// The solver that ran.
     pub solver: String,
-    /// What the file that the checker's tools were given is called; processes are told apart by it.
+    /// Name of the file that the checker's tools worked on, by which processes are recognised.
     pub program: String,
-    /// What its tools took, where it could be measured.
+    /// Memory and time of the tools, where they could be measured.
     pub usage: Option<Usage>,
 }
 
@@ -52,7 +52,7 @@ impl Verdict {
     pub fn proved(&self) -> bool {
         self.answer == Answer::Proved
     }
-    /// In a few words.
+    /// The verdict in a few words.
     pub fn words(&self) -> String {
         match &self.answer {
             Answer::Proved => "proved".into(),

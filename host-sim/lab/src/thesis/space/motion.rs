@@ -1,4 +1,4 @@
-//! What the hand means to do: its rest point over time.
+//! The hand's motion: its rest point over time.
 
 use super::{Object, RADIUS_MM};
 use touchstone_world::plant::FIRM_TRANSLATION;

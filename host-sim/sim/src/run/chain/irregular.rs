@@ -76,7 +76,7 @@ impl<S: Stepper> Irregular<S> {
         })
     }
 
-    /// The same, and where the device is when the torque changes is measured.
+    /// The same crossing, which also measures where the device is when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {
@@ -85,7 +85,7 @@ impl<S: Stepper> Irregular<S> {
         }
     }
 
-    /// So many parts at random, 0 to `most`.
+    /// A random number of parts, 0 to `most`.
     fn drawn(stream: &mut Stream, most: u64) -> u64 {
         (stream.uniform() * (most + 1) as f64) as u64
     }

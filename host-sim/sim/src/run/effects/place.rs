@@ -1,9 +1,9 @@
 //! Where in the loop effects stand.
 
-/// Where in the loop an effect stands, and with it what naming it costs at least.
+/// Place of an effect in the loop, which also decides its least cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The innermost part: how the law is told the angle.
+    /// The innermost part: the sensor that gives the law the angle.
     Sensor,
     /// A stage on the way of the angle to the law.
     Angle,
@@ -23,7 +23,7 @@ pub enum Place {
     Hand,
     /// Beside the wall, before its guard.
     Environment,
-    /// In the law: what its damper takes for the velocity.
+    /// In the law: the velocity of its damper.
     Velocity,
 }
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// A motion in a steady rhythm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiggle {
-    /// Its frequency, Hz.
+    /// Frequency of the motion, Hz.
     pub frequency_hz: f64,
     /// First tick and the one past the last of whole periods at full amplitude.
     pub window: (u64, u64),
@@ -23,7 +23,7 @@ pub struct DynamicStiffness {
     pub phase_deg: f64,
 }
 
-/// What a signal adds to a fit of mean, cosine and sine.
+/// Sums of a signal for a fit of mean, cosine and sine.
 #[derive(Debug, Clone, Copy, Default)]
 struct Signal {
     sum: f64,

@@ -18,13 +18,14 @@ const STEP_S: f64 = 1e-3;
 /// Most steps of a curve: an hour in milliseconds, 29 MB.
 pub(super) const MOST_STEPS: f64 = 3.6e6;
 
-/// Finest step, s: what a recording has above its half is no hand, and the low-pass costs the square of its inverse.
+/// Finest step, s. Above half its rate a recording has no motion of a hand, and the low-pass costs the square of the
+/// step's inverse.
 const FINEST_S: f64 = 1e-4;
 
 /// Steps of a curve that is smoothed in steps of less than [`STEP_S`].
 const MOST_FINE_STEPS: f64 = 6e5;
 
-/// Step for a recording of this length with so many samples, s: the mean interval, as samples may come in bursts.
+/// Step for a recording of this length with this many samples, s: the mean interval, as samples may come in bursts.
 pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
     let mean_s = length_s / samples.saturating_sub(1).max(1) as f64;
     mean_s

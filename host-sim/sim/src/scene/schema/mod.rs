@@ -12,7 +12,7 @@ pub use fields::FIELDS;
 pub(crate) use fields::OPTIONAL_TABLES;
 pub(crate) use hand_fields::MOTION_KIND;
 
-/// What a field may hold.
+/// Which values a field may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Any text.
@@ -88,9 +88,9 @@ pub struct Field {
     pub path: &'static str,
     /// Suffix of its unit; empty where it has none.
     pub unit: &'static str,
-    /// What it may hold.
+    /// The values that the setting may hold.
     pub kind: Kind,
-    /// What it is, to stand after "give".
+    /// Description that can stand after "give".
     pub about: &'static str,
     /// What it means not to set it; `None` where it has a default value.
     pub absent: Option<&'static str>,

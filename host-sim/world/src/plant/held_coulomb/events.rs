@@ -9,7 +9,7 @@ use crate::plant::taylor::{RECIPROCAL, Series, TERMS};
 /// Stops and starts that are followed within one tick. A plant with sensible numbers has one or two.
 const MAX_EVENTS: u32 = 8;
 
-/// What the device is doing between two events.
+/// The device's motion between two events.
 #[derive(Clone, Copy)]
 pub(super) enum Mode {
     /// Turning in the direction of this sign.

@@ -27,7 +27,7 @@ pub struct LuGre {
 /// Friction at the shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Friction {
-    /// None.
+    /// No friction.
     #[default]
     None,
     /// Set-valued at rest; in motion `kinetic + (breakaway - kinetic) exp(-(v/stribeck)^2)`, or `kinetic` alone.
