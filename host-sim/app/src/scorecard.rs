@@ -60,7 +60,7 @@ pub struct Options {
     /// With --programme: this grip alone.
     #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
     grip: Option<String>,
-    /// With --programme: these actions alone.
+    /// With --programme: only these deeds of the hand, such as press; may be given several times.
     #[arg(long = "deed", value_name = "DEED", requires = "programme", num_args = 1.., value_parser = deed)]
     deeds: Vec<String>,
 }
