@@ -62,7 +62,7 @@ crate::choice! {
 }
 
 crate::choice! {
-    /// What the step of the offset assumes of the hand.
+    /// The assumption about the hand behind the step of the offset.
     IdealStep {
         /// The position stays: `|k_de e - |f||/k_v` (3.7). A soft hand gives way by as much as the offset grows, so that this
         /// step is too long by `k_de/k_v`, and `c` must be chosen anew for every `k_de`.

@@ -11,7 +11,7 @@ use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::velocity::Velocity;
 use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
 
-/// What all laws have.
+/// Settings that all laws share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
     /// `k_de`.
@@ -50,7 +50,7 @@ impl<N: Number> Common<N> {
         }
     }
 
-    /// With virtual damping, and its velocity, if that is no difference of the law's own.
+    /// A spring with virtual damping, and the filter of its velocity unless the law takes plain differences.
     pub fn damped(
         &self,
         settings: &Settings,

@@ -16,7 +16,7 @@ use crate::{Force, Guard, Guarded, Number, Position, States, Stiffness};
 pub enum AnyLaw<N: Number> {
     /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
     Spring(Spring<N>, SpringState),
-    /// Virtual spring with virtual damping and a velocity of its own.
+    /// Virtual spring with virtual damping, whose velocity comes from its own filter.
     Damped(Damped<N>, DampedState<N>),
     /// Time-domain passivity approach.
     Tdpa(Tdpa<N>, TdpaState<N>),
@@ -109,9 +109,9 @@ impl<N: Number> AnyLaw<N> {
 pub struct Controller<N: Number> {
     /// The law.
     pub law: AnyLaw<N>,
-    /// The stage before it.
+    /// The stage before the law.
     pub states: States<N>,
-    /// The stage after it.
+    /// The stage after the law.
     pub guard: Option<Guarded<N>>,
     /// The force commanded at the last tick, after every later stage that may change it.
     commanded: Force<N>,

@@ -48,7 +48,7 @@ macro_rules! long_division {
         }
 
         $(#[$doc])*
-        /// For a quotient of one word.
+        /// The reciprocal for a quotient of one word.
         #[inline(always)]
         fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;

@@ -1,4 +1,4 @@
-//! From encoder count to penetration: the first step of the tick, in integers on every machine.
+//! Converts the encoder count to penetration: the first step of the tick, in integers on every machine.
 
 use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
@@ -116,7 +116,7 @@ impl CountScale {
         Position(N::saturating_signal(way))
     }
 
-    /// The same encoder before another surface.
+    /// Same encoder with another surface.
     #[inline(always)]
     #[must_use]
     pub fn before(self, surface: Si) -> Self {

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`; `F` is passive at the physical port
-//! where the device damps at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero: what the
+//! where the device damps at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. What the
 //! rounding leaves, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate.
 //! `f_p` is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
 

@@ -12,7 +12,7 @@ use core::hint::cold_path;
 
 /// A word and the double-width word that holds its products without loss.
 pub trait Word: Copy + Debug + Ord + 'static {
-    /// Twice the width.
+    /// An integer of twice the width.
     type Wide: Copy + Debug + Ord + 'static;
     /// Number of bits of the word.
     const BITS: u32;

@@ -205,7 +205,7 @@ impl<N: Number> Energy<N> {
     pub fn from_si(si: Si) -> Option<Self> {
         N::energy(si).map(Self)
     }
-    /// In SI, to the step of [`Si`] below (2.3e-10 J); the fixed formats have it.
+    /// The value in J, rounded down to a step of [`Si`] (2.3e-10 J); for the fixed formats.
     #[must_use]
     pub fn to_si(self) -> Si
     where

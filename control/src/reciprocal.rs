@@ -159,7 +159,7 @@ mod tests {
         );
     }
 
-    /// Around `quotient · divisor`, where the quotient steps.
+    /// Checks dividends around `quotient · divisor`, where the quotient changes.
     fn check_around(reciprocal: &Reciprocal32, divisor: u32, quotient: u32) {
         let multiple = u64::from(quotient).wrapping_mul(divisor.into());
         check(reciprocal, divisor, multiple);

@@ -7,7 +7,7 @@
 //! Variant field, name: kind(range) = default, "unit", "words";
 //! ```
 //!
-//! - `field` is its name in [`crate::Settings`], where one number serves an angle or a length; `name` ends in the unit for one
+//! - `field` is its name in [`crate::Settings`], where one number serves an angle or a length. `name` ends in the unit for one
 //!   degree of freedom, and is its last word in scenes and on devices.
 //! - kinds: `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and `choice_of_law(Enum)`, which
 //!   a scene may leave out: the law then has its own.
@@ -327,7 +327,7 @@ mod tests {
     macro_rules! rows {
         ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:
             $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+ })+) => {
-            /// Path, unit, words.
+            /// The rows of the table: path, unit and words of each setting.
             const ROWS: &[(Field, &str, &str, &str)] = &[$($((Field::$variant, stringify!($name), $unit, $about),)+)+];
         };
     }

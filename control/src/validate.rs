@@ -28,7 +28,7 @@ macro_rules! fields {
         }
 
         impl Field {
-            /// All of them.
+            /// All settings.
             pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
 
             /// The path of the setting in scenes and on devices.
@@ -116,7 +116,7 @@ pub enum SettingsError {
     TooCoarse {
         /// A count, rad (m).
         count: Si,
-        /// The coarsest.
+        /// Largest allowed count, rad (m).
         coarsest: Si,
     },
 }
@@ -187,7 +187,7 @@ pub enum Warning {
     CouplingAboveBound {
         /// `k_f`.
         k_filter: Si,
-        /// The bound.
+        /// Value of the bound.
         bound: Si,
     },
     /// `c_env < k_v T/2`: the force taken from the previous mass position may inject energy into the filter.

@@ -47,7 +47,7 @@ pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> Co
     output
 }
 
-/// The mailbox down.
+/// The mailbox from the control tick to the current loop.
 #[inline(never)]
 pub fn down(output: &ControlOutput) -> CommandWords {
     output.mailbox().to_words()
@@ -71,13 +71,13 @@ pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
     current.reconfigure(*config);
 }
 
-/// The mailbox up.
+/// The mailbox from the current loop to the control tick.
 #[inline(never)]
 pub fn up(words: &ReportWords) -> CurrentReport {
     CurrentReport::from_words(words)
 }
 
-/// The last second.
+/// A record of the last second before a fault.
 #[inline(never)]
 pub fn oldest(ring: &mut Ring, index: usize) -> Option<CompactRecord> {
     let record = ring.get(index).map(CompactRecord::from_bytes);

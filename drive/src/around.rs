@@ -27,7 +27,7 @@ type Law = Controller<Fixed32>;
 pub struct Surrounding {
     environment: Environment<Fixed32>,
     is_more: bool,
-    /// The settings' wall.
+    /// The wall of the device's settings.
     first: WallSettings,
     per_tick: Force<Fixed32>,
 }
@@ -96,7 +96,7 @@ pub struct Around {
 }
 
 impl Around {
-    /// The wall alone.
+    /// An environment with one wall and nothing else.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {

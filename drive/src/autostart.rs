@@ -1,4 +1,4 @@
-//! A board that starts by itself when power comes on: it asks for what a person would ask for, calibrate and arm, and for nothing else.
+//! A board that starts by itself when power comes on. It asks for what a person would ask for, calibrate and arm, and for nothing else.
 //!
 //! The fault machine and the supervisor know nothing of it: every limit holds as for a command from the desktop, and the force fades in as
 //! after any arming. It is tried once. A desktop that speaks before the board is armed has the word: nothing starts by itself any more.
@@ -18,7 +18,7 @@ pub const STEP_MS: u32 = 10;
 
 /// Supply and shaft must be in order for this many steps: half a second.
 const REST: u32 = 500 / STEP_MS;
-/// The same after the check: a fifth of a second.
+/// Time at rest after the check: a fifth of a second.
 const REST_AGAIN: u32 = 200 / STEP_MS;
 /// The board waits this many steps for supply and shaft: ten seconds, and three after the check.
 const PATIENCE: u32 = 10_000 / STEP_MS;
@@ -29,7 +29,7 @@ const JITTER: u64 = 4;
 /// Inputs of one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Glance {
-    /// Where the device stands.
+    /// State of the device.
     pub state: State,
     /// The supply is within its limits.
     pub is_supplied: bool,
@@ -74,7 +74,7 @@ impl Autostart {
         }
     }
 
-    /// How the unattended start went so far.
+    /// State of the unattended start so far.
     #[must_use]
     pub const fn told(&self) -> SelfStart {
         self.told

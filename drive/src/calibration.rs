@@ -101,7 +101,7 @@ pub struct Alignment {
 /// How far a calibration is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// Goes on, with this for the current loop.
+    /// The calibration goes on; holds the command for the current loop.
     Running(CurrentCommand),
     /// Done.
     Done(Alignment),
@@ -138,14 +138,14 @@ pub struct Calibration {
     current: Amps,
     /// Where the field is, 2^-32 electrical turns.
     field: i64,
-    /// The field's speed, in the same unit per tick.
+    /// Speed of the field, in units of its angle per tick.
     speed: u32,
     /// Counts where the mechanical turn began and ended, forward; before it the ends of where the rotor was in the last quarter of a second.
     began: i64,
     ended: i64,
     /// Quarters of a second in which it swung.
     swung: u8,
-    /// For a count that rises with the field, and for one that falls.
+    /// Offsets for a count that rises with the field and for one that falls.
     along: Fit,
     against: Fit,
     samples: i32,
@@ -158,7 +158,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Begins.
+    /// Begins a calibration.
     #[must_use]
     pub const fn new(config: CalibrationConfig) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Where the device is when the force changes: one more reading of the encoder in a tick, and how the way of a tick is shared
 //! between the old force and the new one.
 //!
-//! A command that a control tick gives is seen by the current loop a period later and acts from half a period after that on; then
+//! A command that a control tick gives is seen by the current loop a period later and acts from half a period after that on. Then
 //! the current follows as the loop lets it. Let `H(t)` be the share of a change of force that is still missing a time `t` after the
 //! encoder was read. Over a tick the port takes `f₁ Δx - g ∫ H dx`, with the change `g`. With one more reading, after `q` periods, the
 //! way `Δx = u + w` is known in its two parts, and over all that a hand can have done within each of them
@@ -122,7 +122,7 @@ struct Part {
 }
 
 impl Part {
-    /// A quarter more.
+    /// Adds a quarter of a period.
     #[inline(never)]
     fn add(&mut self, from: i64, to: i64) {
         self.quarters += 1;
@@ -157,7 +157,7 @@ pub struct ChangeConfig {
     /// Share of the way before the second reading that was under the new force, beyond what the guard itself charges
     /// for it, 2^-28.
     pub before: i32,
-    /// The same share of the way after the second reading.
+    /// The share of the way after the second reading.
     pub after: i32,
     /// From the reading of a tick to the change of force, in the mean, without the lag below, s.
     pub delay_s: Si,

@@ -14,7 +14,7 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits};
 /// A code of the 12-bit output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DacCode(
-    /// 0 to 4,095.
+    /// Code of the output, 0 to 4,095.
     pub u16,
 );
 
@@ -26,11 +26,11 @@ impl DacCode {
 /// Command to the drive for a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveCommand {
-    /// Nothing moves: bridge off, amplifier disabled and its input at zero.
+    /// The drive is off: bridge off, amplifier disabled and its input at zero.
     Off,
-    /// For the current loop.
+    /// A command for the current loop.
     Current(CurrentCommand),
-    /// For the amplifier, which is enabled.
+    /// A command for the amplifier, which is enabled.
     Analogue(DacCode),
 }
 
@@ -115,7 +115,7 @@ pub struct ThreePhase {
 }
 
 impl ThreePhase {
-    /// From the motor's settings.
+    /// Computes it from the motor's settings.
     ///
     /// # Errors
     /// A torque constant whose inverse does not fit.
@@ -177,7 +177,7 @@ pub struct Analogue {
 }
 
 impl Analogue {
-    /// From the amplifier's settings.
+    /// Computes it from the amplifier's settings.
     ///
     /// # Errors
     /// A full scale whose inverse does not fit.
@@ -218,7 +218,7 @@ pub enum AnyDrive {
 }
 
 impl AnyDrive {
-    /// From the settings.
+    /// Computes it from the settings.
     ///
     /// # Errors
     /// A coefficient that does not fit.

@@ -25,11 +25,11 @@ use touchstone_protocol::settings::{SettingsError, refused};
 /// What settings are computed into.
 #[derive(Debug, Clone, Copy)]
 pub struct Config {
-    /// The current loop's.
+    /// Coefficients of the current loop.
     pub current: CurrentConfig,
     /// Limits that are faults.
     pub supervisor: SupervisorConfig,
-    /// The calibration's.
+    /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
     /// Coefficients of a measurement that follows the calibration.
     pub measurement: MeasurementConfig,
@@ -162,7 +162,7 @@ impl Configs {
         }
     }
 
-    /// For the next turn.
+    /// Prepares a configuration for the next turn.
     pub(crate) const fn prepare(&mut self, config: Config) {
         if self.use_second {
             self.first = config;

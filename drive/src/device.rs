@@ -51,7 +51,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// Just switched on.
+    /// The state just after power-on.
     ///
     /// # Errors
     /// Same as [`Config::new`].
@@ -153,7 +153,7 @@ impl Device {
         self.configs.now().current
     }
 
-    /// Where the device stands.
+    /// State of the device.
     #[must_use]
     pub const fn state(&self) -> State {
         self.memory.machine.state()

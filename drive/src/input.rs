@@ -22,6 +22,6 @@ pub struct ControlInput {
     pub stop_button: bool,
     /// The desktop was heard since the last tick: a whole frame came.
     pub host_heard: bool,
-    /// Cycles.
+    /// Processor cycles of the tick.
     pub timing: TickTiming,
 }

@@ -86,7 +86,7 @@ impl MeasurementConfig {
 /// How far a measurement is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measuring {
-    /// Goes on, with this for the current loop.
+    /// The calibration goes on; holds the command for the current loop.
     Running(CurrentCommand),
     /// Done.
     Done,
@@ -112,7 +112,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Begins, with the shaft at a count.
+    /// Begins with the shaft at a count.
     #[must_use]
     pub const fn new(config: MeasurementConfig, count: i64) -> Self {
         Self {
@@ -230,7 +230,7 @@ impl Measurement {
     }
 }
 
-/// The bridge is off, and the current loop is told so.
+/// A measurement with the bridge off; the current loop gets this command.
 const fn off(tick: u32) -> Measuring {
     Measuring::Running(CurrentCommand {
         tick,

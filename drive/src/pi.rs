@@ -33,13 +33,13 @@ pub struct PiGains {
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
-    /// For a loop that never drives.
+    /// Gains of a loop that never drives.
     pub const NONE: Self = Self {
         proportional: I16F16::ZERO,
         share: 0,
     };
 
-    /// For a winding (phase to star point) and a bandwidth, at a rate of the loop.
+    /// Gains for a winding (phase to star point), a bandwidth and the loop's rate.
     ///
     /// # Errors
     /// A gain that does not fit: an inductance so large or so small that a period does not resolve the winding.

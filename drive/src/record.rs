@@ -32,7 +32,7 @@ pub struct Record {
     pub offset: Position<Fixed32>,
     /// The law's observed energy, J; `None` if it observes none.
     pub energy: Option<Energy<Fixed32>>,
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Wanted torque, along `+x`, N·m: the negative of the force, faded in.
     pub torque: Force<Fixed32>,

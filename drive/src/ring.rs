@@ -165,7 +165,7 @@ impl Ring {
         self.length = (self.length + 1).min(RECORDS);
     }
 
-    /// Goes on after a fault, empty.
+    /// Empties the ring and goes on after a fault.
     pub fn thaw(&mut self) {
         self.frozen = false;
         self.length = 0;

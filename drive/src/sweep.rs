@@ -1,4 +1,4 @@
-//! What a calibration that looks for cogging does with the motor: it turns the shaft slowly and evenly, one way and back, and tells what
+//! What a calibration that looks for cogging does with the motor. It turns the shaft slowly and evenly, one way and back, and tells what
 //! current that takes at which place. What is made of it is in `touchstone_lab::identify::cogging`.
 //!
 //! ```text
@@ -47,7 +47,7 @@ pub struct SweepConfig {
     stiffness: i64,
     /// What a tick adds to the integral, as a share of the proportional part, with 32 more fractional bits.
     integral: i64,
-    /// A·s/rad.
+    /// Damping of the sweep's position loop, A·s/rad.
     damping: I16F16,
     limit: Amps,
     /// Ticks that the shaft is held at the end.
@@ -113,7 +113,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Begins, with the shaft at a count.
+    /// Begins with the shaft at a count.
     #[must_use]
     pub const fn new(config: SweepConfig, count: i64) -> Self {
         Self {

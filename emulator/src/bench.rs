@@ -48,9 +48,9 @@ impl Setup {
 
 /// A device, its world, and the desktop's end of its serial port.
 pub struct Bench {
-    /// The machine.
+    /// The fault machine.
     pub machine: Machine,
-    /// The desktop's end.
+    /// The desktop's end of the serial link.
     pub link: Link,
     /// Why the machine has halted, if it has.
     pub halted: Option<Halt>,
@@ -101,7 +101,7 @@ impl Bench {
     /// Runs until something is so, examined every 100 us.
     ///
     /// # Errors
-    /// It was not within the time, or the machine halted.
+    /// The condition did not occur within the time, or the machine halted.
     pub fn run_until(
         &mut self,
         what: &str,
@@ -146,7 +146,7 @@ impl Bench {
     /// Sends a request that must be granted.
     ///
     /// # Errors
-    /// It was refused, or not answered.
+    /// The request was refused or not answered.
     pub fn demand(&mut self, request: Request<'_>) -> Result<Reply, String> {
         let what = format!("{request:?}");
         self.ask(request)?
@@ -161,7 +161,7 @@ impl Bench {
         Ok(self.ask(Request::Command(command))?.is_ok())
     }
 
-    /// Where the device stands.
+    /// State of the device.
     ///
     /// # Errors
     /// No answer.
@@ -183,7 +183,7 @@ impl Bench {
     /// Waits for a phase, asking every 5 ms.
     ///
     /// # Errors
-    /// It did not come within the time.
+    /// The state did not come within the time.
     pub fn wait_for(&mut self, phase: Phase, within: u64) -> Result<(), String> {
         let end = self.now() + within;
         loop {
@@ -207,7 +207,7 @@ impl Bench {
     /// Waits until the device answers at all.
     ///
     /// # Errors
-    /// It does not within half a second.
+    /// The device does not do so within half a second.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
         // What noise there was while the port was not set up.
@@ -218,7 +218,7 @@ impl Bench {
     /// Changes the settings. The bench says nothing for seconds, so the device waits for no desktop unless `change` says so.
     ///
     /// # Errors
-    /// They are refused.
+    /// The settings are refused.
     pub fn configure(&mut self, change: impl FnOnce(&mut DeviceSettings)) -> Result<(), String> {
         let mut settings = self.settings()?;
         if let Some(motor) = self.machine.chip().board.told {
@@ -252,7 +252,7 @@ impl Bench {
     /// Calibrates and arms.
     ///
     /// # Errors
-    /// Either fails.
+    /// One of the two fails.
     pub fn arm(&mut self) -> Result<(), String> {
         self.calibrate()?;
         self.demand(Request::Command(DeviceCommand::Arm))?;

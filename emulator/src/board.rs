@@ -417,7 +417,7 @@ impl Board {
 
     /// Volts at a pin of [`Board::shunts`] for a current through its shunt to ground: 3 mOhm, with 1.5 kohm from it to the pin, 22 kohm from the
     /// pin to 3.3 V and 2.2 kohm to ground. That 4/7 of the shunt's voltage are left before an amplifier of 16 is SimpleFOC's
-    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`); the resistors are ones that give it, as
+    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`). The resistors are ones that give it, as
     /// the schematic (MB1419) was not read.
     #[must_use]
     pub fn shunt_pin_v(&self, amps: f64) -> f64 {

@@ -3,7 +3,7 @@
 use touchstone_protocol::frame::{Decoder, FRAME_MAX, encode, message};
 use touchstone_protocol::{FromDevice, Refusal, Reply, Request, Telemetry, ToDevice};
 
-/// The desktop's end.
+/// The desktop's end of the serial link.
 #[derive(Debug, Default)]
 pub struct Link {
     decoder: Decoder,

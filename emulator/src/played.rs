@@ -30,7 +30,7 @@ const IN_STEP: f64 = 0.99;
 /// The motion of one hand for one action of the programme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandDeed {
-    /// How it grips.
+    /// The grip of the hand.
     pub grip: String,
     /// The action in words.
     pub deed: String,
@@ -45,7 +45,7 @@ pub struct HandProgramme {
     pub surface_rad: f64,
     /// Ticks a second.
     pub rate_hz: u32,
-    /// Action after action.
+    /// The actions, in order.
     pub deeds: Vec<HandDeed>,
 }
 

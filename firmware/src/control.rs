@@ -33,7 +33,7 @@ pub struct Readings {
 
 /// Everything that a control tick remembers. The thread gives orders and looks through [`CONTROL`].
 pub struct Control {
-    /// What decides.
+    /// The device's logic, which makes all decisions.
     pub device: Device,
     /// The device's clock: ticks since the start.
     pub tick: u32,

@@ -18,7 +18,7 @@ const SETTLE: u32 = 60;
 /// Polls of a flag before the encoder counts as silent: a frame takes 512 cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
-/// Takes the port.
+/// Takes the port into use.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }

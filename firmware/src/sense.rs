@@ -27,7 +27,8 @@ pub struct Raw<const RANKS: usize> {
     pub second: [u16; RANKS],
 }
 
-/// At 42.5 MHz 0.15 us of sampling, then 0.29 us of conversion: a current. Slower things come later in the sequence.
+/// Sample time of a current: 0.15 us of sampling at 42.5 MHz, then 0.29 us of conversion. Slower signals come later
+/// in the sequence.
 pub const FAST: SampleTime = SampleTime::CYCLES6_5;
 /// A current behind one of the chip's own amplifiers: 0.29 us of sampling.
 pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;

@@ -60,7 +60,7 @@ impl<T> Guarded<T> {
     /// The value, in the thread. Keep it short: a few microseconds are a few microseconds of lateness.
     ///
     /// # Panics
-    /// Within itself: the value would be there twice.
+    /// Must not be called within itself: two references to the value would exist.
     pub fn in_thread<R>(&self, _in_thread: InThread, look: impl FnOnce(&mut T) -> R) -> R {
         let before = basepri::read();
         basepri_max::write(CONTROL_MASK);

@@ -246,7 +246,7 @@ flows!(
     over_ticks, 9
 );
 flows!(
-    /// Ahead.
+    /// Coefficients of the motion ahead.
     aheads, 7
 );
 flows!(

@@ -56,7 +56,7 @@ struct Own {
     law: Controller<Fixed32>,
     calibration: Option<Calibration>,
     input: ControlInput,
-    /// Settings wait, these.
+    /// Whether these settings wait.
     waits: bool,
     next: Config,
     found: Option<Verdict>,

@@ -1,6 +1,6 @@
 //! Division and roots for the checker: one quotient for one question, at 32 bits.
 //!
-//! As a product in [`crate::multiplied`], a quotient is here any number that has the facts of [`facts`]; the specification's next
+//! As a product in [`crate::multiplied`], a quotient is here any number that has the facts of [`facts`]. The specification's next
 //! question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a product
 //! with the facts of products. A `divided_property!` puts these functions, and those of [`crate::multiplied`], in the place of the
 //! code's divisions, products and roots and of the specification's.

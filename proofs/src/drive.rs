@@ -128,7 +128,7 @@ pub fn same_part(force: i32, share: u32) -> i64 {
     let is_same = ASKED[0].load(Relaxed) == force && ASKED[1].load(Relaxed) == share.cast_signed();
     i64::from(if is_same { ASKED[2].load(Relaxed) } else { any })
 }
-/// For [`share_of`]: any of which [`p3_parts_of_words`] holds.
+/// Stands for [`share_of`]: any value that satisfies [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_share(way: i64, _: u16) -> i64 {
     let found = kani::any();

@@ -15,7 +15,7 @@
 
 /// An assertion after which no cover comes as a statement of its block: under the checker it is one itself, as an assertion that nothing reaches says
 /// nothing. Where one comes, that shows it, and `assert!` is enough. The gate sees to it that each is one or the other (but those with words
-/// of their own, which stand in the place of the code), and has the checker ask for no other assertion: a trace of each that is reached took
+/// of their own, which stand in the place of the code), and has the checker ask for no other assertion. A trace of each that is reached took
 /// a quarter of its time.
 macro_rules! assert_reached {
     ($condition:expr $(,)?) => {{

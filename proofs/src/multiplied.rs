@@ -129,11 +129,11 @@ macro_rules! multiplied_property {
 /// The next product is the memory's first, the code's, the specification's.
 #[cfg(not(kani))]
 mod questions {
-    /// The memory's.
+    /// Marks the following questions as those of the memory.
     pub fn of_memory() {}
-    /// The code's.
+    /// Marks the following questions as those of the code.
     pub fn of_code() {}
-    /// The specification's.
+    /// Marks the following questions as those of the specification.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]

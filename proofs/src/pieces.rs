@@ -4,7 +4,7 @@
 //! functions of this file in the place of the offset, of what drives the mass, of the paid move, of the thesis' passivity controller and of the coupling, in the code and
 //! in the specification: the code gets any answer, the specification the same if it asks the same, any other if not. That the
 //! answers are the same is `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and
-//! `refines::w32::p11_passive`; what the moves and the passivity controller need is
+//! `refines::w32::p11_passive`. What the moves and the passivity controller need is
 //! asserted here, what the offset and the books need is what the case assumes.
 
 /// A property of a tick that is put together from its pieces: at the shipped width with those of this file, `multiplied`; at 8 bits
@@ -373,7 +373,7 @@ mod by_one_answer {
         assert!(false, "the case has no hand-over");
         kani::assume(false);
     }
-    /// The specification's.
+    /// Marks the following questions as those of the specification.
     pub fn no_specified_hand_over(_: &Enhanced, m: &Memory) -> Memory {
         assert!(false, "the case has no hand-over");
         kani::assume(false);

@@ -1,7 +1,7 @@
 //! P8: what validation accepts satisfies everything that the other properties assume; what it starts with, their invariants.
 //!
 //! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits: no solver follows that.
-//! So this one is split: conversions to the format are proved for every value (`p8_conversions32`), and whole controllers are
+//! So this one is split. Conversions to the format are proved for every value (`p8_conversions32`), and whole controllers are
 //! built from sampled settings on both sides of every bound, and each is checked against the assumptions, in every test run.
 
 use crate::facts::Facts32;

@@ -82,7 +82,7 @@ macro_rules! specified {
                 }
             }
 
-            /// FBA, its bound of the damping as stored.
+            /// The specification of an FBA law, whose bound has the damping as stored.
             #[must_use]
             pub fn fba(law: &law::Fba<N>) -> spec::fba::Fba {
                 spec::fba::Fba {

@@ -12,7 +12,7 @@
 //! pattern of bits. In a simulation of such cuts (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
 //!
 //! On the STM32G4 a word that was being programmed when the power went may fail its ECC: reading it then raises the NMI, whose
-//! handler has to clear the flag and return; the CRC here rejects what was read.
+//! handler has to clear the flag and return. The CRC here rejects what was read.
 
 use crate::frame::crc_of;
 use crate::session::FlashError;

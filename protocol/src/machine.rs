@@ -118,7 +118,7 @@ impl FaultCode {
 /// The record of a fault: the first cause, not what followed from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Context {
-    /// Why.
+    /// The code of the fault.
     pub code: FaultCode,
     /// Tick in which it was seen.
     pub tick: u32,
@@ -126,7 +126,7 @@ pub struct Context {
     pub value: i32,
 }
 
-/// Where the device stands.
+/// State of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum State {
     /// Power is on, nothing is known yet.
@@ -179,14 +179,14 @@ pub enum Event {
     Command(Command),
 }
 
-/// The machine.
+/// The fault machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Machine {
     state: State,
 }
 
 impl Machine {
-    /// Just switched on.
+    /// The state just after power-on.
     #[must_use]
     pub const fn new() -> Self {
         Self { state: State::Boot }
@@ -198,7 +198,7 @@ impl Machine {
         Self { state }
     }
 
-    /// Where the device stands.
+    /// State of the device.
     #[must_use]
     pub const fn state(&self) -> State {
         self.state

@@ -56,7 +56,7 @@ pub enum Reply {
     Cogging(crate::settings::cogging::CoggingReport),
 }
 
-/// Why not.
+/// Reasons for refusing a request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
     /// The request is not allowed in this state of the device.
@@ -89,7 +89,7 @@ pub struct Identity {
     pub board: Board,
     /// Unique number of the microcontroller.
     pub unique_id: [u8; 12],
-    /// Why it last started.
+    /// Reason of the last start.
     pub reset_reason: ResetReason,
     /// Hash of the source that the firmware was built from, 0 if unknown.
     pub build_hash: u64,
@@ -119,7 +119,7 @@ pub enum ResetReason {
 }
 
 impl ResetReason {
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -136,7 +136,7 @@ impl ResetReason {
     }
 }
 
-/// Where the device stands.
+/// State of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Status {
     /// State of the fault machine.

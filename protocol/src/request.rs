@@ -23,7 +23,7 @@ pub struct ToDevice<'a> {
 pub enum Request<'a> {
     /// Asks for the device's identity. Stays the first request in every version.
     Hello,
-    /// Where do you stand?
+    /// Asks for the state of the device.
     Status,
     /// The value of one setting.
     Get {

@@ -236,10 +236,10 @@ impl Session {
         Answered::Now(FromDevice::Answer { id, answer })
     }
 
-    /// Answers a request that is no command.
+    /// Answers a request other than a command.
     ///
     /// # Errors
-    /// Why not; nothing is changed then.
+    /// The reason for a refusal; nothing is changed then.
     // Not a part of its caller: see below.
     #[inline(never)]
     pub fn answer(

@@ -7,7 +7,7 @@
 //! layout version u16 | the same | postcard of the map of the cogging, if one is kept | CRC-32 of all before
 //! ```
 //!
-//! The last form is that of boards with room for an environment; they read the others as well, with the wall alone, with nothing kept
+//! The last form is that of boards with room for an environment. They read the others as well, with the wall alone, with nothing kept
 //! for the start, and with no map.
 //!
 //! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
@@ -197,7 +197,7 @@ pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
 /// The settings of an image, validated by `check`.
 ///
 /// # Errors
-/// Whatever is not whole, of this layout, and valid.
+/// The stored data are incomplete, of another layout, or not valid.
 #[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     decode_with(image, check).map(|start| start.settings)
@@ -206,7 +206,7 @@ pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused>
 /// The settings of an image, validated by `check`.
 ///
 /// # Errors
-/// Whatever is not whole, of this layout, and valid.
+/// The stored data are incomplete, of another layout, or not valid.
 #[cfg(not(feature = "large"))]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     let (_, content) = content(image)?;

@@ -77,7 +77,7 @@ impl Phase {
         Self::Stopped,
     ];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -22,7 +22,7 @@ pub enum Way {
 const PERIOD: usize = 10;
 
 impl Way {
-    /// All ways.
+    /// All kinds of motion.
     pub const ALL: [Way; 4] = [Way::Periodic, Way::Sines, Way::Policy, Way::Gripped];
 
     /// How many numbers choose a hand.

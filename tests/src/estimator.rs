@@ -52,7 +52,7 @@ pub struct Reference {
     delay: f64,
     /// `[x, d, g]` at the last sample; nothing before the first.
     pub state: Option<[f64; 3]>,
-    /// The latest last.
+    /// Past commands, the latest last.
     commands: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! The hand's port of a device, in exact energy: a hand, a law, the guard, an encoder and a delay, and what the hand got out.
 //!
 //! Positions are linear in time within each half of a tick (before and after the force changes), or go as a hand with masses
-//! lets them; either way force times displacement and damping are summed over what really happened, in `f64`, and not over
+//! lets them. Either way force times displacement and damping are summed over what really happened, in `f64`, and not over
 //! what was measured.
 
 use crate::board_loop::{BoardLoop, Stretch};
@@ -22,9 +22,9 @@ pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 /// A spring with virtual damping: differences of the measured position.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringDamper {
-    /// N·m/rad.
+    /// Stiffness, N·m/rad.
     pub k: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub b: f64,
 }
 

@@ -5,7 +5,7 @@ use touchstone_control::Si;
 /// An SI value from its decimal text.
 ///
 /// # Panics
-/// For a text that is no number.
+/// The text is no number.
 #[must_use]
 pub fn si(text: &str) -> Si {
     text.parse()

@@ -165,7 +165,7 @@ pub enum Way {
 const PERIOD: usize = 6;
 
 impl Way {
-    /// All ways.
+    /// All kinds of motion.
     pub const ALL: [Way; 3] = [Way::Periodic, Way::Policy, Way::Circles];
 
     /// How many numbers choose a hand.

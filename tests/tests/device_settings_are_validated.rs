@@ -100,7 +100,7 @@ fn both_ends_of_every_range_are_accepted_on_some_board() {
     }
 }
 
-/// Twice the sum is a gain of `fixed32`, which has 12 fractional bits and 19 above the point: each part may come, the others at their
+/// Twice the sum is a gain of `fixed32`, which has 12 fractional bits and 19 above the point. Each part may come, the others at their
 /// least, just below 2^18 N·m/rad, and is named for what is more.
 #[test]
 fn a_part_of_the_filters_sum_may_be_what_the_format_holds() {

@@ -1,4 +1,4 @@
-//! The energy guard keeps its promise at the hand's port: in every window of time no hand gets out more than the capacity and
+//! The energy guard keeps its promise at the hand's port. In every window of time no hand gets out more than the capacity and
 //! the refill, whatever the delay, whatever the law, whether it is looked for or not.
 
 use std::f64::consts::TAU;
@@ -268,7 +268,8 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// Holding (0 Hz), wiggling, trembling. Ten seconds here; an hour is `--example untouched -- 3600`.
+/// Checks a hand that holds (0 Hz), wiggles or trembles for ten seconds; `--example untouched -- 3600` does it for an
+/// hour.
 #[test]
 fn a_good_wall_is_left_untouched() {
     for (law, name, delay) in [(SOFT, "5", 0.0), (SOFT, "5", 0.5), (STIFF, "20", 0.0)] {

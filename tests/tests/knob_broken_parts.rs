@@ -149,7 +149,7 @@ enum Sensor {
     Frozen(usize, Option<u16>),
     /// Half of what it should.
     Half(usize),
-    /// A sixteenth.
+    /// The part gives a sixteenth of its value.
     Weak(usize),
 }
 impl Tamper for Sensor {

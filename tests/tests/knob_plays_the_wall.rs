@@ -1,5 +1,5 @@
 //! The whole knob, from encoder frame to motor current: its force is the simulator's controller's, bit for bit, for the counts that
-//! it read; the motor's torque is that force; and the wall holds the hand.
+//! it read. The motor's torque is that force; and the wall holds the hand.
 
 use touchstone_control::{ChangeOfForce, Controller, CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::change::law_settings;

@@ -1,4 +1,4 @@
-//! The worst positions that a format can hold, in every order, through every choice of every law: the force stays within its
+//! The worst positions that a format can hold, in every order, through every choice of every law. The force stays within its
 //! limit, nothing overflows (the tests are built with overflow checks), and the float formats never make a NaN.
 
 use touchstone_control::{

@@ -1,7 +1,7 @@
 //! The enhanced law in every number format against f64, on the same encoder counts.
 //!
 //! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
-//! alike: so a difference is the format's and not that of another trajectory.
+//! alike. So a difference is the format's and not that of another trajectory.
 
 use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};

@@ -1,4 +1,4 @@
-//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz: the wall *gives* the user 0.154 mJ, because a held
+//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz. The wall *gives* the user 0.154 mJ, because a held
 //! force lags behind the motion by half a tick. The thesis' observer (2.1) reports the same amount with the opposite sign,
 //! as if the wall had taken it; the exact observer reports what the port did.
 

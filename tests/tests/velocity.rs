@@ -217,7 +217,7 @@ fn a_slow_ramp_of_counts_is_quieter_than_its_difference() {
     }
 }
 
-/// Rounding error of the velocity in fixed point: a part is cut at 2^-28, half a step of a weight is 2^-27, and each
+/// Rounding error of the velocity in fixed point. A part is cut at 2^-28, half a step of a weight is 2^-27, and each
 /// error of a state lives on as long as the filter remembers.
 fn rounding(from: VelocityKind, surprise: f64) -> f64 {
     let (cut, half_step) = (2f64.powi(-28), 2f64.powi(-27));

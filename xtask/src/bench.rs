@@ -1,7 +1,7 @@
 //! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim/sim`; `bench --ladder
 //! [--write]`: of every effect of a scene alone and of all pairs ([`ladder`]).
 //!
-//! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks; the
+//! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks. The
 //! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
 //! the same on a busy machine. Without ARGS, each name that `EXAMPLE --list` prints is counted.
 

@@ -22,7 +22,7 @@ pub struct Entry {
 pub struct Change {
     /// The path from the workspace's folder.
     pub file: String,
-    /// Is there exactly once.
+    /// Text that must occur exactly once.
     pub find: String,
     /// The replacement.
     pub replace: String,

@@ -14,7 +14,7 @@ const USAGE: &str = "cargo xtask dist";
 
 /// Features of the released program, which is complete: `flash` and `log` without another program, meshes, Parquet.
 const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet";
-/// Optimised across crates and stripped.
+/// Cargo profile of the shipped program: optimised across crates and stripped.
 const PROFILE: &str = "dist";
 
 pub fn run(args: &[String]) -> Outcome {

@@ -14,7 +14,7 @@ pub struct Step {
 /// The gates: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gate {
-    /// Daily work.
+    /// The gate for daily work.
     Quick,
     /// The run that a person waits for, and CI.
     Test,

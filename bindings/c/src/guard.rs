@@ -90,8 +90,8 @@ impl ts_guard_config {
     }
 }
 
-/// Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device:
-/// rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+/// Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device.
+/// Rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {

@@ -4,7 +4,7 @@
 //! let go of at a stated rate: `f(n) = g(n) + d(n)` with `g` the new environment's own force and `|d(n+1)| <= |d(n)|`, `|d(n+1) - d(n)| <= r T`.
 //! So a change adds at most `r T` a tick to what `g` does by itself.
 //!
-//! **No new account.** The guard goes on with its energy balance, and answers for what is carried as for any other force: a wall that appears under a
+//! **No new account.** The guard goes on with its energy balance, and answers for what is carried as for any other force. A wall that appears under a
 //! hand, deep inside of it, pushes it out with what the account has.
 
 use super::{Environment, Reading, WallSettings};

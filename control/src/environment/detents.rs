@@ -41,7 +41,7 @@ pub struct Detents<N: Number> {
     strength: Compliance<N>,
 }
 
-/// Where they are.
+/// Positions of the detents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     /// Detents of a turn: how many, and the place of one as a share of the way to the next, in 2^-32.

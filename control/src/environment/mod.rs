@@ -6,7 +6,7 @@
 //! ```
 //!
 //! **Nothing is switched.** Every wall has a law with a memory of its own and is told where the device is at every tick, so that a law never
-//! learns that another wall was touched: outside its own it gives no force and has no memory. What all of them ask for together is limited as
+//! learns that another wall was touched. Outside its own it gives no force and has no memory. What all of them ask for together is limited as
 //! one force, and one guard answers for it, whose account therefore bounds what a hand gets out by going from one wall to the next as well.
 //! Estimators are told the force of all, for it is what moves the device.
 //!
@@ -46,13 +46,13 @@ const EDGE: Si = Si::lit("2147481600");
 /// A wall: where it is, and the stiffness that it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WallSettings {
-    /// The surface, and which side of it is solid.
+    /// The surface and its solid side.
     pub face: Face,
     /// `k_de`, N·m/rad.
     pub k_desired: Si,
 }
 
-/// A wall at work.
+/// A wall with its law and the law's memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Walled<N: Number> {
     wall: WallSettings,

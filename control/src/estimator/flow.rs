@@ -29,7 +29,7 @@ pub struct Flow<N: Number, const COMMANDS: usize> {
     pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 
-/// A device in ticks: what flows are made of.
+/// A device in units of ticks, from which flows are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceInTicks {
     /// `β = b T/J`.
@@ -40,7 +40,7 @@ pub struct DeviceInTicks {
     pub delay: Exact,
 }
 
-/// More terms than `(β t)^k/k!` has digits, for `β t` up to 4.
+/// Number of terms of the series; for `β t` up to 4 more terms change no digit.
 const TERMS: i64 = 48;
 
 impl DeviceInTicks {

@@ -14,7 +14,7 @@
 //!
 //! The three poles of its error are one and the same, `z = exp(-2π p T)` for a bandwidth `p`:
 //! `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`. Then the state is taken ahead, by the same model and with the
-//! commands that are on their way, over the time until the next command begins to act; that is what a law is given.
+//! commands that are on their way, over the time until the next command begins to act. That is what a law is given.
 //!
 //! **At rest it is exact**, to a step of the format at most: `g` sums up `r` until there is none, whatever inertia and torque
 //! constant are assumed. So a wrong inertia costs accuracy while the device moves, and nothing when it is held.

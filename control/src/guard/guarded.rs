@@ -116,7 +116,7 @@ impl<N: Number> Guarded<N> {
         self.moved_from(true, moved, before_change, wanted)
     }
 
-    /// From either end of the axis, in one place of a program: it is long.
+    /// The tick for both ends of the axis. It is long, so a program has it only once.
     #[inline]
     pub(crate) fn moved_from(
         &mut self,

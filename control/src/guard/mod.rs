@@ -223,7 +223,7 @@ impl<N: Number> Guard<N> {
         (self.per_reach * free.digits_fitting()).down_fitting()
     }
 
-    /// With a deficit no force is shown, so that nothing is lost.
+    /// Makes up for a deficit: meanwhile no force is shown, so no energy is lost.
     #[cold]
     fn make_up(&self, state: &mut GuardState<N>, distance: Position<N>) -> Force<N> {
         *state = GuardState {
@@ -233,7 +233,8 @@ impl<N: Number> Guard<N> {
         Force::zero()
     }
 
-    /// Books overspeed: the most that the forces that acted, and the one that acts until it is off, can have lost.
+    /// Charges overspeed: the largest loss possible under the forces that acted and the one that acts until it is
+    /// off.
     #[cold]
     fn overrun(&self, state: &mut GuardState<N>) -> Result<Force<N>, Overspeed> {
         let size = state.force.modulus().max(state.older.modulus());

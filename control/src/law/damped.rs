@@ -17,9 +17,9 @@ pub struct Damped<N: Number> {
 /// motion at the next contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DampedState<N: Number> {
-    /// The spring's.
+    /// Memory of the spring.
     pub spring: SpringState,
-    /// The filter's.
+    /// Memory of the velocity filter.
     pub velocity: VelocityState<N>,
 }
 

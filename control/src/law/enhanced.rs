@@ -1,6 +1,6 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated credit.
 //!
-//! First contact is rendered at `k_de` with the filter bypassed. When the motion turns, a virtual mass takes over: the HIP
+//! First contact is rendered at `k_de` with the filter bypassed. When the motion turns, a virtual mass takes over. The HIP
 //! hangs on it by `k_f`, and the mass is pushed out by the soft spring `k_v` deformed by its penetration plus an offset `O`,
 //! which is changed until the stiffness felt at the HIP is `k_de`.
 //!
@@ -17,10 +17,10 @@
 //! `energy_credit`, and over one contact the mass can never give more than that beyond what it took.
 //!
 //! **A damper stands beside the augmented wall.** `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in every
-//! phase; the sum never pulls and stays within the limit. Up to `k_v` the law is that damped spring, with `B k_de/k_v`. The books at the
+//! phase. The sum never pulls and stays within the limit. Up to `k_v` the law is that damped spring, with `B k_de/k_v`. The books at the
 //! *mass port* leave the damper out: what it takes is never given back through the offset, and the offset regulates the wall's
 //! stiffness alone. At the *wall's port* its force is held over a tick and acts over the next displacement, so where the motion turns
-//! it gives up to `(B/T) |Δe(n) Δe(n+1)|`; a device that damps `k T/2 + B` takes that. What a hand gets out in all is for the guard to
+//! it gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device that damps `k T/2 + B` takes that. What a hand gets out in all is for the guard to
 //! bound.
 //!
 //! The form of the thesis (without the damper, its observer, offset changed on inward motion only) stays selectable.
@@ -113,7 +113,7 @@ pub struct Augmented<N: Number> {
 /// Memory of [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,

@@ -20,7 +20,7 @@ pub use tdpa::{Tdpa, TdpaState};
 
 use crate::{Energy, Force, Number, Position};
 
-/// Where the contact stands.
+/// Phase of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
     /// Outside the wall.
@@ -35,7 +35,7 @@ pub enum Contact {
 /// A law's inner values, for telemetry and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<N: Number> {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// The law's own observed energy; `None` if it observes none.
     pub energy: Option<Energy<N>>,

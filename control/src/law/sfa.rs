@@ -29,7 +29,7 @@ pub struct Sfa<N: Number> {
 /// Memory of [`Sfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SfaState<N: Number> {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,

@@ -2,7 +2,7 @@
 //!
 //! With the thesis' observer the force is chosen so that the very sum that uses it never becomes negative: `E >= 0` is an
 //! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
-//! spring there is never anything to correct: for every force that grows with `e`, and its potential `G`,
+//! spring there is never anything to correct. For every force that grows with `e`, and its potential `G`,
 //! `f(n) Δe(n) >= G(n) - G(n-1)`, so that sum is never negative by itself, and the law is the plain spring.
 //!
 //! With the exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the

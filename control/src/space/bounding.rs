@@ -20,7 +20,7 @@ pub struct Bounding<N: Spatial> {
 }
 
 impl<N: Spatial> Bounding<N> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(law: Fba<N>) -> Self {
         Self {
             law,

@@ -1,6 +1,6 @@
 //! The energy guard on the port of three axes: one account, forces and displacements as vectors.
 //!
-//! Its theorem is that of [`crate::guard`] with products read as scalar products and moduli as lengths: the port's energy is the sum of
+//! Its theorem is that of [`crate::guard`] with products read as scalar products and moduli as lengths. The port's energy is the sum of
 //! three axes', each of which has its own inequality, and a displacement of length `d` costs a force of length `|F|` at most `|F| d`. A position
 //! vector whose coordinates are each right to half a count is right to `√3/2` counts. So the coefficients are those of the guard of
 //! one axis with `√3 δ` for its `δ`; only what each axis pays by itself for a change of its force takes `δ`. Derivation:
@@ -32,7 +32,7 @@ pub struct VectorGuardState<N: Spatial> {
     pub account: Energy<N>,
     /// The direction against the last tick's force: a displacement along it puts energy in.
     pub against: Vector<Force<N>>,
-    /// The same direction for the force of the tick before the last.
+    /// The force of the tick before the last.
     pub older: Vector<Force<N>>,
     /// No force of the last tick was longer.
     pub size: Force<N>,
@@ -219,7 +219,8 @@ impl<N: Spatial> VectorGuard<N> {
         (self.of_length.damping * way).down_fitting() * way
     }
 
-    /// Books overspeed: the most that the forces that acted, and the one that acts until it is off, can have lost.
+    /// Charges overspeed: the largest loss possible under the forces that acted and the one that acts until it is
+    /// off.
     #[cold]
     fn overrun(&self, state: &mut VectorGuardState<N>) -> Result<Vector<Force<N>>, Overspeed> {
         let size = state.size.max(state.older.length_up());

@@ -19,7 +19,7 @@ pub struct Magnitude<N: Spatial, L> {
 }
 
 impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(law: L) -> Self {
         Self {
             law,

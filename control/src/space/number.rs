@@ -126,7 +126,7 @@ macro_rules! fixed_spatial {
                     Some(bits) => 1 << bits,
                     None => 0,
                 };
-            /// In a double word.
+            /// The vector in double words.
             #[inline(always)]
             fn long(v: Axes<<$name as Number>::Signal>) -> Axes<i64> {
                 v.map(|x| i64::from(x.to_bits()))

@@ -26,7 +26,7 @@ pub enum Leaving {
     Projection,
 }
 
-/// A law an axis.
+/// One law per axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerAxis<N: Spatial, L> {
     /// The laws with their memories.
@@ -41,7 +41,7 @@ pub struct PerAxis<N: Spatial, L> {
 }
 
 impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(laws: [L; 3], leaving: Leaving) -> Self {
         Self {
             laws,

@@ -2,7 +2,7 @@
 //!
 //! Along the axes of space and not along the normal, since that is where the model is linear: `M dv/dt = F - b v + M h` is the same
 //! whatever object is touched. Along a normal that turns, depth and velocity would change without any force, by `v²/R`, and the
-//! commands on their way would have to be turned with it; where the HIP leaves one face for another, the state would be that of another coordinate.
+//! commands on their way would have to be turned with it. Where the HIP leaves one face for another, the state would be that of another coordinate.
 //! `docs/three-axes.md` has both choices.
 //!
 //! Each axis is [`crate::Estimator`] as it stands, told `-x` for its penetration, so that a force along `x` is one that pushes out.
@@ -16,7 +16,7 @@ use crate::{Force, Position};
 /// The predicted HIP that the shells work with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceAhead<N: Spatial> {
-    /// Where it will be.
+    /// Position at which it will be.
     pub at: Vector<Position<N>>,
     /// Displacement per tick at that time.
     pub moved: Vector<Position<N>>,
@@ -29,7 +29,7 @@ pub struct PlaceEstimator<N: Spatial> {
 }
 
 impl<N: Spatial> PlaceEstimator<N> {
-    /// Before the first sample. Coefficients are in the device's unit: [`super::LengthUnit::estimator`].
+    /// The state before the first sample. Coefficients are in the device's unit: [`super::LengthUnit::estimator`].
     #[must_use]
     pub fn new(axes: [Estimator<N>; 3]) -> Self {
         Self {

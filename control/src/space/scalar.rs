@@ -50,7 +50,7 @@ pub struct Held<N: Number, L: Law<N>> {
 }
 
 impl<N: Number, L: Law<N>> Held<N, L> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(law: L) -> Self {
         Self {
             law,

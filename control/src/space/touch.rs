@@ -9,9 +9,9 @@ use crate::law::Sample;
 /// Where the HIP is with respect to the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch<N: Spatial> {
-    /// The HIP.
+    /// Position of the hand's point (HIP).
     pub at: Vector<Position<N>>,
-    /// Out of the object: along it the force pushes.
+    /// The normal out of the object, along which the force pushes.
     pub normal: Direction<N>,
     /// How deep the HIP is below the surface point, positive inside.
     pub depth: Position<N>,

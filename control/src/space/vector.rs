@@ -96,7 +96,7 @@ macro_rules! signal_vector {
                     self.cut(length, limit)
                 }
             }
-            /// Where it is longer.
+            /// Shortens the vector where it is longer than the limit.
             fn cut(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
                 // At the end of the format a length is no length any more: that of the half is.
                 if length + $quantity::<N>::quantum() == length {
@@ -204,7 +204,7 @@ impl<N: Spatial> Direction<N> {
     pub fn across(&self, v: Vector<Position<N>>) -> Vector<Position<N>> {
         Vector(N::across(self.0, v.signals()).map(Position))
     }
-    /// The other way.
+    /// The opposite direction.
     #[inline(always)]
     #[must_use]
     pub fn opposite(&self) -> Self {

@@ -15,7 +15,7 @@
 //!    an eighth of a turn each way: a rotor that stands against it falls off the other way, or does not move at all.
 //! 4. On the way back and forth, at each 32nd of a turn, the difference of rotor and field is taken. Friction makes the rotor lag, once in
 //!    each direction: the mean of both is `φ`, and must be within 20 electrical degrees. Between the two ends, the rotor must have moved at least
-//!    half as far as the field, and in its direction: this is what tells a shaft that is held, phases in another order, and a rotor that is
+//!    half as far as the field, and in its direction. This is what tells a shaft that is held, phases in another order, and a rotor that is
 //!    against the field and stuck.
 //!
 //! What it cannot tell: a magnet that slipped by whole electrical turns, which is no difference to the motor; another number of pole pairs
@@ -96,7 +96,7 @@ impl Alignment {
         self.offset.plus(turned)
     }
 
-    /// The same alignment if count 0 lay this many counts further on.
+    /// The alignment after moving count 0 by this many counts.
     #[must_use]
     pub fn from(&self, count: i64, scale: &ElectricalScale) -> Self {
         Self {

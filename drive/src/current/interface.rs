@@ -76,7 +76,7 @@ pub enum BridgeCommand {
 /// The actions that the interrupt has to take next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CurrentOutput {
-    /// For the timer.
+    /// Command for the timer.
     pub bridge: BridgeCommand,
     /// A control tick is due: pend its interrupt.
     pub pend_control: bool,

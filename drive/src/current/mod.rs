@@ -1,6 +1,6 @@
 //! One PWM period: phase currents in, compare values out. Field-oriented control at 20 kHz.
 //!
-//! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels: it
+//! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels. It
 //! switches off by itself when a current is too large, when the hardware break pulled, when the command is older than two
 //! control periods, or when it is itself too slow for the timer. What it saw goes back in a [`CurrentReport`].
 //!
@@ -36,7 +36,7 @@ use touchstone_protocol::FaultCode;
 pub struct CurrentConfig {
     /// Controller gains, the same for d and q.
     pub gains: PiGains,
-    /// Timer.
+    /// Modulator of the timer.
     pub modulator: Modulator,
     /// [`Modulator::share`], which takes a division.
     pub voltage_share: i32,
@@ -86,7 +86,7 @@ pub struct CurrentLoop {
 }
 
 impl CurrentLoop {
-    /// Off, offsets unknown.
+    /// A loop that is off and does not know its sensors' offsets yet.
     #[must_use]
     pub fn new(config: CurrentConfig) -> Self {
         Self {

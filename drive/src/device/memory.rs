@@ -1,4 +1,4 @@
-//! What the control tick remembers. Supervisor, calibration and law have their own memories.
+//! The memory of the control tick. Supervisor, calibration and law have their own.
 
 use crate::calibration::Alignment;
 use crate::record::Record;
@@ -9,7 +9,7 @@ use touchstone_protocol::Machine;
 /// The memory that the next tick starts from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
-    /// Where the device stands.
+    /// State of the device.
     pub machine: Machine,
     /// Result of the last calibration.
     pub alignment: Alignment,
@@ -32,7 +32,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Just switched on.
+    /// The state just after power-on.
     pub(super) fn new() -> Self {
         Self {
             machine: Machine::new(),

@@ -53,7 +53,7 @@ pub struct Hardware {
     pub thermistor: Thermistor,
 }
 
-/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled: it turns on a dead time after the
+/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled. It turns on a dead time after the
 /// compare value, the amplifier settles, and the sample is taken 20 counts before the middle.
 const fn sampling_counts(dead_time_ns: u16, settling_ns: u16) -> u16 {
     const LEAD: u32 = 20;

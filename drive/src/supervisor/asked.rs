@@ -39,7 +39,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// Just heard.
+    /// A state in which the desktop was just heard.
     #[must_use]
     pub const fn new() -> Self {
         Self { ticks: 0 }

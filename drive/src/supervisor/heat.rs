@@ -38,7 +38,7 @@ pub struct HeatConfig {
     warm: i32,
     /// Square of the current that the motor bears for ever.
     bears: i32,
-    /// Too hot.
+    /// Temperature of the fault, as the converter's code.
     hot: i32,
     /// Share of the limit that it may be given for ever, 1/65,536.
     for_ever: u32,

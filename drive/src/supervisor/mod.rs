@@ -93,7 +93,7 @@ impl SupervisorConfig {
         self.motor.is_none_or(|(power, ..)| power.takes(bus))
     }
 
-    /// For the shaft's speed.
+    /// The filter of the shaft's speed.
     #[must_use]
     pub const fn shaft(&self) -> &ShaftConfig {
         &self.shaft

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `r` is what the voltages have that the motor's equations do not explain, `a` what a good motor may have of it. Times the current
-//! this is the balance of power, `3/2 (v·i - R i²)` against the torque that was told times the speed, one axis at a time: the windings'
+//! this is the balance of power, `3/2 (v·i - R i²)` against the torque that was told times the speed, one axis at a time. The windings'
 //! heat, whose resistance nobody knows to a third, is in one of them only. A voltage across the current is a matter of the angle.
 //!
 //! What `a` allows:

@@ -1,7 +1,7 @@
 //! The encoder's readings: bad ones, jumps, and the speed that follows from the good ones.
 //!
 //! Overspeed is looked for twice. A tick's movement shows what is clearly too fast with the first reading whose whole period was
-//! so; the mean over a window also shows a slight excess of an encoder that counts little in a tick.
+//! so. The mean over a window also shows a slight excess of an encoder that counts little in a tick.
 //!
 //! A bad reading is not used, and the outputs are off until the next good one: nothing is driven on a guess. So many bad ones in
 //! a row are a fault, with the code of the last. After a gap the shaft may have moved for each of the ticks left out.
@@ -91,7 +91,7 @@ impl ShaftConfig {
 /// What became of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// Good.
+    /// The reading is good.
     Good {
         /// The unbroken count.
         count: i64,

@@ -7,7 +7,7 @@
 //!
 //! The voltage must exceed 1 V (dead time, rounding), half of `R |i|` (a winding that is 100 K warmer has 39 % more resistance)
 //! and the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder on a slower shaft is
-//! not seen until it turns faster; meanwhile the wall's force stays constant, as does the field: the motor holds like a
+//! not seen until it turns faster. Meanwhile the wall's force stays constant, as does the field: the motor holds like a
 //! stepper and does not run away.
 
 use super::Found;

@@ -25,7 +25,7 @@ impl ToldMotor {
         force_limit_n_m: Si::lit("0.045"),
     };
 
-    /// Into the settings.
+    /// Writes the board's properties into the settings.
     pub fn tell(&self, settings: &mut DeviceSettings) {
         settings.motor.resistance_ohm = self.resistance_ohm;
         settings.motor.inductance_h = self.inductance_h;

@@ -87,7 +87,7 @@ impl Cost {
 /// set, `registers.tsv`.
 pub const WAIT_STATES: u64 = 4;
 
-/// The counters.
+/// Registers, memories and counters of the processor.
 #[derive(Debug)]
 pub struct Core {
     /// Time in cycles of the processor, since power came on.
@@ -206,7 +206,7 @@ impl Core {
         }
     }
 
-    /// Remembers one.
+    /// Remembers a decoded instruction.
     pub fn learn(&mut self, address: u32, info: Info) {
         let memory = self.memory_of(address);
         let cache = &mut self.caches[memory];

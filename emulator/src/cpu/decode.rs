@@ -19,7 +19,7 @@ pub enum Kind {
     IfThen {
         /// Number of instructions in the block.
         count: u8,
-        /// Their bytes.
+        /// Length of the instruction, bytes.
         bytes: u8,
     },
     /// Changes what may interrupt: the next instruction boundary looks again.

@@ -55,12 +55,12 @@ impl Nvic {
         self.lines = lines;
     }
 
-    /// Pends by software.
+    /// Makes an exception pending by software.
     pub fn pend(&mut self, exception: usize) {
         self.pending |= 1 << exception;
     }
 
-    /// Takes back.
+    /// Clears a pending exception.
     pub fn unpend(&mut self, exception: usize) {
         self.pending &= !(1 << exception);
     }
@@ -110,7 +110,7 @@ impl Nvic {
         (self.priority_of(best) < self.current(masks)).then_some(best)
     }
 
-    /// Begins to run.
+    /// Marks an exception as running.
     pub fn enter(&mut self, exception: usize) {
         self.pending &= !(1 << exception);
         self.active |= 1 << exception;

@@ -21,7 +21,7 @@ use crate::cpu::elf::Program;
 
 /// The most that a force changes in a tick for a change alone, N·m/s.
 const CHANGE: &str = "0.5";
-/// For this many ticks the environments before and after a change may show the same force.
+/// Number of ticks for which the environments before and after a change may show the same force.
 const SAME_FORCES: usize = 50;
 /// How far the hand would go to either side without a force, rad: beyond both ends.
 const REACH_RAD: f64 = 0.35;

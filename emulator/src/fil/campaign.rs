@@ -39,7 +39,7 @@ impl Campaign {
     /// Boots a device with an encoder, and sets the encoder and a fast calibration.
     ///
     /// # Errors
-    /// It does not start.
+    /// The program does not start.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut bench = Bench::new(program, setup)?;
         bench.boot()?;

@@ -98,7 +98,7 @@ fn random_frames(program: &Program, setup: &Setup, tally: &mut Tally) {
 }
 
 /// Sends random frames to the device's port, as fast as it takes them. They must cause counted errors, one each, and
-/// no reply. A third are random bytes, most of which are no COBS; a third are COBS with random content; a third are
+/// no reply. A third are random bytes, most of which are no COBS; a third are COBS with random content. A third are
 /// requests that would switch on, reset or write flash, with one bit flipped.
 ///
 /// # Errors

@@ -45,7 +45,7 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
 }
 
 /// Cogging of a motor with 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots
-/// and magnets add. 0.77 mN·m effective; the wall may push with 45.
+/// and magnets add. 0.77 mN·m effective. The wall may push with 45.
 pub(super) const COGGING: [Harmonic; 4] = [
     part(1e-3, 84.0, 0.4),
     part(2e-4, 168.0, 2.0),

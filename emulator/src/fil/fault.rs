@@ -218,7 +218,7 @@ impl Fault {
         ) || matches!(self, Self::Lost(LPTIM1, us) if us > 0)
     }
 
-    /// For how long it lasts, cycles; `None` until it is removed.
+    /// Duration, cycles; `None` until it is removed.
     #[must_use]
     pub fn lasts(self) -> Option<u64> {
         match self {

@@ -59,12 +59,12 @@ pub const BOARDS: [&str; 5] = [
 pub struct Programs(Vec<(&'static str, Program)>);
 
 impl Programs {
-    /// Adds a board's.
+    /// Adds the program of a board.
     pub fn add(&mut self, board: &'static str, program: Program) {
         self.0.push((board, program));
     }
 
-    /// A board's.
+    /// Finds the program of a board.
     #[must_use]
     pub fn of(&self, board: &Board) -> Option<&Program> {
         let found = self.0.iter().find(|(name, _)| *name == board.name);
@@ -235,7 +235,7 @@ impl Job<'_> {
         }
     }
 
-    /// Does it.
+    /// Runs the job.
     #[must_use]
     pub fn run(&self) -> Tally {
         let mut tally = Tally::on(&self.device);

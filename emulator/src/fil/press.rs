@@ -28,7 +28,7 @@ pub struct Press {
 /// Changes the wall, calibrates, arms, presses for two seconds, and compares.
 ///
 /// # Errors
-/// Whatever fails, or the first tick whose bits differ.
+/// The first step that fails, or the first tick whose bits differ.
 pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     bench.release();
     let phase = bench.status()?.phase;

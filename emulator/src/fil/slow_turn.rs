@@ -32,7 +32,7 @@ impl Felt {
 /// Arms a calibrated device, whose wall must be far away, turns its shaft once at a speed, rad/s, and disarms it.
 ///
 /// # Errors
-/// It does not arm, or does not stay armed.
+/// The device does not arm, or does not stay armed.
 pub fn slow_turn(bench: &mut Bench, rad_per_s: f64) -> Result<Felt, String> {
     bench.demand(Request::Command(DeviceCommand::Arm))?;
     bench.wait_for(Phase::Armed, 100 * MS)?;

@@ -22,7 +22,7 @@ fn place(program: &Program) -> Result<(u32, usize), String> {
 /// Something to tell apart from the defaults, and from one another.
 ///
 /// # Errors
-/// It is refused.
+/// The change is refused.
 pub fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
 }

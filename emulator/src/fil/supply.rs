@@ -18,7 +18,7 @@ const MOST_CHANGES: u64 = 400;
 /// Of the other boards' changes and moments, one in this many is tried.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
-/// For how long the supply is away: a motor's current has gone, and a knob has come to rest or not.
+/// Durations of the supply's absence: the current has gone, and the knob has come to rest or not.
 const AWAY: u64 = 200 * MS;
 /// The value that was saved last, and the one in use.
 const SAVED: Si = Si::lit("1.25");

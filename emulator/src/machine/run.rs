@@ -11,7 +11,7 @@ impl Machine {
     /// Runs until a time.
     ///
     /// # Errors
-    /// Why it ended before.
+    /// The reason why the run ended early.
     pub fn run_until(&mut self, until: u64) -> Result<(), Halt> {
         while self.chip().core.now < until {
             self.slice(until)?;

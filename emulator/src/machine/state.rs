@@ -65,7 +65,7 @@ impl Machine {
     /// A chip with a program in its flash, before power is on.
     ///
     /// # Errors
-    /// What Unicorn refuses, or a segment outside of flash.
+    /// Unicorn refuses the memory map, or a segment lies outside of flash.
     pub fn new(chip: Chip, program: &Program) -> Result<Self, String> {
         let flash_bytes = chip.board.flash_bytes;
         let memories = [(RAM, chip.board.ram_bytes), (CCM, chip.board.ccm_bytes)];

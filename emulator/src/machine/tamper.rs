@@ -20,7 +20,7 @@ impl Machine {
     /// Runs until the handler of an exception runs (the thread for `None`), and lets it go on at another address.
     ///
     /// # Errors
-    /// It does not run within 50 ms.
+    /// The program does not run within 50 ms.
     pub fn divert(&mut self, exception: Option<usize>, address: u32) -> Result<(), String> {
         self.run_to(exception)?;
         self.asleep = None;
@@ -38,7 +38,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Ends that.
+    /// Ends the masking of interrupts.
     pub fn unmask(&mut self) {
         self.set_register(RegisterARM::BASEPRI, 0);
     }
@@ -46,7 +46,7 @@ impl Machine {
     /// Runs until the handler of an exception runs, or the thread.
     ///
     /// # Errors
-    /// It does not run within 50 ms.
+    /// The program does not run within 50 ms.
     pub fn run_to(&mut self, exception: Option<usize>) -> Result<(), String> {
         let end = self.chip().core.now + 50_000 * 170;
         while self.chip().core.now < end {

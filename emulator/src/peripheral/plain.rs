@@ -35,7 +35,7 @@ impl Plain {
         }
     }
 
-    /// Sets one.
+    /// Sets a register.
     pub fn set(&mut self, offset: u32, value: u32) {
         match self.words.get_mut(offset as usize / 4) {
             Some(word) => *word = value,

@@ -35,7 +35,8 @@ pub enum SlaveFault {
     None,
     /// The line stays low: no power, or a broken wire with a pull-down.
     Low,
-    /// The line is low from the next answer with an angle on: between two frames of a reading. For the AS5047P.
+    /// The data line stays low from the next answer that holds an angle, that is between two frames of a reading. For
+    /// the AS5047P.
     LowFromAngle,
     /// The line stays high.
     High,

@@ -1,6 +1,6 @@
 //! The simulated world around the board: motor, knob, hand, supply.
 //!
-//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`; the currents
+//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`. The currents
 //! follow every change of the bridge and every sample of a converter.
 
 mod sensors;
@@ -271,7 +271,7 @@ impl World {
         };
     }
 
-    /// The hand that holds goes on to another rest point, rad, by the time since now, s. Without a hand nothing changes.
+    /// Moves the hand's rest point, rad, as a function of the time from now, s. Without a hand nothing changes.
     pub fn lead(&mut self, to: impl Fn(f64) -> f64 + 'static) {
         if let Grip::Held { since, rest, .. } = &mut self.grip {
             *since = self.now;
@@ -343,7 +343,7 @@ impl World {
         };
     }
 
-    /// Moves on.
+    /// Moves the simulation on to a time.
     pub fn advance(&mut self, until: u64) {
         while self.now < until {
             let next = self.step_at.min(until);

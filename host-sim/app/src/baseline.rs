@@ -6,7 +6,7 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
 
-/// Which way a measure is worse.
+/// The direction in which a measure is worse.
 #[derive(Clone, Copy)]
 enum Worse {
     Less,
@@ -60,7 +60,7 @@ pub fn read(file: &Path) -> Result<Vec<Value>> {
     }
 }
 
-/// Holds a run against that of before; a run that was not there before is refused.
+/// Compares a run with the earlier one; a run that did not exist then is refused.
 pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
     let mut now = serde_json::to_value(run).unwrap_or_default();
     now[NAME] = run.word().into();

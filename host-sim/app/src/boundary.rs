@@ -64,7 +64,7 @@ const REPLACED: [(&str, &str); 6] = [
 /// File in which finished cells are kept.
 const CELLS: &str = "cells.csv";
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     refuse_replaced("a boundary", &options.sets, &REPLACED)?;
     let scene = Scene::load(&options.scene)?.with_overrides(&options.sets)?;

@@ -27,7 +27,7 @@ pub struct Options {
     current_loop_hz: Option<f64>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     if let Some(bandwidth) = options
         .current_loop_hz

@@ -11,7 +11,7 @@ pub struct Check {
     pub option: &'static str,
     /// The demanded value.
     pub wanted: String,
-    /// The run's value.
+    /// The measured value.
     pub came: String,
     /// Whether the demand is met.
     pub met: bool,

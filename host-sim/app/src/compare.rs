@@ -41,7 +41,7 @@ pub struct Options {
     /// Begins at this time of the recording, s.
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::not_negative("in s"))]
     from: f64,
-    /// Ends at this time of the recording, s; without it, with the recording.
+    /// Ends at this time of the recording, s; without this option, at its end.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     to: Option<f64>,
     /// Ends with 3 where the rms difference of position or force exceeds this share of the recorded range. With --hand
@@ -74,7 +74,7 @@ const REPLACED: [(&str, &str); 2] = [
     ("wall.surface_rad", "the device's surface"),
 ];
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     options.changes.refuse_replaced("compare", &REPLACED)?;
     let (scene, _) = options.changes.load(&options.scene)?;

@@ -31,7 +31,7 @@ pub struct Options {
     no_open: bool,
 }
 
-/// Below the options.
+/// Text below the options in the help.
 const HAPPENS: &str = "\
 A simulated hand presses the knob for as long as it is armed.
 Lines of standard input are what happens to the board:

@@ -22,7 +22,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Time of a calibration beside the turns of the field: offsets, alignment, pauses; with a reserve.
+/// Time that a calibration takes in addition to the turns of the field (offsets, alignment, pauses), with a reserve.
 const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
 /// Options of `device`.
@@ -52,14 +52,14 @@ enum BoardAction {
     Status,
     /// Finds direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
     Calibrate {
-        /// Returns at once.
+        /// Return at once, without waiting.
         #[arg(long)]
         no_wait: bool,
         /// Looks for the alignment although one is kept.
         #[arg(long)]
         anew: bool,
     },
-    /// Switches the outputs on: the wall is there from now on.
+    /// Switches the outputs on: from now on the wall acts.
     Arm,
     /// Switches the outputs off, keeps the calibration.
     Disarm,
@@ -100,7 +100,7 @@ enum BoardAction {
     },
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     match &options.action {
         Action::Haptic(action) => {
@@ -234,7 +234,7 @@ fn is_of_kept(fault: &Fault) -> bool {
         )
 }
 
-/// Where the device stands.
+/// State of the device.
 pub fn status_of(client: &mut Client) -> Result<Status> {
     match client.ask(&Request::Status)? {
         Reply::Status(status) => Ok(status),

@@ -93,7 +93,7 @@ impl Expectations {
         }
     }
 
-    /// Holds runs against those of the baseline, if one is given.
+    /// Compares runs with those of the baseline, if one is given.
     ///
     /// # Errors
     /// A baseline that cannot be read.

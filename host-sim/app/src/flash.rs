@@ -106,7 +106,7 @@ impl<'a> Job<'a> {
     fn check(&self) -> Result<()> {
         /// Magic, 32 bits, little-endian.
         const START: &[u8] = b"\x7fELF\x01\x01";
-        /// Machine: Arm.
+        /// Machine number of Arm in an ELF file.
         const ARM: &[u8] = &[40, 0];
         let file = self.read()?;
         if file.starts_with(START) && file.get(18..20) == Some(ARM) {
@@ -175,7 +175,7 @@ impl BoardName {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     if !options.force {

@@ -37,7 +37,7 @@ const REPLACED: [(&str, &str); 3] = [
     ("wall.k_desired_n_m_per_rad", "a stiffness"),
 ];
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     if options.high <= options.low {
         return Err(Error::Option {

@@ -22,7 +22,7 @@ pub struct Options {
     /// Says of each message where in the sources it stands (the program probe-rs always does).
     #[arg(long)]
     locations: bool,
-    /// Ends after this many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
 }
@@ -63,7 +63,7 @@ impl Log {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     let log = Log {

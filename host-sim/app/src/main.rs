@@ -52,7 +52,7 @@ use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, Scene};
 
-/// For the help of the program and of every command that can end with 3.
+/// Text on exit codes in the help of the program and of every command that can end with 3.
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done

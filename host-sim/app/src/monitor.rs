@@ -34,7 +34,7 @@ pub struct Options {
     /// Keeps every record that arrives as CSV.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Ends after this many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
     /// One record every given number of control ticks.
@@ -42,7 +42,7 @@ pub struct Options {
     decimation: u16,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
     let stop = super::interrupt::noted()?;

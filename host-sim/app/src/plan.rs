@@ -24,7 +24,7 @@ pub struct Options {
     no_omitted: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let tolerance = options.tolerance;
     if !(tolerance >= 0.0 && tolerance.is_finite()) {

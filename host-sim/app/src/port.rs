@@ -24,7 +24,7 @@ impl PortOption {
         }
     }
 
-    /// Connects.
+    /// Connects to the device.
     pub fn connect(&self) -> Result<Client> {
         Client::connect(&self.address()?)
     }

@@ -18,7 +18,7 @@ pub struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// For the report.
+    /// Files for the report.
     pub fn files(&self) -> FileOptions {
         FileOptions {
             no_csv: self.no_csv,

@@ -41,7 +41,7 @@ pub struct Options {
     /// With --tuned: search for seconds instead of minutes.
     #[arg(long, requires = "tuned")]
     quick: bool,
-    /// With --tuned: seed of the search; with --family: seed of the drawn members.
+    /// Seed of the search (--tuned) or of the drawn members (--family).
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Writes a page, results.json and, with --tuned, the settings of every law to this folder.
@@ -54,10 +54,10 @@ pub struct Options {
     /// emulator. `touchstone compare --hand programme` compares its recording with the scorecard.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
-    /// With --programme: the surface is further by this share of a count of the encoder.
+    /// With --programme: shift the surface by this share of a count of the encoder.
     #[arg(long, value_name = "SHARE", requires = "programme", allow_negative_numbers = true, value_parser = number::within(0.0, 1.0, "of a count"))]
     place: Option<f64>,
-    /// With --programme: this grip alone.
+    /// With --programme: play only this grip.
     #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
     grip: Option<String>,
     /// With --programme: only these deeds of the hand, such as press; may be given several times.
@@ -65,7 +65,7 @@ pub struct Options {
     deeds: Vec<String>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.scene)?;
     if let Some(file) = &options.programme {

@@ -60,7 +60,7 @@ pub struct RunOfSpace<'a> {
     pub expectations: &'a Expectations,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     let expect = asked.expectations.any().then_some("--expect");
     if let Some(option) = asked.lost.or(expect) {

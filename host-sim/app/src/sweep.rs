@@ -87,7 +87,7 @@ fn parsed_shard(text: &str) -> std::result::Result<Shard, String> {
     text.parse()
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     match &options.merge {
         Some(Merge::Merge {

@@ -60,7 +60,7 @@ impl Default for Options {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     match options.dof {
         1 => {

@@ -50,7 +50,7 @@ pub struct Options {
     force: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.device)?;
     refuse_late(&scene)?;

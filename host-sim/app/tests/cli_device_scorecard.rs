@@ -129,7 +129,7 @@ fn a_simulated_device_has_the_simulators_figures() {
     }
 }
 
-/// The wall that is played where nothing is said of one is within all six limits, at every rate that has one of its own; the thesis' settings are not, and say so beforehand.
+/// The wall that is played where nothing is said of one is within all six limits, at every rate that has one of its own. The thesis' settings are not, and say so beforehand.
 #[test]
 fn the_default_wall_of_an_omega3_is_within_the_limits() {
     let folder = common::folder("device-scorecard-default");

@@ -103,7 +103,7 @@ impl Address {
     /// What was given, or the one ST-LINK port that there is.
     ///
     /// # Errors
-    /// None is given, and there is none or more than one.
+    /// No address is given, and there is no such port or more than one.
     pub fn given_or_found(given: Option<&Address>) -> Result<Address> {
         match given {
             Some(address) => Ok(address.clone()),

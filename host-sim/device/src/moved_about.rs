@@ -1,6 +1,6 @@
 //! Small motions of a device that nobody holds, an axis after the other: what its mechanics are found from.
 //!
-//! A soft spring and a little damping hold it where it was when it was switched on; along one axis at a time three sines push it about by
+//! A soft spring and a little damping hold it where it was when it was switched on. Along one axis at a time three sines push it about by
 //! some millimetres. What acted and where it was is kept.
 
 use crate::haptic::{HapticFault, length};
@@ -19,7 +19,7 @@ pub struct SmallMotions {
     pub furthest_m: f64,
 }
 
-/// For the force to fade in before anything is kept, s.
+/// Time for the force to fade in before records begin, s.
 const QUIET_S: f64 = 1.2;
 /// Stiffness and damping that hold the device, N/m and N·s/m.
 const SPRING_N_PER_M: f64 = 120.0;
@@ -51,7 +51,7 @@ pub struct MovedAbout {
 }
 
 impl MovedAbout {
-    /// Nothing moved yet.
+    /// Prepares the motions; the device has not moved yet.
     #[must_use]
     pub fn new(motions: SmallMotions) -> Self {
         Self {

@@ -45,7 +45,7 @@ impl Omega3 {
     /// Takes the first one that no other program holds. Its motors stay off.
     ///
     /// # Errors
-    /// There is none, it is held, of another kind, without supply or not calibrated.
+    /// No device is found, or it is in use, of another kind, without supply or not calibrated.
     pub fn open(library: Arc<Dhd>) -> Result<Self, HapticFault> {
         match library.count()? {
             (0, _) => {
@@ -117,7 +117,7 @@ impl Omega3 {
     /// The library and its number, for what a wall does not need.
     ///
     /// # Errors
-    /// It was released.
+    /// The device was released.
     pub fn library(&self) -> Result<(&Dhd, i8), HapticFault> {
         Ok((&self.library, self.id()?))
     }

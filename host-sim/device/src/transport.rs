@@ -40,7 +40,7 @@ pub trait Transport {
 /// Opens the connection to a device.
 ///
 /// # Errors
-/// There is none, or it may not be used.
+/// There is no such device, or it may not be used.
 pub fn open(address: &Address) -> Result<Box<dyn Transport>> {
     match address {
         Address::Serial(name) => serial(name),

@@ -24,7 +24,7 @@ const VERSIONED: [(&str, &str); 2] = [("libdrd", ".dylib"), ("libdhd", ".dylib")
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const VERSIONED: [(&str, &str); 2] = [("libdrd.so", ""), ("libdhd.so", "")];
 
-/// Where to look.
+/// The places to look for the library.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LibrarySearch {
     /// The file itself; nothing else is tried then.
@@ -35,7 +35,7 @@ pub struct LibrarySearch {
     pub system: bool,
 }
 
-/// No library.
+/// The library was not loaded; holds the reasons.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotLoaded {
     /// Places that were tried, each with its problem.
@@ -117,7 +117,7 @@ impl LibrarySearch {
     /// The first library that loads.
     ///
     /// # Errors
-    /// None does: all places, and why.
+    /// No library loads; holds all places and reasons.
     pub fn load(&self) -> Result<Dhd, NotLoaded> {
         let mut tried = Vec::new();
         if let Some(file) = &self.file {

@@ -99,7 +99,7 @@ impl Dhd {
     /// Loads a file, or a name that the system's loader knows.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason for the refusal.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
         // SAFETY: loading runs the library's initialisers, which nothing can check. The file is the one that the user named, or the vendor's name in a
         // place that only its owner or an administrator can write, as with every program that is linked with it.

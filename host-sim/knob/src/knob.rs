@@ -106,7 +106,7 @@ impl<T: Tamper> Knob<T> {
     /// At rest at an angle, just switched on.
     ///
     /// # Panics
-    /// For settings that are refused.
+    /// Settings that are refused.
     #[must_use]
     pub fn new(
         settings: &DeviceSettings,
@@ -123,7 +123,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
     /// Same as [`Knob::new`], with another plant, of steps of half a PWM period.
     ///
     /// # Panics
-    /// For settings that are refused.
+    /// Settings that are refused.
     #[must_use]
     pub fn with_plant(
         settings: &DeviceSettings,
@@ -138,7 +138,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
     /// Same as [`Knob::new`], on another board.
     ///
     /// # Panics
-    /// For settings that are refused.
+    /// Settings that are refused.
     #[must_use]
     pub fn on(
         hardware: &'static Hardware,

@@ -29,7 +29,7 @@ const PRESS_S: f64 = 3.0;
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
 
-/// A supply that may rise, and a desktop that may fall silent.
+/// The simulated surroundings of a served knob: a supply that may rise, and a desktop that may fall silent.
 #[derive(Debug, Clone, Copy)]
 pub struct Outside {
     supply_v: f64,

@@ -41,7 +41,7 @@ impl Random {
 pub struct RandomDevice {
     /// kg·m².
     pub inertia: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: f64,
     /// Kinetic dry friction, N·m; two thirds have some.
     pub friction: Option<f64>,

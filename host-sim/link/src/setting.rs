@@ -40,7 +40,7 @@ pub fn unknown(path: &str) -> Wrong {
 /// The setting and the value that two texts name.
 ///
 /// # Errors
-/// There is no such setting, or it cannot have this value.
+/// There is no such setting, or the value is not allowed.
 pub fn parsed(path: &str, text: &str) -> Result<Setting> {
     let field = known(path)?;
     let bytes = value::parse(field, text).map_err(|wrong| option(path, wrong))?;

@@ -11,7 +11,7 @@ pub type Wrong = (String, String);
 /// The value that a text stands for, as postcard has it. Numbers are exact: no float comes near them.
 ///
 /// # Errors
-/// It is no value of this setting.
+/// The text is no value of this setting.
 pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     let mut buffer = [0; VALUE_MAX];
     let no = |problem: String| Err((problem, wanted(field).1));

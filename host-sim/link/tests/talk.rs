@@ -118,7 +118,7 @@ fn framed(message: &FromDevice) -> Vec<u8> {
     frame::encode(message, &mut buffer).unwrap().to_vec()
 }
 
-/// Both ends and the clock between them.
+/// Both ends of the link, and their clock.
 struct Wire {
     talk: Talk,
     device: Device,

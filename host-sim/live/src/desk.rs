@@ -200,7 +200,7 @@ impl Desk {
     /// Starts again from the scene's start.
     ///
     /// # Errors
-    /// None that opening did not have.
+    /// No other errors than opening.
     pub fn reset(&mut self, handle: usize) -> Result<()> {
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
         place.live = Live::new(&place.scene)?;

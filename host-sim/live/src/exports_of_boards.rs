@@ -16,7 +16,7 @@ fn talk<T>(with: impl FnOnce(&mut Talk) -> T) -> T {
     TALK.with_borrow_mut(with)
 }
 
-/// Begins anew; the place, for messages, is in the buffer.
+/// Begins anew; the buffer holds the port's name for messages.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_new() {
     TALK.set(Talk::new(&take()));
@@ -46,7 +46,7 @@ extern "C" fn live_board_order(now_ms: f64) {
     talk(|talk| talk.order(&take(), now_ms));
 }
 
-/// Looks at the clock.
+/// Tells the module the time.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_turn(now_ms: f64) {
     talk(|talk| talk.turn(now_ms));
@@ -67,7 +67,7 @@ extern "C" fn live_board_said() -> i32 {
     })
 }
 
-/// Takes the rows that came since the last call; gives how many numbers they are.
+/// Takes the rows that came since the last call; returns their count of numbers.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_rows() -> usize {
     let rows = talk(Talk::rows);

@@ -48,7 +48,7 @@ pub const SPACE_ROW: [&str; 20] = [
 /// The object in the workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpaceObject {
-    /// Below a plane through the centre, whose normal points out.
+    /// The half-space below a plane through the centre; the normal points out.
     Plane([f64; 3]),
     /// A ball around the centre, radius in mm.
     Sphere(f64),
@@ -229,7 +229,7 @@ impl SpaceChoice {
 
 /// The loop.
 pub struct SpaceLoop {
-    /// What it was made of.
+    /// The choice from which the loop was made.
     pub choice: SpaceChoice,
     wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
     plant: Held,
@@ -258,7 +258,7 @@ pub fn start_mm(object: SpaceObject) -> [f64; 3] {
 }
 
 impl SpaceLoop {
-    /// At rest where the hand waits at first.
+    /// A loop at rest at the hand's first position.
     ///
     /// # Errors
     /// Same as [`Self::at`].
@@ -267,7 +267,7 @@ impl SpaceLoop {
         Self::at(choice, start)
     }
 
-    /// At rest at a place, mm.
+    /// A loop at rest at a position, mm.
     ///
     /// # Errors
     /// Settings that law or guard cannot have.

@@ -13,7 +13,7 @@ impl Mesh {
     /// Nothing is read.
     ///
     /// # Errors
-    /// Always: how to build the program.
+    /// Always returns how to build the program with this feature.
     pub fn read_stl(path: &Path, _unit_m: f64) -> Result<Self> {
         Err(Error::Io {
             path: path.to_owned(),

@@ -38,7 +38,7 @@ impl Triangles {
         self.triangles.push(numbers);
     }
 
-    /// In metres.
+    /// Vertices in metres.
     pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
         self.vertices
             .iter()

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// 2 where the user's request cannot be carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Something in a file: scene, recording.
+    /// An error in a file: scene or recording.
     #[error("{}:{line}: {field}: {problem}; {fix}", file.display())]
     File {
         /// The file as the user named it.
@@ -20,7 +20,7 @@ pub enum Error {
         /// How to mend it.
         fix: String,
     },
-    /// Something on the command line: option or `--set` key.
+    /// An error on the command line: option or `--set` key.
     #[error("{option}: {problem}; {fix}")]
     Option {
         /// The option or key as the user wrote it.

@@ -13,7 +13,7 @@ use touchstone_sim::scene::{Preset, Scene};
 const SLOWEST_SUBSTEP: Duration = Duration::from_micros(20);
 /// The same for a hand with friction: a stiff pad takes up to 4,096 power series in a tick.
 const SLOWEST_EVENTS: Duration = Duration::from_millis(8);
-/// Besides.
+/// Time to wait in addition.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// A scene may ask for days in steps of microseconds, and gets them. The campaign has no time for them.
 const MOST_STEPS: f64 = 2e6;

@@ -48,7 +48,7 @@ pub struct Enhanced {
     pub limit: Int,
 }
 
-/// Where the contact stands.
+/// Phase of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
     /// No contact.
@@ -63,7 +63,7 @@ pub enum Contact {
 /// The memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Int,

@@ -55,13 +55,13 @@ pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
 /// Settings, counts of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Hz.
+    /// Bandwidth, Hz.
     pub bandwidth: Int,
     /// kg·m².
     pub inertia: Int,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: Int,
-    /// s.
+    /// Delay, s.
     pub delay: Int,
 }
 

@@ -6,7 +6,7 @@ use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signa
 /// Settings, counts of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness: Int,
     /// `μ_s`.
     pub fixed: Int,

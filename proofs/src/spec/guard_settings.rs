@@ -11,19 +11,19 @@ use super::{HIGHEST, Int};
 /// The settings, counts of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// J.
+    /// Capacity, J.
     pub capacity: Int,
-    /// W.
+    /// Refill, W.
     pub refill: Int,
     /// Trusted share of the damping.
     pub share: Int,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: Int,
-    /// rad/s.
+    /// Overspeed, rad/s.
     pub overspeed: Int,
-    /// s.
+    /// Delay, s.
     pub delay: Int,
-    /// s.
+    /// Lag, s.
     pub lag: Int,
     /// Whether the position is also read when the force changes.
     pub measured: bool,

@@ -65,7 +65,7 @@ pub struct Settings {
     pub ground_damping: Int,
     /// Lent to each contact, J.
     pub credit: Int,
-    /// N·m.
+    /// Limit, N·m.
     pub limit: Int,
 }
 

@@ -106,7 +106,7 @@ const STRENGTH: &str = "environment.detents.strength_n_m";
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
 
 impl Default for Surround {
-    /// The wall alone.
+    /// An environment with one wall and nothing else.
     fn default() -> Self {
         Self {
             first_wall: true,

@@ -150,7 +150,7 @@ device_settings!(fields);
 /// A number against a range.
 ///
 /// # Errors
-/// It is outside.
+/// The value is out of range.
 pub fn within(path: &'static str, value: Si, (least, most): (Si, Si)) -> Result<(), SettingsError> {
     if value < least || value > most {
         let (value, least, most) = (Decimal(value), Decimal(least), Decimal(most));

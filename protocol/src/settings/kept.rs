@@ -67,7 +67,7 @@ pub enum Unkept {
 }
 
 impl Unkept {
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -128,7 +128,7 @@ impl SelfStart {
         Self::Faulted,
     ];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -164,7 +164,7 @@ pub struct StartReport {
 /// Whether these settings allow keeping a measurement against the encoder's zero at all.
 ///
 /// # Errors
-/// Why not.
+/// The reason for the refusal.
 pub const fn may_keep(settings: &DeviceSettings) -> Result<(), Unkept> {
     match (settings.drive.kind, settings.encoder.kind) {
         (DriveKind::Analogue, _) => Err(Unkept::NothingToAlign),
@@ -189,7 +189,7 @@ impl MeasuredWith {
     /// Whether the alignment was measured with the present settings.
     ///
     /// # Errors
-    /// What differs.
+    /// The part that differs.
     pub fn fits(&self, settings: &DeviceSettings, board: Board) -> Result<(), Unkept> {
         may_keep(settings)?;
         let now = Self::new(settings, board);
@@ -221,7 +221,7 @@ impl KeptStart {
     /// The kept alignment, if it was measured with the present settings.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why there is no alignment.
     pub fn usable(&self, settings: &DeviceSettings, board: Board) -> Result<KeptAlignment, Unkept> {
         may_keep(settings)?;
         let kept = self.alignment.ok_or(Unkept::None)?;

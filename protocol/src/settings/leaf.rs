@@ -12,7 +12,7 @@ use touchstone_control::{Choice, Si};
 pub trait Leaf: Copy + 'static {
     /// The form on the wire.
     type Wire: Serialize + DeserializeOwned;
-    /// For the wire.
+    /// Converts the value for the wire.
     fn to_wire(self) -> Self::Wire;
     /// Reads it from the wire; `None` if the value is not valid.
     fn of_wire(wire: Self::Wire) -> Option<Self>;

@@ -24,7 +24,7 @@ pub struct SettingsError {
     pub path: &'static str,
     /// The refused value, or the coefficient for [`Reason::OutOfFormat`].
     pub value: Decimal,
-    /// Why it is refused.
+    /// Reason for the refusal.
     pub reason: Reason,
 }
 

@@ -9,7 +9,7 @@ use touchstone_control::{
 /// A law with its settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
-    /// Short, without spaces.
+    /// Short name without spaces.
     pub name: &'static str,
     /// The default settings with the change that the name states.
     pub settings: Settings,

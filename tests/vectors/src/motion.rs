@@ -6,14 +6,14 @@ const OUTSIDE: i64 = 3183;
 /// A part of the motion.
 #[derive(Debug)]
 pub struct Segment {
-    /// Short, without spaces.
+    /// Short name without spaces.
     pub name: &'static str,
-    /// How long.
+    /// Duration, ticks.
     pub ticks: u32,
     count: fn(&mut Motion, u32) -> i64,
 }
 
-/// 20,000 ticks.
+/// The segments of the motion, 20,000 ticks in all.
 pub const SEGMENTS: [Segment; 9] = [
     segment("presses", 5000, Motion::presses),
     segment("hold", 2500, Motion::hold),

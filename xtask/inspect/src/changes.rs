@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// Either list.
+/// One of the two lists.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -32,13 +32,13 @@ struct Mutant {
     test: String,
 }
 
-/// A part of the firmware's safety, taken out.
+/// A change that takes one part of the firmware's safety out.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sabotage {
     /// Name of the part that is taken out.
     name: String,
-    /// Whose program.
+    /// The board whose program is changed.
     board: String,
     /// What `fil --only` is given.
     only: String,

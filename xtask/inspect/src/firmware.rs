@@ -15,7 +15,7 @@ struct Room {
     memory: u32,
 }
 
-/// Each board's.
+/// Memory of each board's chip.
 const ROOMS: [(&str, Room); 5] = [
     ("nucleo-g474re", room(240, 96)),
     ("nucleo-g474re-ihm16m1", room(240, 96)),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Instructions of many calls.
+/// Instructions counted over many calls.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Cost {
     calls: u64,

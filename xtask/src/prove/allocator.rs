@@ -25,7 +25,7 @@ pub fn found() -> Option<PathBuf> {
     starts_with(&file).then_some(file)
 }
 
-/// Gives it to a command and to all that this starts.
+/// Gives the allocator to a command and to all processes that it starts.
 pub fn give(command: &mut Command) -> &mut Command {
     match found() {
         Some(file) => command.env(PRELOAD, file),

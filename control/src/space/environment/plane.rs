@@ -21,7 +21,7 @@ impl<N: Spatial> Plane<N> {
     pub fn above(&self, at: Vector<Position<N>>) -> Position<N> {
         self.normal.component(at) - self.height
     }
-    /// The same plane, seen from below.
+    /// Same plane with the opposite normal.
     #[must_use]
     pub fn flipped(&self) -> Self {
         Self {

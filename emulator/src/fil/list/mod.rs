@@ -66,16 +66,16 @@ pub enum Expect {
     GoesOn,
 }
 
-/// An injection.
+/// A fault to inject, with the state it occurs in and the expected result.
 #[derive(Debug, Clone, Copy)]
 pub struct Injection {
-    /// For people.
+    /// Text for people.
     pub name: &'static str,
     /// The state of the device in which the fault happens.
     pub when: When,
     /// Microseconds later than a round time: the moment within the PWM and the control period.
     pub moment_us: u64,
-    /// What.
+    /// The fault that is injected.
     pub fault: Fault,
     /// The expected result.
     pub expect: Expect,
@@ -142,8 +142,8 @@ const OFF_AT_BAD_FIELD: u64 = 2 * TICK;
 /// A shaft at 150 rad/s makes 391 counts in a control period, and 265 are too many: a first reading may see 0.68 of a period and
 /// not be enough, the one after it is. And the PWM period in which its tick switches off, us.
 const FAST_SHAFT: u64 = 1_740;
-/// A lockup pulls the break in hardware, well before the window watchdog, which would end it as well. A stack that is at its end is
-/// used by the next interrupt, at most a PWM period later.
+/// Limit for a lockup, which pulls the break in hardware well before the window watchdog would end it as well. When the
+/// stack is full, the next interrupt causes the lockup, at most a PWM period later.
 const LOCKUP: u64 = 60;
 /// The window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since the last refresh, us.
 const WINDOW_WATCHDOG: u64 = 270;

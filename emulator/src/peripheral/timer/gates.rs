@@ -5,11 +5,11 @@
 /// State of a transistor pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Leg {
-    /// Neither conducts.
+    /// Neither transistor conducts.
     Open,
     /// The upper transistor conducts.
     Upper,
-    /// The lower one.
+    /// The lower transistor conducts.
     Lower,
 }
 
@@ -20,7 +20,7 @@ pub enum GateDriver {
     L6387,
     /// HIN switches on when high, LIN when low; both at once is refused.
     L6398,
-    /// An input and an enable a phase: while the enable is high, the input chooses between the two; both transistors are off while it is
+    /// An input and an enable a phase: while the enable is high, the input chooses between the two. Both transistors are off while it is
     /// low, and all six while the line EN\FAULT is.
     Stspin830,
     /// One input a channel and one enable for all three, which is wired to the first of the timer's complementary

@@ -152,7 +152,7 @@ impl DeviceSide {
     /// Switches the device off if it moves or may move something, and confirms it; returns what was done, in words.
     ///
     /// # Errors
-    /// It may still be on.
+    /// The device may still be on.
     pub fn off(&mut self) -> Result<Option<&'static str>> {
         if self.client.is_none() {
             // The page's connection is gone: one of its own is tried, since nobody else will switch it off.
@@ -248,7 +248,7 @@ impl DeviceSide {
         })
     }
 
-    /// Who is there, and everything that can be set.
+    /// The device's identity and all its settings, as JSON.
     pub fn hello(&self) -> serde_json::Value {
         let known = self.client.as_ref().map(|client| client.identity());
         let device = known.map_or_else(|| "no device".to_owned(), described);

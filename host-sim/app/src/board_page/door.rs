@@ -36,7 +36,7 @@ enum Wish {
     Refused(&'static str, &'static str),
 }
 
-/// The door.
+/// The server at which a browser asks.
 pub struct Door {
     /// The address for the browser.
     pub address: String,
@@ -162,7 +162,7 @@ impl Inside {
         }
     }
 
-    /// What a request's head wants, and whether it gets it.
+    /// Reads a request's head and decides whether it is allowed.
     fn wish(&self, head: &[u8]) -> Wish {
         let mut headers = [httparse::EMPTY_HEADER; 64];
         let mut request = httparse::Request::new(&mut headers);
@@ -218,7 +218,7 @@ fn same(given: &str, token: &str) -> bool {
 
 /// Result of waiting for a request.
 enum Head {
-    /// The whole head; it stays in the stream for whoever reads it.
+    /// The whole head, which stays in the stream for the next reader.
     Whole(Vec<u8>),
     /// The browser sent nothing.
     Silent,

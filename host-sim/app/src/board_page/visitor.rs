@@ -11,7 +11,7 @@ use touchstone_protocol::DeviceCommand;
 use touchstone_sim::error::{Error, Result};
 use tungstenite::Message;
 
-/// Between two batches.
+/// Time between two batches of records.
 const BATCH: Duration = Duration::from_millis(33);
 /// Every batch is acknowledged. A page that has not done so for this long hangs, so a person could not stop the device
 /// with it.
@@ -21,7 +21,7 @@ const UNSEEN: u32 = 30;
 /// Interval at which the device's counters are read.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// A page.
+/// A page that is open in a browser.
 pub struct Visitor {
     socket: Socket,
     batch: u32,

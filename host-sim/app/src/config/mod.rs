@@ -45,7 +45,8 @@ enum Action {
         /// The file; without it, standard output.
         file: Option<PathBuf>,
     },
-    /// Takes settings from TOML: all are checked before any is changed. What the file leaves out stays as it is.
+    /// Takes settings from TOML: all are checked before any is changed. Settings that the file leaves out do not
+    /// change.
     Import {
         /// The file.
         file: PathBuf,
@@ -79,7 +80,7 @@ impl Options {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let connect = || options.port.connect();
     match &options.action {

@@ -33,7 +33,7 @@ pub enum CoggingAction {
 /// A map may leave at most this share of the shaft's ripple, or it does not belong to this motor. A map that is half a
 /// period off doubles the ripple.
 const LEFT_MOST: f64 = 0.7;
-/// Time of a sweep beside its calibration and its turns.
+/// Time that a sweep takes in addition to its calibration and its turns.
 const SWEEP_REST: Duration = Duration::from_secs(10);
 
 /// A map, and what it does.
@@ -51,7 +51,7 @@ impl Tried {
         self.ripple_rad[1] / self.ripple_rad[0]
     }
 
-    /// For programs.
+    /// JSON for programs.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!({
             "rms_n_m": self.found.rms_n_m,
@@ -63,7 +63,7 @@ impl Tried {
         })
     }
 
-    /// For people.
+    /// Text for people.
     pub fn lines(&self) -> [String; 3] {
         let found = &self.found;
         let orders: Vec<String> = found

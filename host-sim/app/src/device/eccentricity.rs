@@ -93,7 +93,7 @@ fn by_field_alone(field_n_m_per_rad: f64) -> String {
     )
 }
 
-/// For people; with how stiffly the field held the shaft, N·m/rad.
+/// Text for people, with the stiffness by which the field held the shaft, N·m/rad.
 pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> Vec<String> {
     let mut lines: Vec<String> = (0..ORDERS)
         .map(|index| {
@@ -131,7 +131,7 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     ))
 }
 
-/// For programs, and for a setup that goes on later.
+/// JSON for programs, and for a setup that goes on later.
 pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
     let cost = found.cost(pole_pairs);
     let harmonics = (0..ORDERS).map(|index| {

@@ -103,7 +103,7 @@ pub fn json(
     })
 }
 
-/// Shows both.
+/// Shows both errors.
 fn shown(client: &mut Client) -> Result<()> {
     let board = client.identity().board;
     let (report, settings) = (demanded(client)?, client.settings()?);

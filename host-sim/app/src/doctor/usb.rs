@@ -83,7 +83,7 @@ fn permission(node: &Path) -> Found {
     }
 }
 
-/// For systems other than Linux, and containers without USB.
+/// Check for systems other than Linux, and for containers without USB.
 fn elsewhere(devices: &Path) -> Found {
     match flash::probes() {
         Some(probes) if !probes.is_empty() => There(probes.join(", ")),

@@ -45,7 +45,7 @@ impl Account<'_> {
         self.report.release.as_ref().err().map(ToString::to_string)
     }
 
-    /// For programs.
+    /// JSON for programs.
     pub fn value(&self) -> serde_json::Value {
         let report = self.report;
         let classes = report
@@ -81,7 +81,7 @@ impl Account<'_> {
         })
     }
 
-    /// For a page: the run itself, and how late its ticks were.
+    /// Lines for a page: the run itself, and how late its ticks were.
     pub fn section(&self) -> Section {
         let report = self.report;
         let row = |name: &str, value: String| vec![name.to_owned(), value];

@@ -21,7 +21,7 @@ use touchstone_world::plant::OMEGA3_AXIS;
 pub enum WallPreset {
     /// Tuned for mass and damping of the device, on estimated states.
     Tuned,
-    /// The thesis' settings (§5.2), of --law, --k-desired N/mm.
+    /// The thesis' settings (§5.2), with the law of --law and the stiffness of --k-desired N/mm.
     Thesis,
 }
 
@@ -101,7 +101,7 @@ pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSetting
 }
 
 impl WallOptions {
-    /// For a device.
+    /// The wall for a device.
     ///
     /// # Errors
     /// A rate that it does not have, a file that cannot be taken, a preset that it does not have.

@@ -36,7 +36,7 @@ pub enum Action {
     Survey(survey::Options),
 }
 
-/// Does it.
+/// Runs the job.
 pub fn main(action: &Action) -> Result<ExitCode> {
     let done = match action {
         Action::Run(options) => return run::main(options),

@@ -77,7 +77,7 @@ pub struct Options {
     scored: scorecard::ScoreOptions,
     #[command(flatten)]
     wall: WallOptions,
-    /// Ends after this many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
     /// Keeps every tick as CSV; needs --seconds.
@@ -117,7 +117,7 @@ impl fmt::Display for Scenery {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let kind = options.which.model();
     let simulated = kind.is_some_and(HapticKind::is_simulated);

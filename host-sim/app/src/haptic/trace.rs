@@ -16,7 +16,7 @@ const COLUMNS: [&str; 7] = [
     "force_z_n",
 ];
 
-/// Ticks.
+/// The recorded ticks of a device's run.
 pub struct DeviceTrace {
     ticks: Vec<ServoTick>,
 }

@@ -36,7 +36,7 @@ fn rows(motor: &MeasuredMotor) -> impl Iterator<Item = [String; 3]> {
     })
 }
 
-/// A line each.
+/// A line of text for each figure.
 pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
     rows(motor)
         .map(|[name, value, uncertainty]| format!("{name:<41} {value} ± {uncertainty}"))

@@ -22,7 +22,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Time of a measurement beside the calibration: two currents, four pushes, coasts and brakes.
+/// Time that a measurement takes in addition to the calibration: two currents, four pushes, coasts and brakes.
 const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
 /// The device switches off this long after its cable is pulled.
 const HOST_SILENCE_S: Si = Si::ONE;

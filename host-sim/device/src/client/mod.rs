@@ -56,7 +56,7 @@ impl Client {
         Ok(client)
     }
 
-    /// Who is there.
+    /// Identity of the connected device.
     #[must_use]
     pub const fn identity(&self) -> &Identity {
         &self.identity
@@ -238,7 +238,7 @@ impl Client {
 /// The number of the answer that is waited for, and its place.
 type Wanted = Option<(u8, Option<std::result::Result<Reply, Refusal>>)>;
 
-/// Before anybody answered.
+/// An identity for the time before a device has answered.
 fn nobody() -> Identity {
     Identity {
         protocol_version: 0,

@@ -49,7 +49,7 @@ pub struct CursorState {
     pub device: String,
     /// Where it is in its own frame, m.
     pub position_m: [f64; 3],
-    /// How it stands.
+    /// State of the device.
     pub standing: DeviceStanding,
 }
 
@@ -57,7 +57,7 @@ impl CursorState {
     /// Of a device by its name, or of the first there is.
     ///
     /// # Errors
-    /// What is wrong with the message.
+    /// The problem of the message.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]

@@ -44,7 +44,7 @@ pub enum FaultKind {
 /// A fault at the `at`-th call, from 0, of a kind of call.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaultInjection {
-    /// At which call.
+    /// The call that fails.
     pub call: DeviceCall,
     /// Which of these calls.
     pub at: u64,

@@ -1,7 +1,7 @@
 //! A haptic device: position in, force out, state, faults.
 //!
 //! One small trait for everything that a wall can be displayed on. Positions and forces have three axes in the device's own
-//! frame; a device of one degree of freedom uses the first and leaves the others at 0, and one axis of three is a device of
+//! frame. A device of one degree of freedom uses the first and leaves the others at 0, and one axis of three is a device of
 //! one as well, [`OneAxis`]. What a device may do wrong is a [`HapticFault`], and can be made to happen around any of them:
 //! [`Injected`].
 
@@ -22,7 +22,7 @@ use touchstone_world::plant::Device;
 /// Data of a device that are known before it moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSheet {
-    /// For people: model, serial number, version.
+    /// Description for people: model, serial number, version.
     pub name: String,
     /// Degrees of freedom in which a force acts: 1 or 3.
     pub degrees: usize,
@@ -104,32 +104,32 @@ pub trait HapticDevice {
     /// Motors on, at no force.
     ///
     /// # Errors
-    /// It cannot be used, or not now.
+    /// The device cannot be used, or not now.
     fn engage(&mut self) -> Result<(), HapticFault>;
 
     /// The position now; a device that sets the pace waits for its next one.
     ///
     /// # Errors
-    /// None could be had.
+    /// No position could be read.
     fn sense(&mut self) -> Result<Sensed, HapticFault>;
 
     /// The force on the hand from now on, N.
     ///
     /// # Errors
-    /// It does not act.
+    /// The force does not act.
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault>;
 
     /// Where it stands; asks the device.
     ///
     /// # Errors
-    /// It does not answer.
+    /// The device does not answer.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault>;
 
     /// No force, motors off, and the device free for others. Tries everything a bounded number of times whatever fails, and does nothing
     /// the second time.
     ///
     /// # Errors
-    /// Something of it failed until the end; the rest was done.
+    /// A part of the release failed in every try; the rest was done.
     fn release(&mut self) -> Result<(), HapticFault>;
 }
 

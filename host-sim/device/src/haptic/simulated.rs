@@ -45,7 +45,7 @@ impl DeviceTwin {
     /// Whether it can be: its plant over an interval.
     ///
     /// # Errors
-    /// [`Invalid`] for what no device or hand can have.
+    /// [`Invalid`] for settings that no device or hand can have.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.simulated(1e-3, [0.0; 3]).map(|_| ())
     }
@@ -101,7 +101,7 @@ impl SimulatedArm {
     /// At rest where the hand means to be.
     ///
     /// # Errors
-    /// [`HapticFault::Unusable`] for what no device or hand can have.
+    /// [`HapticFault::Unusable`] for settings that no device or hand can have.
     pub fn new(twin: DeviceTwin, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
         let interval_s = 1.0 / f64::from(rate_hz);
         let simulated = twin.simulated(interval_s, rest(0.0)).map_err(|why| {

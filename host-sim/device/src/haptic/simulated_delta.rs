@@ -58,7 +58,7 @@ impl SimulatedDelta {
     /// The Falcon's geometry, at rest where the hand means to be, or would be if there were one.
     ///
     /// # Errors
-    /// [`HapticFault::Unusable`] for what no hand can have, or a place out of reach.
+    /// [`HapticFault::Unusable`] for settings that no hand can have, or a position out of reach.
     pub fn falcon(hand: Option<&Hand>, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
         let device = FALCON;
         let interval_s = 1.0 / f64::from(rate_hz);

@@ -24,7 +24,7 @@ pub trait ForceLaw {
     /// The force on the hand, N, for the end effector here, m.
     ///
     /// # Errors
-    /// None may act any more.
+    /// No tick may act any more.
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault>;
 
     /// The force that acts in the end, where something made that of [`ForceLaw::tick`] smaller.
@@ -55,7 +55,7 @@ pub struct ServoLimits {
 }
 
 impl ServoLimits {
-    /// For a device, by its own sheet.
+    /// Limits for a device, from its own data sheet.
     #[must_use]
     pub fn of(sheet: &DataSheet) -> Self {
         Self {
@@ -100,7 +100,7 @@ pub struct ServoReport {
     pub force_max_n: f64,
     /// Highest speed, by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
-    /// How it ended.
+    /// How the run ended.
     pub ending: Ending,
     /// The part of the release that failed, if any.
     pub release: Result<(), HapticFault>,

@@ -11,7 +11,7 @@ pub struct Waited {
     pub missed_ticks: u64,
 }
 
-/// When ticks begin.
+/// Decides when ticks begin.
 pub trait Pace {
     /// The first tick is due now.
     fn start(&mut self);
@@ -34,7 +34,7 @@ pub struct RealTime {
 const WAKING_NS: u32 = 100_000;
 
 impl RealTime {
-    /// At this rate.
+    /// A pace at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {

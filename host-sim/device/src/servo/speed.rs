@@ -13,7 +13,7 @@ pub struct SpeedEstimate {
 }
 
 impl SpeedEstimate {
-    /// At this rate.
+    /// A pace at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         let ticks = (WINDOW_S * f64::from(rate_hz)).ceil().max(2.0) as usize;

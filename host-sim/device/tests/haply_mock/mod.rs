@@ -33,7 +33,7 @@ pub struct Saw {
     pub last_n: f64,
     pub commands: u32,
     pub refused: u32,
-    /// For how long a service that sends no states any more still had a client.
+    /// Time for which a service that stopped sending states still had a client.
     pub held_s: f64,
 }
 

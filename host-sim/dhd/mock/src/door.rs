@@ -47,7 +47,7 @@ pub struct Door {
     path: PathBuf,
 }
 
-/// The library that was built with the tests: beside the program that runs.
+/// Path of the mock library, which cargo builds into the folder of the running test.
 ///
 /// # Panics
 /// It does not exist.
@@ -66,7 +66,7 @@ impl Door {
     /// A copy in a folder, with a plan.
     ///
     /// # Panics
-    /// It cannot be copied, or the plan is not understood.
+    /// The library cannot be copied, or the plan is not understood.
     #[must_use]
     pub fn new(folder: &Path, plan: &[&str]) -> Self {
         Self::changed(folder, plan, |bytes| bytes)
@@ -94,7 +94,7 @@ impl Door {
         door
     }
 
-    /// Where it is.
+    /// Position, m.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

@@ -261,7 +261,7 @@ impl Machine {
         true
     }
 
-    /// Gives it back; with `TOUCHSTONE_MOCK_LOG`, says so in a file.
+    /// Returns the result; with `TOUCHSTONE_MOCK_LOG`, also writes it to a file.
     pub fn give_back(&mut self, closed: bool) {
         self.noted.released_s.get_or_insert(self.clock.now_s());
         if closed {

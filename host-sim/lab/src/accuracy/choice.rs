@@ -8,7 +8,7 @@ use super::plant::{Diagram, Point};
 /// The cheapest that is within a count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cheapest {
-    /// Method.
+    /// The integration method.
     pub method: &'static str,
     /// Substeps a tick; absent for the exact step.
     pub substeps: Option<u32>,
@@ -21,7 +21,7 @@ pub struct Cheapest {
 /// The recommended choice for one problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chosen {
-    /// Problem.
+    /// The name of the problem.
     pub problem: &'static str,
     /// Cheapest of all; absent: nothing is within a count.
     pub of_all: Option<Cheapest>,

@@ -20,13 +20,13 @@ pub const NUDGE_RAD: f64 = 1e-12;
 /// One run of the loop.
 #[derive(Debug, Clone, Serialize)]
 pub struct ClosedPoint {
-    /// Scene.
+    /// The name of the scene.
     pub scene: &'static str,
     /// Method, or `exact` with the start moved.
     pub method: String,
     /// Substeps a tick; absent for the exact step.
     pub substeps: Option<u32>,
-    /// How it ended.
+    /// How the run ended.
     pub verdict: &'static str,
     /// Displayed stiffness at rest, N·m/rad.
     pub k_displayed_n_m_per_rad: Option<f64>,

@@ -34,7 +34,7 @@ pub struct LawPoint {
     /// The same differences for the law in `f64` with positions that are larger by one part in 10^12: how much the law
     /// itself amplifies.
     pub force_floor_n_m: f64,
-    /// J.
+    /// Lowest energy of the wall, J.
     pub energy_floor_j: f64,
     /// Time per tick.
     pub time: Option<Spread>,
@@ -156,7 +156,7 @@ fn prepare<'a, N: Reported>(
     }
 }
 
-/// A law in `f64`, and what it makes of positions that are off by nothing.
+/// A law in `f64`, and its answer to exact positions.
 struct Reference {
     forces: Vec<f64>,
     floor: [f64; 3],

@@ -60,7 +60,7 @@ impl Options {
     }
 }
 
-/// Where it ran.
+/// The machine on which it ran.
 #[derive(Debug, Clone, Serialize)]
 pub struct Machine {
     /// Processor, as the system names it; `unknown` where it does not.
@@ -97,7 +97,7 @@ pub struct Accuracy {
     pub schema_version: u32,
     /// The program.
     pub program: ProgramVersion,
-    /// Where it ran.
+    /// The machine on which it ran.
     pub machine: Machine,
     /// The command line that makes it again.
     pub command: String,

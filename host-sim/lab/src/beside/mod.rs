@@ -80,7 +80,7 @@ impl Beside {
         self.differences.iter().all(|it| it.share <= share)
     }
 
-    /// For programs.
+    /// JSON for programs.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({

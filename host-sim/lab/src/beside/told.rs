@@ -17,7 +17,7 @@ const COLUMNS: [&str; 7] = [
 /// The longest stretch without a gap in which the wall was on.
 #[derive(Debug, Clone)]
 pub struct Told {
-    /// For messages.
+    /// The file's path, for messages.
     pub file: PathBuf,
     /// Time of the recording, s.
     pub time_s: Vec<f64>,

@@ -166,7 +166,7 @@ pub fn words(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<String> {
         .collect()
 }
 
-/// Walls that were called stable and do not rest, with the cause; nothing where there are none.
+/// Walls that were certified stable and do not rest, with the cause; `None` where there are none.
 fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     let wrong: Vec<String> = cells
         .iter()

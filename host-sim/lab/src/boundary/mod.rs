@@ -3,7 +3,7 @@
 //! A sampled wall has two measures of its own: `T sqrt(k_de/J)`, the angle by which a free device on the wall turns in a tick, and
 //! `b T/J`, the share of its speed that the device loses in one. Damping limits a spring at `k_c = b/(T/2 + t_d)`, which is a line of
 //! slope one half over these two; what inertia limits is a level one. Each cell of the plane is a device and a wall. Its law has the settings
-//! at which the matrices are best or, where these do not hold, settings that a search by runs finds; its press and its moving hand are run,
+//! at which the matrices are best or, where these do not hold, settings that a search by runs finds. Its press and its moving hand are run,
 //! and [`certify`] is asked beside. [`map`] draws it.
 
 pub mod map;
@@ -116,7 +116,7 @@ pub struct BoundaryCell {
     pub k_desired: f64,
     /// `k_de` over `b/(T/2 + t_d)`, which the device's own damping makes passive.
     pub times_critical: f64,
-    /// How it ended.
+    /// How the run ended.
     pub ended: TunedEnding,
     /// Largest deviation at rest, share; empty where a press does not rest.
     pub displayed_error: Option<f64>,

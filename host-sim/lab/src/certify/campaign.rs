@@ -267,7 +267,7 @@ pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
 /// Counts of verdicts by outcomes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
-    /// For each verdict: runs that came to rest, kept oscillating, were unstable.
+    /// Numbers of runs by verdict: came to rest, kept oscillating, were unstable.
     counts: [[u32; 3]; 3],
     /// The counts by classes of `T sqrt(k_de/J)`, a tenth wide.
     by_stiffness: std::collections::BTreeMap<u32, [[u32; 3]; 3]>,
@@ -276,7 +276,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes a row.
+    /// Adds a row.
     pub fn add(&mut self, row: &Row) {
         let outcome = row.outcome as usize;
         let tenth = (10.0 * row.stiffness_per_tick).floor() as u32;
@@ -293,19 +293,19 @@ impl Tally {
         self.counts.iter().flatten().sum()
     }
 
-    /// Rows that were called stable.
+    /// Number of rows that were certified stable.
     #[must_use]
     pub fn stable(&self) -> u32 {
         self.counts[Verdict::Stable as usize].iter().sum()
     }
 
-    /// Rows that were not decided.
+    /// Number of rows whose certificate was undecided.
     #[must_use]
     pub fn undecided(&self) -> u32 {
         self.counts[Verdict::Undecided as usize].iter().sum()
     }
 
-    /// Rows that were called stable and were not.
+    /// Rows that were certified stable and were not.
     #[must_use]
     pub fn wrong(&self) -> &[u64] {
         &self.wrong

@@ -1,4 +1,4 @@
-//! A law where it is linear, as matrices: what every certificate of a law is made of.
+//! A law's linear part as matrices, from which every certificate is computed.
 
 use super::estimator::Estimator;
 use super::state_space::StateSpace;

@@ -8,11 +8,11 @@
 //! where the scene has one (with the damping that dry friction is to a swing of the press) and is stable while a reading is taken up to [`judge::ROUNDING_GAIN`] times,
 //! where rounding moves the rest by less than [`judge::ROUNDING_RMS_COUNTS`], every gain between the phases is stable, bounces die away and the
 //! press borrows less than the loan. The gains between the phases are tried one by one
-//! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
+//! where the law's bounds change them with the amplitude. Where a law changes its gain with the direction of the motion, (16) must
 //! hold. **Unstable** where a phase in which the law stays grows by more than [`judge::FASTEST_GROWTH_PER_S`], and dry friction could not hold most
 //! of the depth of the press, or where bounces grow. Of everything else, and of what
 //! would be called stable, touches are played to
-//! their end, as a matrix knows neither what comes between two phases nor a device that leaves the wall and comes back: **stable** where all come to rest, **unstable** where none does, **undecided** where some do; the certificate gives the cause. The
+//! their end, as a matrix knows neither what comes between two phases nor a device that leaves the wall and comes back: **stable** where all come to rest, **unstable** where none does, **undecided** where some do. The certificate gives the cause. The
 //! matrices are exact. Bounces, loan and ends are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
 //! [`campaign`].
 
@@ -51,7 +51,7 @@ use touchstone_world::plant::Hand;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Comes to rest.
+    /// The wall comes to rest.
     Stable,
     /// The matrix does not decide.
     Undecided,
@@ -74,7 +74,7 @@ impl Verdict {
 /// Options of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// For which hands.
+    /// The hands for which it is stable.
     pub family: Family,
     /// Whether margins are looked for, which takes most of the time.
     pub margins: bool,

@@ -1,7 +1,7 @@
 //! What becomes of a device that bounces between a wall and the hand.
 //!
 //! Several laws meet a touch with the spring `k_de` until the motion turns, and only then with what the matrices describe. So
-//! bounces are played instead: the device is pressed against the wall by the pad of a hand at rest, meets it at
+//! bounces are played instead. The device is pressed against the wall by the pad of a hand at rest, meets it at
 //! every phase of the tick, comes out, and is pressed back. It is thrown out of the wall at all only where it moves by more than the
 //! press' depth; where from such speeds on it returns slower and slower, bounces die away and the lasting phases decide.
 //!
@@ -270,7 +270,7 @@ const ENDLESS_J: f64 = 1e3;
 /// A hand that holds no place pushes through a spring so soft, N·m/rad, that it is a force.
 const LEAST_STIFFNESS: f64 = 2e-3;
 
-/// A plant's hand as a scene writes it.
+/// The hand of a plant in the form in which a scene writes it.
 #[must_use]
 pub fn of_plant(hand: &Hand) -> scene::Hand {
     scene::Hand {

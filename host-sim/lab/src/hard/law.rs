@@ -146,7 +146,7 @@ impl<N: Reported> Subject<N> {
         self.settings.law == LawKind::Spring && self.is_alone()
     }
 
-    /// Leaves the wall for good: an augmented surface may lie far outside of it.
+    /// Moves far out of the wall, because an augmented surface may lie far outside of it.
     fn leave(&self, law: &mut Controller<N>) {
         law.tick(Position::from_f64(-1e9));
     }

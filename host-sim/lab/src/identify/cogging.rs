@@ -110,7 +110,7 @@ const LOST_MOST: u32 = 50;
 /// An order stands out if it is this many times the median difference of the turns over all orders. With noise alone,
 /// one sweep of twenty would have one: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
-/// It must also be this many times its own difference.
+/// The amplitude must also be this many times the difference between the two directions.
 const ITS_OWN: f64 = 2.0;
 /// Orders up to this are slow.
 const SLOW: usize = 12;

@@ -1,4 +1,4 @@
-//! An axis of a translational device as a knob on a lever, and a knob's law back along the axis: so that what knows knobs, `touchstone tune`
+//! An axis of a translational device as a knob on a lever, and a knob's law back along the axis. So that what knows knobs, `touchstone tune`
 //! above all, serves such axes.
 //!
 //! On a lever of a length `r` a mass is an inertia `M r²`, and so are damping and stiffness; a force is a moment `F r`, a length an angle `x/r`. Times and
@@ -18,7 +18,7 @@ pub struct Lever {
 /// Known properties of an axis, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisOfDevice {
-    /// For people.
+    /// Text for people.
     pub name: String,
     /// Mass that it moves, kg.
     pub mass_kg: f64,

@@ -68,10 +68,10 @@ pub enum NotMeasured {
         /// How many.
         lost: u32,
     },
-    /// A push that reached its speed before there was much to see.
+    /// A push was too short: it reached its speed after too few samples.
     #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
     ShortPush {
-        /// How long.
+        /// Duration, ticks.
         ticks: usize,
     },
     /// A value that no motor has.
@@ -97,7 +97,7 @@ pub enum NotMeasured {
 const LOST_MOST: u32 = 5;
 /// Half of the ticks over which a speed is taken.
 const HALF_WINDOW: usize = 4;
-/// Four standard uncertainties of the inertia may be this share of it; a hand at the knob makes more.
+/// Largest allowed share of four standard uncertainties in the inertia; a hand at the knob exceeds it.
 const DISAGREEMENT_MOST: f64 = 0.1;
 
 /// Identifies the motor from a device's data.

@@ -74,7 +74,7 @@ pub struct Planned {
     pub tier: String,
     /// Substeps of a tick; 1 for an exact step.
     pub substeps: u32,
-    /// Why.
+    /// The code of the fault.
     pub reasons: Vec<String>,
     /// Effects that the scene names.
     pub effects: Vec<Named>,

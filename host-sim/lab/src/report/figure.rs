@@ -26,7 +26,7 @@ pub struct Figure {
 pub enum Wall {
     /// Right of this place.
     RightOf(f64),
-    /// Above this place.
+    /// The wall is above this coordinate.
     Above(f64),
 }
 
@@ -95,7 +95,7 @@ impl Axis {
 /// One line of a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Line {
-    /// What it stands for, as a style's name: `hip`, `surf`, `force`, …
+    /// Role of the line, used as the name of its style: `hip`, `surf`, `force`, …
     pub role: &'static str,
     /// Name for legend and read-out; empty: it needs none.
     pub name: String,

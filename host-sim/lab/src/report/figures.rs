@@ -5,7 +5,7 @@ use super::label;
 use super::quantity::with_unit;
 use super::view::{Ranges, View};
 
-/// Which figure.
+/// The kind of figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Force against position, thesis Figs. 5.2–5.5.

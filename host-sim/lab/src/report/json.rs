@@ -25,7 +25,7 @@ struct Results<'a> {
     program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
-    /// Only where files were written.
+    /// The spacing of trace rows in ticks, if files were written.
     #[serde(skip_serializing_if = "Option::is_none")]
     trace_every: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -9,7 +9,7 @@ use touchstone_sim::run::record::{Summary, Verdict};
 pub struct LawWords {
     /// Short name for people.
     pub name: &'static str,
-    /// What it does, in a clause.
+    /// The meaning of the label in a clause.
     pub meaning: &'static str,
 }
 
@@ -59,7 +59,7 @@ pub fn law_order(law: LawKind) -> usize {
 
 /// Name, explanation and style of a verdict.
 pub struct VerdictWords {
-    /// In a word.
+    /// The name in one word.
     pub name: &'static str,
     /// Name in results and of its style.
     pub key: &'static str,

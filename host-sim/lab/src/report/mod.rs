@@ -76,7 +76,7 @@ pub struct ReportInput<'a> {
     pub scenes: &'a [Scene],
     /// Files that the scenes were read from; recordings are found in the scenes.
     pub inputs: &'a [PathBuf],
-    /// Which files are written.
+    /// The files to write.
     pub files: FileOptions,
     /// Critical stiffness `k_c` of device and rate, N·m/rad, drawn beside the displayed stiffness.
     pub k_critical: Option<f64>,

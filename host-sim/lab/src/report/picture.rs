@@ -148,7 +148,7 @@ fn signs(runs: &[Run], members: &[usize]) -> String {
     format!(" {}.", names.join(", "))
 }
 
-/// The two most telling runs of the leading table: the worst law and the one nearest to the desired stiffness, at the
+/// The two most telling runs of the leading table. The worst law and the one nearest to the desired stiffness, at the
 /// highest stiffness that more than one law ran at.
 pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
     let traced = |row: usize| -> Vec<usize> {

@@ -39,7 +39,7 @@ pub struct Input<'a> {
     pub command: &'a str,
     /// The program that ran.
     pub program: ProgramVersion,
-    /// Which files are written, and whether they replace others.
+    /// The files to write, and whether they may replace others.
     pub files: FileOptions,
     /// The mechanism of the runs.
     pub mechanism: Mechanism,
@@ -75,7 +75,7 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     rows.collect()
 }
 
-/// The same check as text.
+/// The check's result as text.
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(

@@ -29,7 +29,7 @@ fn compared(runs: &[Record]) -> Vec<&Record> {
     runs.iter().filter(chosen).collect()
 }
 
-/// Its figures: none where there is nothing to compare.
+/// The figures of the picture; empty where there is nothing to compare.
 pub fn figures(runs: &[Record]) -> Vec<Figure> {
     let runs = compared(runs);
     if runs.len() < 2 {
@@ -126,7 +126,7 @@ fn over_each_other(runs: &[&Record]) -> Option<Figure> {
     Some(figure)
 }
 
-/// The picture as a part of the page; nothing where there is none.
+/// The picture as a part of the page; empty where there is none.
 pub fn section(runs: &[Record]) -> String {
     let figures = figures(runs);
     if figures.is_empty() {
@@ -152,7 +152,8 @@ mod tests {
     use super::*;
     use crate::thesis::space::{Cell, Mechanism, run};
 
-    /// What ships stands beside the spring in both figures, and displays what was asked for where the spring does not come to rest.
+    /// The shipped wall is in both figures, and displays the desired stiffness where the spring does not come to
+    /// rest.
     #[test]
     fn what_ships_is_in_the_picture() {
         let of = |approach| {

@@ -20,7 +20,7 @@ pub struct Written {
     pub page: PathBuf,
     /// All files, relative to the folder.
     pub files: Vec<PathBuf>,
-    /// Their bytes.
+    /// Length of the instruction, bytes.
     pub bytes: u64,
 }
 

@@ -9,7 +9,7 @@ pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 /// How a device differs from the one that its law assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// It does not differ.
+    /// The device is nominal.
     Nothing,
     /// The counts times this factor.
     Counts(f64),
@@ -26,7 +26,7 @@ pub enum Change {
 pub struct Case {
     /// Name of the device; that of the encoder's case is for 40,000 counts.
     pub name: &'static str,
-    /// How it differs.
+    /// The change that makes it differ from the nominal device.
     pub change: Change,
 }
 
@@ -150,14 +150,14 @@ impl Programme {
         }
     }
 
-    /// Only the slowest and the fastest motion.
+    /// Keeps only the slowest and the fastest motion.
     #[must_use]
     pub fn with_fewer_motions(mut self) -> Self {
         self.frequencies_hz = vec![1.0, 4.0];
         self
     }
 
-    /// The same actions with a shorter touch and hold.
+    /// Shortens the touch and the hold of every action.
     #[must_use]
     pub fn shortened(mut self) -> Self {
         self.press.touch_s = self.press.touch_s.min(0.3);
@@ -165,7 +165,7 @@ impl Programme {
         self.with_fewer_motions()
     }
 
-    /// Press and motions.
+    /// The press and the motions.
     pub fn deeds(&self) -> impl Iterator<Item = Deed> + '_ {
         std::iter::once(Deed::Press).chain(self.frequencies_hz.iter().copied().map(Deed::Move))
     }

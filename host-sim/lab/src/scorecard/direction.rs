@@ -14,7 +14,7 @@ pub struct Approach {
     pub k_desired_n_per_m: f64,
     /// The hand's final push, N.
     pub push_n: f64,
-    /// What it touches with before, N.
+    /// Force of the touch before the press, N.
     pub touch_n: f64,
     /// Step of a measured position, m.
     pub count_m: f64,
@@ -37,7 +37,7 @@ const MOVE_SHARE: f64 = 0.3;
 /// A press counts as settled when it stays within this share of `F/k_de`, beyond a count.
 const SETTLED: f64 = 0.05;
 
-/// From 0 to 1 without a jump of speed or acceleration, as hands move.
+/// A rise from 0 to 1 without a jump of speed or acceleration, as hands move.
 pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
@@ -217,7 +217,7 @@ impl DirectionWatch {
         self.response.as_ref()
     }
 
-    /// What it came to.
+    /// The figures of the finished run.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {

@@ -44,7 +44,7 @@ pub struct Member {
     pub scene: Scene,
     /// A grip of the scorecard, or a drawn hand.
     pub hand: (Grip, Option<Hand>),
-    /// In words.
+    /// The name in words.
     pub name: String,
     /// Delay, ticks.
     pub delay_ticks: f64,
@@ -292,7 +292,7 @@ pub struct Family {
     pub law: String,
     /// `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Members.
+    /// Number of members.
     pub members: usize,
     /// Members whose wall is lost.
     pub lost: usize,

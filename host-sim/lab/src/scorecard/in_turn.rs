@@ -13,7 +13,7 @@ pub const DEEDS: [Deed; 4] = [
     Deed::Move(4.0),
 ];
 
-/// Out of the wall after an action, and at rest there until the next, s.
+/// Time outside the wall between two actions, s.
 const OUT_S: f64 = 0.5;
 const REST_S: f64 = 1.5;
 
@@ -28,7 +28,7 @@ pub struct DeedsInTurn {
 }
 
 impl DeedsInTurn {
-    /// From a tick on; until then the hand rests outside.
+    /// Starts the approach at a tick; until then the hand rests outside.
     #[must_use]
     pub fn new(approach: Approach, hand: Hand, first: u64) -> Self {
         Self {

@@ -209,7 +209,7 @@ impl Limits {
 pub struct Beside {
     /// Deepest penetration of the light touch over that of the press at `k_de`: a blow, which inertia carries in.
     pub touch_penetration_ratio: f64,
-    /// From the end of the ramp until within 5 %, s; absent where it never was.
+    /// Time from the end of the ramp until the stiffness is within 5 %, s; absent if it never is.
     pub settle_from_ramp_end_s: Option<f64>,
     /// Outward speed after release, rad/s.
     pub release_speed_rad_per_s: f64,

@@ -36,7 +36,7 @@ pub struct MovedAt {
     pub modulus_n_per_m: Option<f64>,
     /// Lead of the force, degrees.
     pub phase_deg: Option<f64>,
-    /// How many stretches.
+    /// Number of stretches.
     pub stretches: usize,
 }
 

@@ -7,7 +7,7 @@
 //! Where the surface lies within a count of the encoder is chance, and a law that steps with the counts makes something else of each
 //! place. So the desktop's figures are taken at eight places within a count: what they scatter by is what a figure cannot tell apart.
 //! A ninth draw of the very same lies outside of eight in two of nine cases. A board that was played at several places has a scatter of its
-//! own, and two that do not meet are another matter: of eight and four draws of the same, 0.4 % do not.
+//! own, and two that do not meet are another matter. Of eight and four draws of the same, 0.4 % do not.
 
 mod recording;
 #[cfg(test)]
@@ -102,11 +102,11 @@ pub struct FigureBeside {
     pub heading: (&'static str, f64),
     /// The grip; absent: the worst of all, which is the scorecard's.
     pub grip: Option<&'static str>,
-    /// For a hand that moves, its frequency, Hz.
+    /// Frequency of a moving hand, Hz.
     pub frequency_hz: Option<f64>,
     /// The desktop's; absent where it is beyond all numbers, as where the wall was left.
     pub desktop: Option<f64>,
-    /// The board's.
+    /// The value on the board.
     pub board: Option<f64>,
     /// The lowest and the highest that the desktop's is where the surface lies elsewhere within a count; absent where one is lost.
     pub scatter: Option<(f64, f64)>,
@@ -116,7 +116,7 @@ pub struct FigureBeside {
 }
 
 impl FigureBeside {
-    /// By how much the board's differs, as a share of the desktop's.
+    /// Difference of the board's figure, as a share of the desktop's.
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         let (desktop, board) = self.desktop.zip(self.board)?;
@@ -140,7 +140,7 @@ impl FigureBeside {
             .all(|it| it.is_some_and(|(value, resolution)| value.abs() <= resolution))
     }
 
-    /// Whether the board's is one that the desktop's might as well be: their scatters meet.
+    /// Whether the board's figure agrees with the desktop's: their scatters overlap.
     #[must_use]
     pub fn is_in_scatter(&self) -> bool {
         let board = self.board_scatter.or(self.board.map(|it| (it, it)));
@@ -165,7 +165,7 @@ pub struct BoardCard {
     pub grips: Vec<&'static str>,
     /// Ticks in all.
     pub ticks: usize,
-    /// At how many places of the surface within a count the board was played.
+    /// Number of surface positions within a count at which the board was run.
     pub places: usize,
     /// The scorecard's figures: the worst of the grips, then each grip's.
     pub figures: Vec<FigureBeside>,
@@ -180,7 +180,7 @@ impl BoardCard {
         own.chain(&self.moved).filter(move |it| !it.holds(share))
     }
 
-    /// Those of them that the desktop's own scatter does not explain.
+    /// The figures whose difference the desktop's own scatter does not explain.
     pub fn beyond(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         self.apart(share).filter(|it| !it.is_in_scatter())
     }
@@ -314,7 +314,7 @@ fn figure(
     }
 }
 
-/// From the lowest to the highest, where there are all.
+/// Range from the lowest to the highest value, if all values exist.
 fn scatter(values: &[Option<f64>]) -> Option<(f64, f64)> {
     let mut all = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {

@@ -60,7 +60,7 @@ fn verdict(card: &DeviceCard) -> String {
     }
 }
 
-/// As text.
+/// The result as text.
 #[must_use]
 pub fn text(card: &DeviceCard) -> String {
     let mut text = format!("scorecard {}\n", verdict(card));
@@ -80,7 +80,7 @@ pub fn text(card: &DeviceCard) -> String {
     text
 }
 
-/// As a section.
+/// The result as a section of the page.
 #[must_use]
 pub fn section(card: &DeviceCard) -> Section {
     let hand = match card.commanded {

@@ -4,7 +4,7 @@ use super::measure::{Figures, Measure};
 
 /// Depth in counts below which a stiffness cannot be measured.
 pub const SHALLOW_COUNTS: f64 = 10.0;
-/// From the end of a ramp until a press is judged as held, s.
+/// Time from the end of a ramp until a press is judged as held, s.
 pub const HELD_AFTER_S: f64 = 0.05;
 
 /// The desired stiffness, and how exactly a penetration is known.
@@ -38,9 +38,9 @@ pub struct PressFigures {
     pub push: f64,
     /// Tick with which the press' ramp begins; before it is the touch.
     pub ramp_start: u64,
-    /// From when on it is held.
+    /// First tick of the hold.
     pub held_from: u64,
-    /// When the hand begins to let go.
+    /// Tick at which the hand begins to let go.
     pub release: u64,
 }
 

@@ -29,7 +29,7 @@ pub struct Reference {
     pub ripple_n_m: f64,
     /// Largest allowed ripple of a law on the nominal device, N·m.
     pub limit_n_m: f64,
-    /// What it may be on any device, N·m.
+    /// Largest allowed ripple on any device, N·m.
     pub most_n_m: f64,
 }
 
@@ -46,7 +46,7 @@ const WHERE_IT_DOES_NOT: f64 = 0.6;
 const MOST_OF_THE_PRESS: f64 = 0.1;
 
 impl Reference {
-    /// For a scene's device and wall.
+    /// The reference for a scene's device and wall.
     ///
     /// # Errors
     /// Settings that the law cannot take.

@@ -25,9 +25,9 @@ const RESTING_SHARE: f64 = 0.02;
 /// One value an interval: missed ticks are filled in, the force held over them.
 pub struct TouchedSeries {
     first: u64,
-    /// At the tick.
+    /// Depth at each tick.
     pub depth: Vec<f64>,
-    /// In the middle of the interval, to which the force belongs that is held over it.
+    /// Depth in the middle of each tick, during which the force is constant.
     pub middle: Vec<f64>,
     /// The force out of the surface over it.
     pub out: Vec<f64>,

@@ -1,6 +1,6 @@
 //! One run, watched for the figures of a scorecard.
 //!
-//! Force is the motor's true one, after limits, guard, steps and delay, its mean over a tick; penetration is the true one in the
+//! Force is the motor's true one, after limits, guard, steps and delay, its mean over a tick. Penetration is the true one in the
 //! tick's middle, to which that force belongs.
 
 use super::cases::Deed;
@@ -13,7 +13,7 @@ use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// At the end of a hold, in which a device should rest, s.
+/// Length of the end of a hold in which the device should rest, s.
 const REST_S: f64 = 0.25;
 /// A run this far inside or outside the wall is lost, rad.
 const LOST_RAD: f64 = 3.0;
@@ -29,7 +29,7 @@ pub struct Seen {
     pub met: Option<DynamicStiffness>,
 }
 
-/// Watches.
+/// Records the extremes of a run.
 #[derive(Debug, Clone)]
 struct Watch {
     terms: Terms,

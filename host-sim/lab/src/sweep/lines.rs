@@ -57,7 +57,7 @@ const BOUNDS: [Bound; 3] = [
 /// Called with how many certificates are computed, and of how many.
 pub type Progress<'a> = dyn Fn(u64, u64) + Sync + 'a;
 
-/// All that apply: those that cross the plane; with the certificate's boundary where it is wanted.
+/// The lines of theory that cross the plane, with the certificate's boundary if it is wanted.
 #[must_use]
 pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
     if grid.x.numbers().is_none() || grid.y.numbers().is_none() {

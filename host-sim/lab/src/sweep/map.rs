@@ -25,11 +25,11 @@ const BANDS: [&str; 8] = [
 pub struct Overlay {
     /// Name of the measurements.
     pub name: String,
-    /// In the axes' units.
+    /// The points in the axes' units.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What is drawn over the tiles.
+/// The lines and points drawn over the tiles.
 #[derive(Debug, Clone, Default)]
 pub struct Over {
     /// Lines of theory.

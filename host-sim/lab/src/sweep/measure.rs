@@ -8,7 +8,7 @@ use touchstone_sim::scene::nearest;
 
 /// Name of the verdict among the measures.
 pub const VERDICT: &str = "verdict";
-/// In the place of a verdict: a scene that contradicts itself, or that its law refuses.
+/// Used instead of a verdict for a scene that contradicts itself or that its law refuses.
 pub const REFUSED: &str = "refused";
 
 /// A number of a run.
@@ -16,7 +16,7 @@ pub const REFUSED: &str = "refused";
 pub struct Measure {
     /// The measure's name, a field of `results.json`.
     pub name: &'static str,
-    /// For people.
+    /// Text for people.
     pub words: &'static str,
     /// SI unit; `1` is a plain number.
     pub unit: &'static str,

@@ -27,7 +27,7 @@ const SCENE: &str = "scene.toml";
 pub struct Drawing<'a> {
     /// Measured places over it.
     pub points: Option<Overlay>,
-    /// Without the certificate's boundary.
+    /// Leaves out the certificate's boundary.
     pub no_certificate: bool,
     /// Called while certificates are computed.
     pub progress: Option<&'a lines::Progress<'a>>,

@@ -21,9 +21,9 @@ const JOURNAL: &str = "journal.csv";
 /// Some of the cells: those whose number leaves this remainder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1 to [`Shard::of`].
+    /// Number of this part, from 1 to [`Shard::of`].
     pub index: u64,
-    /// In how many parts.
+    /// Number of parts.
     pub of: u64,
 }
 

@@ -21,7 +21,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// For tables.
+    /// Name for tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -39,9 +39,9 @@ pub struct Claim {
     pub name: &'static str,
     /// Section or figure.
     pub source: &'static str,
-    /// What it says.
+    /// The claim in words.
     pub statement: &'static str,
-    /// How it fared.
+    /// The outcome of the check.
     pub outcome: Outcome,
     /// The measured value.
     pub measured: String,

@@ -1,6 +1,6 @@
 //! Random devices, each with a law tuned for it: how often is there a setting?
 //!
-//! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved: a press of at most [`MOST_N_M`] must go 20
+//! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved. A press of at most [`MOST_N_M`] must go 20
 //! counts deep, stand above dry friction four times, and stay within a radian. The torque limit is twice that press.
 
 use super::diagnosis::{self, FailureCause};
@@ -94,7 +94,7 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
 /// What became of a device under one law.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
-    /// How stiff.
+    /// The class of stiffness.
     pub class: Class,
     /// Number of the device.
     pub number: u64,
@@ -160,7 +160,7 @@ impl Row {
 /// How long a search may look, ticks: at first, and once more from elsewhere where that does not hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// First try.
+    /// The first value that the search tries.
     pub first: f64,
     /// Second try; 0: none.
     pub second: f64,

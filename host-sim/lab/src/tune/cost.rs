@@ -26,14 +26,14 @@ const TOUCH: f64 = 1.5;
 /// Noise of the position sensor under which the nominal device should still rest, degrees rms: that of a magnetic
 /// sensor (AS5046).
 const NOISE_DEG: f64 = 0.03;
-/// Motion at rest that it may have then, peak to peak, rad; four counts where these are coarser.
+/// Largest allowed motion at rest with noise, peak to peak, rad; four counts where these are coarser.
 const NOISY_REST_RAD: f64 = 6e-4;
 /// Weight of a wish beside a limit, and the largest share that it counts for: a search never gives up a limit for a
 /// wish.
 const WISH: f64 = 0.25;
 const MOST_WISH: f64 = 3.0;
 
-/// What a search judges settings by.
+/// The figures by which a search judges settings.
 #[derive(Debug, Clone)]
 pub struct Judgement {
     programme: Programme,
@@ -44,7 +44,7 @@ pub struct Judgement {
     ideal: Vec<IdealTouch>,
 }
 
-/// What a setting must achieve.
+/// The goals of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aim {
     /// Every figure of the scorecard.
@@ -56,7 +56,7 @@ enum Aim {
 /// The findings on a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// To be made small.
+    /// The value that the search makes small.
     pub value: f64,
     /// The largest share of a limit; infinite where not every device was examined.
     pub worst: f64,

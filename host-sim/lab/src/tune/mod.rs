@@ -2,7 +2,7 @@
 //! the wanted wall.
 //!
 //! A setting is judged by the worst figure of its [scorecard](crate::scorecard) over three grips and every device of
-//! its cases, the limit of its ripple among them; [`search`] makes that small, starting from a rule in [`parameters`].
+//! its cases, the limit of its ripple among them. [`search`] makes that small, starting from a rule in [`parameters`].
 //! [`settings`] writes the result, [`pareto`] shows the cost of more stiffness, less ripple or more delay.
 
 pub mod campaign;
@@ -131,7 +131,7 @@ fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> 
 /// How long a search looks, and from where.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Looks {
-    /// Most settings.
+    /// Largest number of settings.
     most: f64,
     /// Largest share of a limit that needs no better.
     enough: f64,

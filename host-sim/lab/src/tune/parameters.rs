@@ -15,7 +15,7 @@ use touchstone_sim::scene::{Law, Scene};
 pub struct Parameter {
     /// The setting's path in a scene.
     pub path: &'static str,
-    /// Where it is.
+    /// Position, m.
     pub of: fn(&mut Law) -> &mut f64,
 }
 
@@ -206,7 +206,7 @@ pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     scene
 }
 
-/// Four digits.
+/// The value, rounded to four digits.
 #[must_use]
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)

@@ -20,7 +20,7 @@ const STEP: f64 = 0.3;
 /// When a search ends, and the seed of its way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Until {
-    /// Most points.
+    /// Largest number of points.
     pub evaluations: u64,
     /// The search also ends when [`Cost::worst`] of the best point is at most this.
     pub worst: f64,

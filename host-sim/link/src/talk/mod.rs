@@ -37,7 +37,7 @@ enum Stage {
     Closed,
     /// The question "who is there" is sent.
     Asking,
-    /// Records come.
+    /// Records arrive.
     There,
     /// The device is silent; the next attempt is at this time.
     Gone(f64),

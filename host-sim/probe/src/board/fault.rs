@@ -26,7 +26,7 @@ impl fmt::Display for Fault {
 impl Error for Fault {}
 
 impl Fault {
-    /// Something that is not as it should be.
+    /// An error about something unexpected.
     pub fn of(
         place: impl Into<String>,
         problem: impl Into<String>,

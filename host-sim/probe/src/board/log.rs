@@ -12,7 +12,7 @@ use super::words::{Line, Words};
 
 /// The ring that defmt writes to.
 const CHANNEL: usize = 0;
-/// Between two looks at a ring that was empty. It is short, and what it does not hold is lost.
+/// Pause after an empty ring was read. It is short because the ring loses entries when it is full.
 const PAUSE: Duration = Duration::from_millis(10);
 /// A program that was started has set up its ring by then; a board that is being reset answers again.
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -72,7 +72,7 @@ impl Stream<'_> {
     }
 }
 
-/// On one line, whatever a board's memory held.
+/// Makes a board's text printable on one line.
 fn printable(text: &str) -> String {
     let shown = |letter: char| if letter.is_control() { ' ' } else { letter };
     text.chars().map(shown).collect()

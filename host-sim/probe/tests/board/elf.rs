@@ -12,13 +12,13 @@ pub struct Program {
 }
 
 impl Program {
-    /// With a part for the flash.
+    /// Adds a part that is loaded into flash.
     pub fn with(mut self, address: u32, bytes: Vec<u8>) -> Self {
         self.parts.push((address, bytes));
         self
     }
 
-    /// With a symbol.
+    /// Adds a symbol.
     pub fn with_symbol(mut self, name: &str, value: u32) -> Self {
         self.symbols.push((name.into(), value, false));
         self

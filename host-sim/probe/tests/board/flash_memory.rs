@@ -19,7 +19,7 @@ const PAGE_ERASE: u32 = 1 << 1;
 const PROGERR: u32 = 1 << 3;
 const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
-/// Two banks, each with pages of its own from 0 on.
+/// Option bit for two banks, each with its own pages from 0 on.
 const DUAL_BANK: u32 = 1 << 22;
 /// The watchdog is started by software only.
 const SOFTWARE_WATCHDOG: u32 = 1 << 16;

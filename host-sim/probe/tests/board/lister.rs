@@ -24,7 +24,7 @@ pub enum Trouble {
     NoRightsWhenOpened,
     /// The device is in use by another program.
     Busy,
-    /// Nothing answers on its wires.
+    /// No chip answers on the probe's wires.
     Silent,
 }
 
@@ -119,7 +119,7 @@ impl ProbeLister for Boards {
     }
 }
 
-/// Only there to be named.
+/// A probe's maker, needed only for its name.
 #[derive(Debug)]
 struct Maker;
 

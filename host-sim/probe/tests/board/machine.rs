@@ -21,7 +21,7 @@ const DEBUG_ENABLED: u32 = 1;
 const HALT: u32 = 1 << 1;
 const STEP: u32 = 1 << 2;
 const CATCH_RESET: u32 = 1;
-/// Why it halted.
+/// Bit that tells why the processor halted.
 const HALTED: u32 = 1;
 const BREAKPOINT: u32 = 1 << 1;
 const CAUGHT: u32 = 1 << 3;

@@ -20,7 +20,7 @@ pub struct Live {
     stored_j: f64,
 }
 
-/// Energies so far, J. All but the motion's are sums over ticks.
+/// Energies so far, J. All except kinetic energy are sums over ticks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
     /// Absorbed by the wall's port, true under the zero-order hold.

@@ -56,7 +56,7 @@ impl Standing {
 pub struct Moving<C: Crossing> {
     /// What lies between torque and plant, and the plant.
     pub crossing: C,
-    /// Where it stands.
+    /// Place of the effect in the loop.
     pub state: C::State,
 }
 

@@ -59,7 +59,7 @@ pub fn cycle<C: Crossing>(
     state
 }
 
-/// The same loop, bit for bit, for runs with a recorder.
+/// Same loop, bit for bit, for runs with a recorder.
 pub fn cycle_recorded<C: Crossing>(
     crossing: &mut C,
     mut state: C::State,

@@ -23,7 +23,7 @@ use touchstone_world::plant::{BareCoulomb, BareLinear, Biased, HeldCoulomb, Held
 
 /// A scene, ready to run.
 pub struct Plan {
-    /// From the true angle to the motor's torque.
+    /// The controller side: from the true angle to the motor's torque.
     pub control: Box<dyn Control>,
     /// Device and hand, at their start.
     pub mechanics: Box<dyn Mechanics>,

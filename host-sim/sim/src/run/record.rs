@@ -29,7 +29,7 @@ pub struct Summary {
     pub encoder_counts_per_rev: Option<f64>,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// How it ended.
+    /// How the run ended.
     pub verdict: Verdict,
     /// Why it is not judged; `None` where it is.
     pub not_judged: Option<String>,
@@ -47,7 +47,7 @@ pub struct Summary {
     pub dynamic_stiffness: Vec<DynamicStiffness>,
     /// Ripple of the motor's torque from tick to tick, rms, while the hand moves or presses steadily, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// The same torque's rms above 50 Hz, N·m.
+    /// RMS of the ripple above 50 Hz, N·m.
     pub ripple_above_50_hz_rms_n_m: Option<f64>,
     /// Largest outward speed from the moment at which the hand begins to let go, rad/s.
     pub release_speed_rad_per_s: Option<f64>,
@@ -76,7 +76,7 @@ pub struct Summary {
     pub guard_tripped_s: Option<f64>,
     /// From the first touch until force over penetration stays within 5 % of the desired stiffness, s; `None` if it does not.
     pub settle_time: Option<f64>,
-    /// The same from the end of the press' ramp, s; 0 where it had settled before.
+    /// Settling time from the end of the press' ramp, s; 0 if it had settled before.
     pub settle_from_ramp_end_s: Option<f64>,
     /// Deepest true penetration of the wall, rad, 0 if it was never reached; infinite for a run that left all numbers.
     pub penetration_max: f64,
@@ -238,8 +238,8 @@ impl Trace {
 /// One finished run.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Its numbers.
+    /// The measures of the run.
     pub summary: Summary,
-    /// Its trace; `None` when logging was off.
+    /// Trace of the run; `None` when logging was off.
     pub trace: Option<Trace>,
 }

@@ -9,7 +9,7 @@ use super::verdict::NotJudged;
 
 /// Least time for which the device is examined, s: a period of 50 Hz, which most limit cycles are above.
 const LEAST_S: f64 = 0.02;
-/// Least span in which a recorded hand rests, s: three quarters of it are for the motion before to die away.
+/// Shortest span that counts as rest of a recorded hand, s; in three quarters of it the earlier motion may die away.
 const LEAST_STILL_S: f64 = 0.8;
 /// A span is taken down in pieces of this length, s.
 const PIECE_S: f64 = 0.05;
@@ -121,7 +121,7 @@ impl Still {
     }
 }
 
-/// Gathers.
+/// Collects the values of each tick.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
     holds: Vec<Hold>,

@@ -135,7 +135,7 @@ pub(super) fn surrounded<N: Reported + 'static>(
     })
 }
 
-/// Every wall, with the field of its stiffness.
+/// The faces of all walls, each with the name of the field that sets its stiffness.
 fn faces(
     scene: &Scene,
     named: &crate::scene::Environment,

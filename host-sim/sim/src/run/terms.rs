@@ -10,7 +10,7 @@ const ASSUMED_COUNTS: f64 = 40_000.0;
 /// Least time from the start of a rhythm to where it is measured, s: the press before it has died away.
 const SETTLING_S: f64 = 0.5;
 
-/// What to judge by: fixed for a run.
+/// The criteria of a run's judgement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
     /// `x_s`, rad.

@@ -39,7 +39,7 @@ pub trait Wall {
     fn commanded(&mut self, force_n_m: f64);
     /// The count at which the motor's torque changed since the last tick.
     fn changed_at_count(&mut self, count: i64);
-    /// As `changed_at`, for scenes without an encoder, rad.
+    /// Same as `changed_at`, for scenes without an encoder, rad.
     fn changed_at_penetration(&mut self, penetration_rad: f64);
     /// The inside after the last tick.
     fn inside(&self) -> Inside;

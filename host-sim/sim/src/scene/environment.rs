@@ -7,7 +7,7 @@ use touchstone_control::environment::Side;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Environment {
-    /// Whether `[wall]` itself is there. Default true.
+    /// Whether `[wall]` itself acts. Default true.
     pub first_wall: bool,
     /// A second wall. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,7 +45,7 @@ impl Default for Environment {
 pub struct FurtherWall {
     /// Position of the surface, rad. Default 0.
     pub at_rad: f64,
-    /// Which side of the surface is solid. Default `below`.
+    /// The solid side of the surface. Default `below`.
     #[serde(
         serialize_with = "super::law::word",
         deserialize_with = "super::law::of_word"

@@ -16,7 +16,7 @@ use crate::error::Error;
 pub struct Scene {
     /// Name in tables and results. Default: the file's name without its ending.
     pub name: String,
-    /// What the scene shows, for people. Default: empty.
+    /// Description of the scene in words. Default: empty.
     pub description: String,
     /// Where everything random begins; 0 to 4,294,967,295. Absent: 1.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -95,8 +95,8 @@ impl Scene {
 
     /// Lets a recording move the hand instead of the scene's own motion (`--operator-motion FILE`).
     ///
-    /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall;
-    /// the run takes as long as the recording; the device starts at rest where the hand starts. `--set
+    /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall.
+    /// The run takes as long as the recording; the device starts at rest where the hand starts. `--set
     /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) says in
     /// words what was chosen.
     ///

@@ -147,7 +147,7 @@ impl MotionSpec {
         }
     }
 
-    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order; the last is the press that the
+    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order. The last is the press that the
     /// displayed stiffness is judged by.
     pub fn holds_s(&self) -> Vec<(f64, f64)> {
         match self {

@@ -8,9 +8,9 @@ use crate::error::Error;
 /// Where one field or table was written.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Place {
-    /// On the command line, as the user wrote it: `--set key=value`.
+    /// The value comes from the command line, as the user wrote it: `--set key=value`.
     Option(String),
-    /// In the scene's file, line from 1.
+    /// The value comes from this line of the scene's file, counted from 1.
     Line(usize),
 }
 
@@ -29,7 +29,7 @@ impl PartialEq for Origin {
 }
 
 impl Origin {
-    /// Nothing recorded yet for this file.
+    /// Origins for this file, none recorded yet.
     pub(crate) fn of_file(file: &Path) -> Self {
         Origin {
             file: Some(file.to_owned()),

@@ -1,6 +1,6 @@
 //! Problems of a scene before their place in the file is known.
 
-/// Something wrong with one field or table.
+/// A problem with one field or table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {
     /// Field or table, dotted.

@@ -22,9 +22,9 @@ pub(crate) struct Unit {
     pub suffix: &'static str,
     /// The unit as people read it.
     pub shown: &'static str,
-    /// What it measures.
+    /// The dimension that the unit measures.
     pub dimension: Dimension,
-    /// Its size in SI units.
+    /// Size of the unit in SI units.
     pub si: f64,
 }
 

@@ -21,14 +21,14 @@ use events::Mode;
 /// `x` stays bit for bit, `v` is exactly zero, and the hand moves alone against a pad whose other side is fixed.
 /// The pad swings, so unlike without a hand a velocity may change sign twice in a tick and look untouched at its end.
 ///
-/// Each tick is therefore first judged by a bound that holds without exception: on an interval of length `h` a function
+/// Each tick is therefore first judged by a bound that holds without exception. On an interval of length `h` a function
 /// stays within `h²/8 max|f''|` of the straight line between its end values. Where that leaves no room for an event,
 /// which is nearly always, the precomputed matrix is the answer. The bound is taken twice: from the magnitudes of the drive, which
 /// costs least, and where that leaves room, from the magnitudes of its rate of change, which are small wherever a hand's press is
 /// in balance. Otherwise the events are found one after the other on the
 /// power series of the exact solution, to rounding.
 ///
-/// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`; with both levels of friction zero,
+/// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`. With both levels of friction zero,
 /// ticks in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldCoulomb {

@@ -33,7 +33,7 @@ pub trait Stepper {
 
     /// Kinetic and spring energy of device and hand, J.
     ///
-    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms; a jump
+    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms. A jump
     /// of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
     fn stored_energy_j(&self, state: &Self::State, rest: f64) -> f64;
 }
@@ -64,7 +64,7 @@ pub struct Port {
 }
 
 impl Loss {
-    /// Total of the losses, J.
+    /// Sum of the losses, J.
     #[must_use]
     pub fn total_j(&self) -> f64 {
         self.device_j + self.hand_j

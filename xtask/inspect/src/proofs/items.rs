@@ -519,7 +519,7 @@ fn import(words: &[String], before: &[String], file: &mut File) {
     }
 }
 
-/// An item that was read.
+/// An item that the reader has read from a source file.
 struct Read {
     /// What `Self` is.
     own: Option<String>,

@@ -5,7 +5,7 @@
 //!
 //! The checker's own question whether an assertion can be reached is switched off: it asks it of every one in the code too, which takes
 //! a quarter of the time. Each of a property has a cover after it in its block, which is reached by way of it ([`super::shown`] reads that in
-//! the sources), or is a cover as well (`assert_reached!` in `proofs/src/lib.rs`); one with neither does not count.
+//! the sources), or is a cover as well (`assert_reached!` in `proofs/src/lib.rs`). One with neither does not count.
 
 use std::collections::BTreeMap;
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// Places of a turn that are examined.
 const PLACES: u32 = 720;
 
-/// More than this is too much, electrical degrees: the check of a kept alignment allows for 15 of its 20 (`touchstone_drive::calibration`), and a right
+/// More than this is too much, electrical degrees. The check of a kept alignment allows for 15 of its 20 (`touchstone_drive::calibration`), and a right
 /// one would be refused at some places. It is 3.4 % of the torque.
 pub const ELECTRICAL_MOST_DEG: f64 = 15.0;
 /// Largest tolerable error as a share of the stiffness: the scorecard's limit for a wall under a hand that rests.

@@ -1,6 +1,6 @@
 //! The field as witness: it is turned by the clock, one electrical turn and then a mechanical one, and all of it back.
 //!
-//! The end of the motion is known to the tick, since the calibration ends with it or its measurement begins; the way back is the ticks before
+//! The end of the motion is known to the tick, since the calibration ends with it or its measurement begins. The way back is the ticks before
 //! that, the way there those before the way back. Of each way the last mechanical turn is examined, in which the field's speed is steady. A
 //! reading is a place `C`, the field's turning, and the error: `reading = C + s ω t + ε`. `C` has the friction's lag in it, and since `C + s ω t` is
 //! the shaft's angle then, so has what the error goes with.

@@ -21,7 +21,7 @@
 //! Both together are what is reported: the field's value, and no less of an uncertainty than what the two differ by; or the coast's, where the field is
 //! further from it than twice what the coast may be off.
 //!
-//! **Not told apart by either:** orders above two (a magnetic encoder's own fourth, its interpolation) are left in what does not fit; a rotor
+//! **Not told apart by either:** orders above two (a magnetic encoder's own fourth, its interpolation) are left in what does not fit. A rotor
 //! whose poles are unevenly spaced, as far as the windings do not average over all of them, looks to the field like the encoder's error; an
 //! eddy current brake that differs from place to place has a ripple that falls as `1/ω` and lies between the coast's two.
 

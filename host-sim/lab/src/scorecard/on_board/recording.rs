@@ -96,7 +96,7 @@ impl BoardRecording {
     /// The scene with the wall where it was.
     ///
     /// # Errors
-    /// It is further than a count from where the scene has it.
+    /// The surface is further than a count from its place in the scene.
     pub(super) fn scene(&self, scene: &Scene) -> Result<Scene> {
         let mut here = scene.clone();
         let Some(surface_rad) = self.surface_rad else {

@@ -38,7 +38,7 @@ pub struct Drawn {
     pub surface: PressedSurface,
     /// Between the light (0) and the firm hand (1), evenly on a logarithmic scale.
     pub grip: f64,
-    /// What it pushes with, N.
+    /// Force of the push, N.
     pub push_n: f64,
     /// How the device differs.
     pub deviation: Deviation,
@@ -100,7 +100,7 @@ impl Drawn {
         }
     }
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn text(&self) -> String {
         let [x, y, z] = self.surface.normal();
@@ -232,7 +232,7 @@ pub struct WorstOfAll {
     pub measure: Measure,
     /// The figure's value; `None` where the run diverged.
     pub value: Option<f64>,
-    /// In the middle of all walls.
+    /// Median over all walls.
     pub median: Option<f64>,
     /// How many walls are beyond its limit.
     pub beyond: usize,
@@ -309,7 +309,7 @@ impl HeldOut {
         self.cells.iter().filter(same).count()
     }
 
-    /// The causes that occur, in words with how often each does; "none" where there are none.
+    /// The causes in words, each with its number of cases; "none" where there are none.
     #[must_use]
     pub fn causes(&self) -> String {
         let all = HeldOutCause::TRIED
@@ -418,7 +418,7 @@ mod tests {
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }
 
-    /// One thing is changed at a time: a push that the motors cannot give, a delay that lets a hand get energy out,
+    /// One thing is changed at a time. A push that the motors cannot give, a delay that lets a hand get energy out,
     /// and a case that no single change explains.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {

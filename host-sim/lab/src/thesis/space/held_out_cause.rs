@@ -25,7 +25,7 @@ impl HeldOutCause {
     /// The causes that are tried, in this order.
     pub const TRIED: [Self; 4] = [Self::MotorsLimit, Self::Delay, Self::Damping, Self::Inertia];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {

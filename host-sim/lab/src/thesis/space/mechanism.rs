@@ -37,7 +37,7 @@ impl Mechanism {
         }
     }
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -104,11 +104,11 @@ impl Mechanism {
 /// How a device differs from its nominal values: factors, and a delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Times its inertia.
+    /// Factor on the inertia.
     pub inertia: f64,
-    /// Times its damping.
+    /// Factor on the damping.
     pub damping: f64,
-    /// Times its counts.
+    /// Factor on the counts.
     pub counts: f64,
     /// A command acts this many ticks after its sample.
     pub delay_ticks: f64,
@@ -261,7 +261,7 @@ impl HeldMechanism {
     /// Where its encoders say that it is, m.
     ///
     /// # Errors
-    /// [`Stopped`] where they say what cannot be.
+    /// [`Stopped`] if the counts belong to no position.
     pub fn measured_m(&mut self) -> Result<[f64; 3], Stopped> {
         match &mut self.body {
             Body::Cartesian { state, .. } => {

@@ -48,9 +48,9 @@ pub enum Object {
     #[default]
     #[serde(rename = "plane")]
     Horizontal,
-    /// In none of the axes (§5.2.2).
+    /// A plane whose normal lies along none of the axes (§5.2.2).
     Inclined,
-    /// In the centre of the workspace (§5.2.3).
+    /// A ball in the centre of the workspace (§5.2.3).
     Sphere,
 }
 
@@ -90,7 +90,7 @@ impl Object {
     /// All objects.
     pub const ALL: [Object; 3] = [Object::Horizontal, Object::Inclined, Object::Sphere];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -129,7 +129,7 @@ impl Object {
         self.normal().map(|n| (radius_m - depth_m) * n)
     }
 
-    /// Out of the object where it is probed.
+    /// The direction out of the object where it is probed.
     #[must_use]
     pub fn normal(self) -> [f64; 3] {
         match self {
@@ -153,7 +153,7 @@ impl Approach {
         Approach::Shipped,
     ];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -17,7 +17,7 @@ pub struct Record {
     pub force_n: Vec<[f64; 3]>,
     /// Whether the mechanism came to a place that it does not have, and the run ended there.
     pub stopped: bool,
-    /// By how much the energy balance of device and hand does not close at worst, J.
+    /// Largest error in the energy balance of device and hand, J.
     pub audit_j: f64,
     pub(super) start_energy_j: Option<f64>,
 }

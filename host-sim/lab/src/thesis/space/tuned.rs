@@ -23,9 +23,9 @@ pub const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSL
 /// A direction in which a surface is pressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalOfWall {
-    /// For people.
+    /// Text for people.
     pub name: &'static str,
-    /// Out of the object, of length 1.
+    /// The unit normal out of the object.
     pub normal: [f64; 3],
 }
 
@@ -52,7 +52,7 @@ struct Played {
     mechanism: Mechanism,
     tuned: TunedWall,
     rate_hz: u32,
-    /// On estimated states; otherwise on differences of counts.
+    /// Uses estimated states; otherwise differences of counts.
     estimated: bool,
 }
 

@@ -7,7 +7,7 @@ use crate::run::wall::{Inside, Wall};
 pub trait Control {
     /// Torque of the motor along `+x`, N·m, at a true angle, rad.
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
-    /// As `torque`, bit for bit, with the details that a recording needs.
+    /// Same as `torque`, bit for bit, with the details that a recording needs.
     fn answer(&mut self, angle_rad: f64) -> Answer;
     /// What became of the last torque, N·m along `+x`, where an effect changed it.
     fn commanded(&mut self, torque_n_m: f64);

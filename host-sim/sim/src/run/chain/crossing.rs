@@ -24,7 +24,7 @@ pub trait Crossing {
     /// Crosses one tick.
     fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
 
-    /// As `cross`, bit for bit; returns the energies.
+    /// Same as `cross`, bit for bit; returns the energies.
     fn cross_with_flow(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Flow;
 
     /// Where the device was when the torque changed in the last tick, rad, if the law's side wants to know.
@@ -117,7 +117,7 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// The same crossing, which also measures where the device is when the torque changes.
+    /// A crossing that also measures the device's position when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {

@@ -45,7 +45,7 @@ impl Stream {
         }
     }
 
-    /// From 0 to below 1, each of the `2^53` equally likely.
+    /// A random number from 0 to below 1, each of `2^53` values equally likely.
     #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
         self.counter = self.counter.wrapping_add(GOLDEN);

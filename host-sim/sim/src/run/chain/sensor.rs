@@ -70,7 +70,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// With a count so wide, rad, before a surface.
+    /// A sensor with counts of this width, rad, and a surface.
     #[must_use]
     pub fn of(step_rad: f64, surface_rad: f64) -> Self {
         Self {

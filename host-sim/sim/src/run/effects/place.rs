@@ -9,26 +9,26 @@ pub enum Place {
     Angle,
     /// A stage on the way of the torque to the motor.
     Torque,
-    /// Around the whole of the law's side.
+    /// The effect wraps the whole controller side.
     Law,
     /// Between torque and plant, and in time.
     Crossing,
-    /// In the exact step of the plant.
+    /// The effect is part of the plant's exact step.
     Exact,
     /// A linear state more in the exact step of a drive train.
     State,
-    /// At the shaft of a drive train, in substeps.
+    /// The effect acts at the shaft of a drive train, in substeps.
     Shaft,
     /// Between a motion and the hand.
     Hand,
-    /// Beside the wall, before its guard.
+    /// The effect acts in addition to the wall, before its guard.
     Environment,
-    /// In the law: the velocity of its damper.
+    /// The effect is in the law: the velocity of its damper.
     Velocity,
 }
 
 impl Place {
-    /// In words.
+    /// The name in words.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {

@@ -17,12 +17,12 @@ pub struct RateHardness {
     f: f64,
     xx: f64,
     xf: f64,
-    /// Where the first force met the device: sums around it do not cancel.
+    /// Angle of the first contact; sums are taken around it to avoid cancellation.
     origin_rad: f64,
 }
 
 impl RateHardness {
-    /// For a period of the ticks, s.
+    /// A measure for ticks of this period, s.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
         Self {

@@ -9,7 +9,7 @@ pub struct Release {
 }
 
 impl Release {
-    /// From this tick on.
+    /// Measures from this tick on.
     #[must_use]
     pub fn new(from: u64) -> Self {
         Self {

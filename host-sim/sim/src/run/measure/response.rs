@@ -15,7 +15,7 @@ pub struct Wiggle {
 /// `F/x` at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicStiffness {
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Amplitude of the force over that of the penetration, N·m/rad.
     pub modulus_n_m_per_rad: f64,
@@ -56,7 +56,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// For a motion and a period of the ticks, s.
+    /// A measure for a motion and ticks of this period, s.
     #[must_use]
     pub fn new(wiggle: Wiggle, period_s: f64) -> Self {
         Self {

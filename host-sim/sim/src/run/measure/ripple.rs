@@ -72,7 +72,7 @@ pub struct Ripple {
 }
 
 impl Ripple {
-    /// Over the ticks from the first to before the second of `window`.
+    /// Measures over the ticks of `window`, without its end.
     #[must_use]
     pub fn new(window: (u64, u64), rate_hz: f64) -> Self {
         Self {

@@ -12,7 +12,7 @@ const OVER_S: f64 = 5e-3;
 const GAP_S: f64 = 0.1;
 
 impl Recording {
-    /// Notes, none for a recording as it should be.
+    /// Notes on oddities of a recording; empty for a good one.
     pub(super) fn odd(&self) -> Vec<String> {
         [self.gap(), self.bursts(), self.wraps(), self.speed()]
             .into_iter()

@@ -2,7 +2,7 @@
 //!
 //! Two steps. Between the samples a monotone cubic (PCHIP: Fritsch and Carlson, with the harmonic mean of the
 //! neighbouring slopes): it passes through every sample, its slope is continuous, and it never leaves the range of
-//! its two neighbours; a natural spline or a windowed sinc would ring on every step of the sensor. Then a Gaussian
+//! its two neighbours. A natural spline or a windowed sinc would ring on every step of the sensor. Then a Gaussian
 //! low-pass: the sensor's steps are no motion, and as voluntary motion ends near 10 Hz nothing is lost above 20 Hz.
 //! The Gaussian's weights are all positive, so it cannot ring nor overshoot either, it has no delay, and it is the
 //! anti-alias filter where the recording is faster than the control rate.

@@ -7,7 +7,7 @@
 //! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations of an effector that goes straight on
 //! ```
 //!
-//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, as if it were compensated. They have no closed solution: an interval is
+//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, as if it were compensated. They have no closed solution. An interval is
 //! crossed by the classical method of Runge and Kutta in substeps, and work and losses are integrated with it, so that the energy balance says
 //! what the method leaves out.
 
@@ -106,7 +106,7 @@ impl DeltaDevice {
     /// Where the encoders say that the effector is: of joints in whole counts.
     ///
     /// # Errors
-    /// Counts without a place.
+    /// Counts that belong to no position.
     pub fn measured(&self, pose: &DeltaPose) -> Result<DeltaPose, Unreachable> {
         let counted = pose
             .joints_rad

@@ -110,7 +110,7 @@ impl DeltaGeometry {
     /// The joints of a place.
     ///
     /// # Errors
-    /// It cannot be reached, or is so close to a singular place that forces and torques have no common measure.
+    /// The position cannot be reached, or is too close to a singular one.
     pub fn pose(&self, place_m: Vector3<f64>) -> Result<DeltaPose, Unreachable> {
         let mut joints_rad = Vector3::zeros();
         let mut slopes = Matrix3::zeros();
@@ -174,7 +174,7 @@ impl DeltaGeometry {
     /// The place of joint angles, by Newton's method from a place nearby.
     ///
     /// # Errors
-    /// There is no such place, or it cannot be used.
+    /// There is no such position, or it cannot be used.
     pub fn place(
         &self,
         joints_rad: Vector3<f64>,

@@ -32,12 +32,12 @@ pub enum Friction {
     None,
     /// Set-valued at rest; in motion `kinetic + (breakaway - kinetic) exp(-(v/stribeck)^2)`, or `kinetic` alone.
     Dry {
-        /// For positive and for negative motion.
+        /// Levels for positive and for negative motion.
         directions: [Sliding; 2],
         /// Stribeck's velocity, rad/s; absent: the break-away torque is for rest alone.
         stribeck: Option<f64>,
     },
-    /// By bristles.
+    /// Friction modelled by bristles.
     Bristles(LuGre),
 }
 
