@@ -72,7 +72,10 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::InvalidValue => {
             let words = many(ContextKind::ValidValue);
             let words: Vec<&str> = words.split(", ").filter(|word| !word.is_empty()).collect();
-            let fix = match touchstone_sim::scene::nearest(&value, &words) {
+            // One number is as near as the next.
+            let is_number = value.parse::<f64>().is_ok();
+            let near = touchstone_sim::scene::nearest(&value, &words).filter(|_| !is_number);
+            let fix = match near {
                 Some(near) => format!("did you mean {near}?"),
                 None if words.is_empty() => help(),
                 None => format!("give {}", touchstone_sim::scene::list(&words)),
