@@ -14,7 +14,7 @@ use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Sti
 /// Settings that all laws share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
-    /// `k_de`.
+    /// Desired stiffness: `k_de`.
     desired: Stiffness<N>,
     limit: Force<N>,
     energy_cap: Energy<N>,

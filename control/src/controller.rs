@@ -87,7 +87,7 @@ impl<N: Number> AnyLaw<N> {
         }
     }
 
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     pub fn view(&self) -> View<N> {
         match self {
             Self::Spring(law, state) => law.view(state),
@@ -232,7 +232,7 @@ impl<N: Number> Controller<N> {
         e > Position::zero() && guard.is_some_and(|guard| guard.is_beyond_edge(e))
     }
 
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     pub fn view(&self) -> View<N> {
         self.law.view()
     }

@@ -19,11 +19,11 @@ use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 /// Coefficients of the virtual mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualMass<N: Number> {
-    /// `m/T²`.
+    /// Inertia: `m/T²`.
     pub inertia: Stiffness<N>,
-    /// `k_f`.
+    /// Stiffness: `k_f`.
     pub stiffness: Stiffness<N>,
-    /// `c_f/T`.
+    /// Damping: `c_f/T`.
     pub damping: Stiffness<N>,
     /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
     pub total: Stiffness<N>,

@@ -178,23 +178,23 @@ impl fmt::Display for SettingsError {
 pub enum Warning {
     /// `k_v > k_c`: the soft spring itself needs more damping than the device has.
     SoftAboveCritical {
-        /// `k_v`.
+        /// Soft stiffness: `k_v`.
         k_soft: Si,
         /// `k_c = 2 c_i/T`.
         k_critical: Si,
     },
     /// `k_f > 2 (c_i - c_f - B)/T`: the coupling is not passive at the physical port under sampling.
     CouplingAboveBound {
-        /// `k_f`.
+        /// Stiffness of the filter: `k_f`.
         k_filter: Si,
         /// Value of the bound.
         bound: Si,
     },
     /// `c_env < k_v T/2`: the force taken from the previous mass position may inject energy into the filter.
     GroundDampingBelowBound {
-        /// `c_env/T`.
+        /// Ground damping per tick: `c_env/T`.
         ground_damping_per_tick: Si,
-        /// `k_v/2`.
+        /// Bound: `k_v/2`.
         bound: Si,
     },
     /// The thesis' observer reports the sampling leak with the wrong sign.
@@ -292,13 +292,13 @@ impl fmt::Display for Warning {
 pub struct Derived {
     /// `k_c = 2 c_i/T`.
     pub k_critical: Si,
-    /// `m/T²`.
+    /// Mass over the squared tick: `m/T²`.
     pub mass_per_tick2: Si,
-    /// `c_f/T`.
+    /// Filter damping per tick: `c_f/T`.
     pub filter_damping_per_tick: Si,
-    /// `c_env/T`.
+    /// Ground damping per tick: `c_env/T`.
     pub ground_damping_per_tick: Si,
-    /// `c_i/T`.
+    /// Device damping per tick: `c_i/T`.
     pub device_damping_per_tick: Si,
     /// Virtual damping per tick.
     pub virtual_damping_per_tick: Si,

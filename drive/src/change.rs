@@ -30,7 +30,7 @@ const BITS: u32 = 28;
 const ONE: i64 = 1 << BITS;
 /// What may be missing of a change of force when the next one begins: a fiftieth.
 const REST_MAX: i64 = ONE / 50;
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
 /// The current loop's answer to a step of the wanted current, as computed and as its bridge acts: the share that is
@@ -43,7 +43,7 @@ struct Answer {
     before: i64,
     /// Error found by the last sample. The sample of the tick itself did not see the step yet.
     last: i64,
-    /// `H`.
+    /// Share of the change that is still missing: `H`.
     missing: i64,
     /// Quarters of periods since the tick's sample.
     quarter: u32,

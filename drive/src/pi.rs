@@ -29,7 +29,7 @@ pub struct PiGains {
     pub share: u16,
 }
 
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {

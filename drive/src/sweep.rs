@@ -25,7 +25,7 @@ pub const QUARTERS_PER_S: i64 = 1;
 /// A shaft that is a 16th of a turn behind is held.
 const HELD: i64 = 16;
 
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 /// The loop's frequency `ω`, rad/s: 20 Hz.
 const OMEGA: Si = Si::lit("125.66");

@@ -210,7 +210,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator with a rate, Hz; on samples often such as are accepted.
+/// Any settings of the estimator and a rate, Hz. On samples many of them are valid ones.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();

@@ -14,9 +14,9 @@ pub const TRUSTED_N_PER_MM_TICK: f64 = 0.8 * 2.5;
 pub const COUNT_MM: f64 = 0.01;
 /// Overspeed, mm a tick.
 pub const FASTEST_MM: f64 = 1.0;
-/// `C`.
+/// Capacity, mJ: `C`.
 pub const CAPACITY_MJ: f64 = 20.0;
-/// `P`.
+/// Refill, mW: `P`.
 pub const REFILL_MW: f64 = 0.5;
 
 /// A wanted force of a position.

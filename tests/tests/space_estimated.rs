@@ -1,4 +1,4 @@
-//! Estimated states in three axes: the wall of one axis where the surface is one, and the truth where the device rests.
+//! Estimated states in three axes: on a plane they equal those of one axis, and at rest they equal the true state.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::space::environment::{Plane, Sphere};

@@ -19,11 +19,11 @@ pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
 /// by `q (X(s) - X(r))`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<N: Number, const COMMANDS: usize> {
-    /// `V`.
+    /// Reach: `V`.
     pub reach: Weight<N>,
-    /// `X`.
+    /// Drift: `X`.
     pub drift: Weight<N>,
-    /// `β V`.
+    /// Loss: `β V`.
     pub loss: Weight<N>,
     /// For each command, the latest first, what it takes from position and displacement per tick.
     pub commands: [[Weight<N>; 2]; COMMANDS],
@@ -32,7 +32,7 @@ pub struct Flow<N: Number, const COMMANDS: usize> {
 /// A device in units of ticks, from which flows are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceInTicks {
-    /// `β = b T/J`.
+    /// Loss: `β = b T/J`.
     pub loss: Exact,
     /// `q = T²/J`, rad/(N·m).
     pub per_torque: Exact,

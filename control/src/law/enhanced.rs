@@ -73,7 +73,7 @@ pub struct EnhancedSfa<N: Number> {
     pub damper: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
-    /// `1/k_v`.
+    /// Compliance: `1/k_v`.
     pub compliance: Compliance<N>,
     /// How the offset is changed.
     pub augmentation: Augmentation<N>,

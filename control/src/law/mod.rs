@@ -78,6 +78,6 @@ pub trait Law<N: Number> {
     /// Runs one control period: takes where the HIP is and how it moves, returns the force pushing out.
     fn tick(&self, state: &mut Self::State, sample: Sample<N>) -> Force<N>;
 
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     fn view(&self, state: &Self::State) -> View<N>;
 }

@@ -16,7 +16,7 @@ pub struct Sfa<N: Number> {
     pub soft: Stiffness<N>,
     /// `k_c/k_v - 1`, the gain of (2.14a).
     pub gain: Ratio<N>,
-    /// `1/k_v`.
+    /// Compliance: `1/k_v`.
     pub compliance: Compliance<N>,
     /// The moments at which the offset is changed.
     pub update: OffsetUpdate,

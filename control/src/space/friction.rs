@@ -128,14 +128,14 @@ pub enum FrictionError {
     Stiffness {
         /// The stiffness as it was set.
         stiffness: Si,
-        /// `2 b/T`.
+        /// Largest allowed stiffness: `2 b/T`.
         most: Si,
     },
     /// Coefficients that are not `0 <= kinetic <= static <= 10`.
     Coefficients {
-        /// `μ_s`.
+        /// Static coefficient: `μ_s`.
         static_coefficient: Si,
-        /// `μ_k`.
+        /// Kinetic coefficient: `μ_k`.
         kinetic_coefficient: Si,
     },
     /// A coefficient that does not fit the number format.

@@ -10,7 +10,7 @@ use crate::{AnyLaw, Force, Number};
 pub trait Along<N: Number> {
     /// Runs one control period: takes penetration and displacement along a direction, returns the force out.
     fn tick(&mut self, sample: Sample<N>) -> Force<N>;
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     fn view(&self) -> View<N>;
     /// Forgets: outside, at rest.
     fn reset(&mut self);

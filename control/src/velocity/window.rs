@@ -8,9 +8,9 @@ pub const LONGEST_WINDOW: usize = 16;
 /// A number of ticks, as a factor and as a divisor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope<N: Number> {
-    /// `n`.
+    /// Length of the window, ticks: `n`.
     pub times: Stiffness<N>,
-    /// `1/n`.
+    /// Share: `1/n`.
     pub share: Ratio<N>,
 }
 

@@ -41,7 +41,7 @@ pub struct VoltageStage {
     back_emf: Volts,
 }
 
-/// `2π/(3/2)`.
+/// The constant `2π/(3/2)`.
 const TWO_PI_OVER_THREE_HALVES: Si = Si::lit("4.188790205");
 
 impl VoltageStage {

@@ -21,7 +21,7 @@ const WINDOW_MAX: usize = 20;
 const JITTER: i64 = 4;
 /// A movement this many times as fast as the fastest allowed is a jump; a slower one is overspeed.
 const JUMP_FACTOR: i32 = 4;
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
 /// Coefficients.

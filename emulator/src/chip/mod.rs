@@ -76,7 +76,7 @@ pub struct Chip {
     pub world: World,
     /// Exceptions that run.
     pub running: Vec<Running>,
-    /// What each exception's handler has cost.
+    /// Cost of each exception's handler.
     pub handlers: Vec<Handler>,
     /// A reset that is due.
     pub reset_request: Option<ResetCause>,

@@ -124,9 +124,9 @@ pub struct Core {
     pub watches: Vec<Watch>,
     /// Addresses where watched functions begin, and where their calls return to.
     watch_points: Vec<u32>,
-    /// Exceptions that run, and what each had cost at its start.
+    /// Number of exceptions that run inside each other.
     pub depth: usize,
-    /// What each level of exceptions (0 the thread) has spent.
+    /// Cost of each level of exceptions; level 0 is the thread.
     pub by_depth: [Cost; 8],
 }
 

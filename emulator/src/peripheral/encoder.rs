@@ -46,7 +46,7 @@ impl Angle {
 pub struct As5047p {
     angle: Angle,
     command: u16,
-    /// `ERRFL`.
+    /// Errors: `ERRFL`.
     errors: u16,
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 pub struct EncoderError {
     /// `A`, rad.
     pub amplitude_rad: f64,
-    /// `n`.
+    /// Periods in a turn: `n`.
     pub per_rev: f64,
     /// `φ`, rad.
     pub phase_rad: f64,

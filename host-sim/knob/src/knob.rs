@@ -50,7 +50,7 @@ impl Tamper for Honest {}
 pub struct EncoderError {
     /// `A`, rad.
     pub amplitude_rad: f64,
-    /// `n`.
+    /// Periods in a turn: `n`.
     pub per_rev: f64,
     /// `φ`, rad.
     pub phase_rad: f64,

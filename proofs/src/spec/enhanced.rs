@@ -75,7 +75,7 @@ pub struct Memory {
     pub mass: Int,
     /// Displacement of the mass in the last tick.
     pub mass_moved: Int,
-    /// `O`.
+    /// Offset: `O`.
     pub offset: Int,
     /// Force of the wall on the mass.
     pub at_mass: Int,

@@ -35,11 +35,11 @@ pub struct Motion {
 /// A time, as weights: `V`, `X`, `1 - ρ`, and of each command `q x_i` and `q v_i`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Flow<const COMMANDS: usize> {
-    /// `V`.
+    /// Reach: `V`.
     pub reach: Int,
-    /// `X`.
+    /// Drift: `X`.
     pub drift: Int,
-    /// `1 - ρ`.
+    /// Loss: `1 - ρ`.
     pub loss: Int,
     /// `q x_i`, `q v_i`.
     pub commands: [[Int; 2]; COMMANDS],

@@ -82,9 +82,9 @@ fn of_torque(x: Int) -> Option<Int> {
 /// The device: `β`, `q`, and the delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// `β = b T/J`.
+    /// Loss: `β = b T/J`.
     pub loss: Int,
-    /// `q = T²/J`.
+    /// Displacement per torque: `q = T²/J`.
     pub per_torque: Int,
     /// Time until a command begins to act.
     pub delay: Int,

@@ -8,20 +8,20 @@ use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signa
 pub struct Settings {
     /// Stiffness, N/m.
     pub stiffness: Int,
-    /// `μ_s`.
+    /// Fixed: `μ_s`.
     pub fixed: Int,
-    /// `μ_k`.
+    /// Kinetic: `μ_k`.
     pub kinetic: Int,
 }
 
 /// Stiffness, a gain, and how far it stretches for a newton before it slides and while it does, ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Friction {
-    /// `k`.
+    /// Stiffness: `k`.
     pub stiffness: Int,
-    /// `μ_s/k`.
+    /// Fixed: `μ_s/k`.
     pub fixed: Int,
-    /// `μ_k/k`.
+    /// Kinetic: `μ_k/k`.
     pub kinetic: Int,
 }
 

@@ -5,15 +5,15 @@ use super::{GAIN, HIGHEST, Int, SIGNAL, times};
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Guard {
-    /// `C`.
+    /// Capacity: `C`.
     pub capacity: Int,
-    /// `P T`.
+    /// Refill: `P T`.
     pub refill: Int,
     /// `c`, a gain.
     pub damping: Int,
     /// The longest measured displacement that is not overspeed.
     pub furthest: Int,
-    /// `δ`.
+    /// Count: `δ`.
     pub count: Int,
     /// `s`, a ratio.
     pub late: Int,

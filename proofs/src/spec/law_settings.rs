@@ -93,15 +93,15 @@ fn signal(x: Int) -> Option<Int> {
 pub struct Derived {
     /// `k_c = 2 c_i/T`.
     pub critical: Int,
-    /// `m/T²`.
+    /// Inertia: `m/T²`.
     pub inertia: Int,
-    /// `c_f/T`.
+    /// Filter damping: `c_f/T`.
     pub filter_damping: Int,
-    /// `c_env/T`.
+    /// Ground damping: `c_env/T`.
     pub ground_damping: Int,
-    /// `c_i/T`.
+    /// Device damping: `c_i/T`.
     pub device_damping: Int,
-    /// `b/T`.
+    /// Virtual damping: `b/T`.
     pub virtual_damping: Int,
 }
 

@@ -53,7 +53,7 @@ pub struct Memory {
     pub last: Int,
     /// Penetration of the tick before the last.
     pub before_last: Int,
-    /// `O`.
+    /// Offset: `O`.
     pub offset: Int,
     /// Force of the last tick.
     pub force: Int,

@@ -66,7 +66,7 @@ const UNPROVED: [&str; 8] = [
 /// Why a folder of theorems is not to be believed.
 #[derive(Debug, PartialEq)]
 struct Broken {
-    /// `Guard.v`.
+    /// Name of the file, such as `Guard.v`.
     file: String,
     why: String,
 }

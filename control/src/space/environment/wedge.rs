@@ -9,9 +9,9 @@ use crate::space::vector::{Direction, Vector};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge<N: Spatial> {
     planes: [Plane<N>; 2],
-    /// `n₁·n₂`.
+    /// Cosine: `n₁·n₂`.
     cosine: N::Signal,
-    /// `1 - (n₁·n₂)²`.
+    /// Sine squared: `1 - (n₁·n₂)²`.
     sine_squared: N::Signal,
 }
 

@@ -42,7 +42,7 @@ pub struct Service {
     saw: Receiver<Saw>,
 }
 
-/// Where its own frame has the handle.
+/// Position of the handle in the device's own frame, m.
 const BASE_M: [f64; 3] = [0.05, -0.2, 0.1];
 
 impl Service {

@@ -13,7 +13,7 @@ use touchstone_world::plant::{
 
 /// A microframe of the USB: the plant goes on in these.
 const STEP_S: f64 = 125e-6;
-/// Time of a call over the USB on the test's clock; the second, of a call that the library answers alone.
+/// Times of a call on the test's clock: over USB, and answered by the library alone.
 const USB_S: f64 = 60e-6;
 const LOCAL_S: f64 = 5e-6;
 

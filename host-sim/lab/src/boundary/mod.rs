@@ -57,7 +57,7 @@ pub struct BoundaryPlan {
 pub struct BoundaryPlace {
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// `b T/J`.
+    /// Damping per tick: `b T/J`.
     pub damping_per_tick: f64,
     /// `T sqrt(k_de/J)`.
     pub stiffness_per_tick: f64,
@@ -73,7 +73,7 @@ pub enum TunedEnding {
     Rests,
     /// Rests at another stiffness.
     RestsElsewhere,
-    /// Does not come to rest.
+    /// The wall does not come to rest.
     DoesNotRest,
     /// The law has no settings for such a wall.
     Refused,
@@ -106,7 +106,7 @@ pub struct BoundaryCell {
     pub plan: String,
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// `b T/J`.
+    /// Damping per tick: `b T/J`.
     pub damping_per_tick: f64,
     /// `T sqrt(k_de/J)`.
     pub stiffness_per_tick: f64,
@@ -334,7 +334,7 @@ impl BoundaryPlan {
 pub struct ColumnLimits {
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// `b T/J`.
+    /// Damping per tick: `b T/J`.
     pub damping_per_tick: f64,
     /// Largest `T sqrt(k_de/J)` up to which every wall rests within 5 %; absent where the softest does not.
     pub rests_up_to: Option<f64>,

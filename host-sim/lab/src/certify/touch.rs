@@ -1,4 +1,4 @@
-//! What becomes of a device that bounces between a wall and the hand.
+//! The motion of a device that bounces between a wall and the hand.
 //!
 //! Several laws meet a touch with the spring `k_de` until the motion turns, and only then with what the matrices describe. So
 //! bounces are played instead. The device is pressed against the wall by the pad of a hand at rest, meets it at

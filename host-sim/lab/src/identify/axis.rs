@@ -31,7 +31,7 @@ pub struct AxisMechanics {
 /// Why nothing was found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unidentified {
-    /// Less than a bump of motion.
+    /// The record is too short: it holds less than one swing.
     #[error("{0:.2} s of motion are too short")]
     TooShort(f64),
     /// The axis did not move, or not in a way that separates mass from damping.

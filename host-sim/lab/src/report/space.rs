@@ -43,7 +43,7 @@ pub struct Input<'a> {
     pub files: FileOptions,
     /// The mechanism of the runs.
     pub mechanism: Mechanism,
-    /// The tuned law where its setting was not chosen.
+    /// Results of the tuned law on walls that were not used to choose its settings.
     pub held_out: Option<&'a HeldOut>,
     /// The runs.
     pub runs: &'a [Record],

@@ -166,16 +166,19 @@ mod tests {
             .expect("settings")
         };
         let runs = [of(Approach::Spring), of(Approach::Shipped)];
-        let [bars, depth] = figures(&runs).try_into().ok().expect("two figures");
+        let found = figures(&runs);
+        let [bars, depth] = &found[..] else {
+            panic!("two figures")
+        };
         let names = |figure: &Figure| -> Vec<String> {
             let lines = figure.lines.iter().map(|line| line.name.clone());
             lines.filter(|name| !name.is_empty()).collect()
         };
         for approach in ["spring", "shipped"] {
-            assert!(names(&bars).contains(&approach.to_owned()));
-            assert!(svg::legend(&bars).contains(approach), "{approach}");
+            assert!(names(bars).contains(&approach.to_owned()));
+            assert!(svg::legend(bars).contains(approach), "{approach}");
         }
-        assert_eq!(names(&depth), ["spring, 25 N/mm", "shipped, 25 N/mm"]);
+        assert_eq!(names(depth), ["spring, 25 N/mm", "shipped, 25 N/mm"]);
         assert!(
             bars.description.starts_with("1 of 2"),
             "{}",

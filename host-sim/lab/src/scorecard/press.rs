@@ -10,7 +10,7 @@ pub const HELD_AFTER_S: f64 = 0.05;
 /// The desired stiffness, and how exactly a penetration is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesiredStiffness {
-    /// `k_de`.
+    /// Desired stiffness: `k_de`.
     pub k_desired: f64,
     /// Step of a measured position.
     pub count: f64,

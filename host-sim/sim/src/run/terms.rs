@@ -37,7 +37,8 @@ pub struct Terms {
     pub press: Option<Press>,
     /// The rhythm in which the hand moves inside the wall, where it lasts long enough to be measured.
     pub wiggle: Option<Wiggle>,
-    /// Ticks over which the torque's ripple is taken, first and past the last: the rhythm, else the press' second half, else all.
+    /// Ticks over which the torque's ripple is measured, from the first to past the last: those of the rhythm if
+    /// there is one, else of the second half of the press, else all.
     pub ripple: (u64, u64),
     /// Ticks of the run.
     pub ticks: u64,

@@ -41,7 +41,7 @@ pub trait Wall {
     fn changed_at_count(&mut self, count: i64);
     /// Same as `changed_at`, for scenes without an encoder, rad.
     fn changed_at_penetration(&mut self, penetration_rad: f64);
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     fn inside(&self) -> Inside;
 }
 

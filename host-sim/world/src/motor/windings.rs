@@ -66,7 +66,7 @@ impl MotorParameters {
 pub struct Windings {
     motor: MotorParameters,
     interval_s: f64,
-    /// `e^{-RT/L}`.
+    /// Decay: `e^{-RT/L}`.
     decay: f64,
     current: C,
 }

@@ -8,7 +8,7 @@ pub(super) const NORM: f64 = 0.5;
 /// Coefficients kept: the first one left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;
 
-/// `1 / (k + 1)`.
+/// Reciprocal: `1 / (k + 1)`.
 pub(super) const RECIPROCAL: [f64; TERMS] = {
     let mut table = [0.0; TERMS];
     let mut k = 0;

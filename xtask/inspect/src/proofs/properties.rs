@@ -12,7 +12,7 @@ use super::lock::writes_a_property;
 pub struct Property {
     /// `tdpa`: the module that it stands in.
     pub file: String,
-    /// `p7_leaves`.
+    /// Name of the harness, such as `p7_leaves`.
     pub name: String,
     /// The first sentence or two above it, `P1: ...`.
     pub meaning: String,

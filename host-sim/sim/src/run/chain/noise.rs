@@ -86,7 +86,7 @@ impl Stage for Noisy {
 pub struct Eccentric {
     /// `A`, rad.
     pub amplitude_rad: f64,
-    /// `n`.
+    /// Periods in a turn: `n`.
     pub per_rev: f64,
     /// `phi`, rad.
     pub phase_rad: f64,

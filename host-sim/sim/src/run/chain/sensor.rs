@@ -35,7 +35,7 @@ impl Sensor for ExactAngle {
     }
 }
 
-/// The exact angle from zero instead of from a surface: for several walls.
+/// The exact angle from zero, not from a surface, for scenes with several walls.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactPlace {
     /// `x_s` of the first wall, rad, from which a record counts.

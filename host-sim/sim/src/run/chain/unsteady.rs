@@ -67,7 +67,7 @@ impl<S> Unsteady<S> for Tremor {
 /// hand's spring gives that torque: `k_h dr = -k_r (x_h - r)`, both of back then.
 #[derive(Debug, Clone)]
 pub struct Reflex {
-    /// `k_r/k_h`.
+    /// Gain: `k_r/k_h`.
     gain: f64,
     /// Stretches on their way, rad; the oldest first. At the start nothing was stretched.
     stretches: VecDeque<f64>,
