@@ -84,7 +84,7 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
 mod tests {
     use super::*;
 
-    /// No end and no text, a length that is too much, and one that fits to the byte.
+    /// Tests an endless input, one that is no text, one that is too long, and one of exactly the allowed length.
     #[test]
     fn nothing_is_read_beyond_its_limit() {
         let said = |path: &str, most| text(Path::new(path), most).unwrap_err().to_string();

@@ -85,7 +85,7 @@ impl<S: Stepper> LinearStepper for Linear<S> {}
 /// Least unstable stiffness of the loop of a bare device under a method, without delay.
 ///
 /// # Errors
-/// A plant that cannot be.
+/// The plant's parameters are not valid.
 pub fn k_max(
     device: &Device,
     period_s: f64,

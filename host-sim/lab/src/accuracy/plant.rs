@@ -152,7 +152,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
 /// Every method on a problem.
 ///
 /// # Errors
-/// A plant that cannot be.
+/// The plant's parameters are not valid.
 pub fn diagram(
     problem: &Problem,
     substeps: &[u32],
