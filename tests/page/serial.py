@@ -13,12 +13,12 @@ FAKE = """
 window.fakeSerial = (() => {
   const decode = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const encode = (bytes) => { let text = ""; for (const byte of bytes) text += String.fromCharCode(byte); return btoa(text); };
-  let input = null, sent = [], opened = 0, there = true, options = null;
+  let input = null, sent = [], opened = 0, there = true, busy = false, options = null;
   const port = {
     readable: null, writable: null,
     getInfo: () => ({ usbVendorId: 0x0483, usbProductId: 0x374e }),
     open: async (asked) => {
-      if (!there) throw new DOMException("Failed to open serial port.", "NetworkError");
+      if (!there || busy) throw new DOMException("Failed to open serial port.", "NetworkError");
       options = asked;
       opened += 1;
       port.readable = new ReadableStream({ start: (controller) => { input = controller; } });
@@ -32,7 +32,7 @@ window.fakeSerial = (() => {
   return {
     exchange: (bytes) => { if (bytes && input) input.enqueue(decode(bytes)); const out = encode(sent); sent = []; return out; },
     pull: () => { there = false; const was = input; input = null; const error = new DOMException("The device has been lost.", "NetworkError"); port.readable = null; was?.error(error); },
-    plug: () => { there = true; },
+    plug: () => { there = true; }, busy: (is) => { busy = is; },
     opened: () => opened, options: () => options,
   };
 })();
@@ -92,8 +92,13 @@ def serial(browser, program, pictures, folder, check):
     try:
         page.until("document.getElementById('connect')?.disabled === false")
         cable = Cable(page, knob.address)
+        page.run("fakeSerial.busy(true)")
         page.run("document.getElementById('connect').click()")
+        page.until("document.getElementById('error').textContent.includes('does not open')", 3)
+        check("another program" in text(page, "error") and not page.run("document.getElementById('connect').disabled"), f"a port that another program has: {text(page, 'error')}")
+        page.run("fakeSerial.busy(false)")
         connected(page)
+        check(text(page, "error") == "", "it is opened as soon as it is free")
         phase(page, "boot")
         check(page.run("fakeSerial.options().baudRate") == 921600 and "protocol" in text(page, "device"), f"connected: {text(page, 'device')}")
         settings(page, check)

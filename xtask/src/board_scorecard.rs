@@ -38,7 +38,14 @@ fn played(is_whole: bool) -> Result<Outcome, Outcome> {
         let [programme, recording] =
             ["programme", "recording"].map(|name| folder.join(format!("{name}-{place}.csv")));
         let mut write = touchstone();
-        write.args(["scorecard", SCENE, "--place", place, "--programme"]);
+        write.args([
+            "scorecard",
+            SCENE,
+            "--force",
+            "--place",
+            place,
+            "--programme",
+        ]);
         write.arg(&programme);
         if !is_whole {
             write.args(["--grip", "medium", "--deed", "press"]);

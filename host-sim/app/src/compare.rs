@@ -9,6 +9,7 @@ use super::report_options::program;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::beside::{Beside, HandWas, PARTS, Told, beside, sections};
+use touchstone_lab::report;
 use touchstone_lab::report::{Section, pages};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
@@ -77,6 +78,7 @@ const REPLACED: [(&str, &str); 2] = [
 /// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     options.changes.refuse_replaced("compare", &REPLACED)?;
+    report::check_folder(&options.out, &crate::command_line(), options.force)?;
     let (scene, _) = options.changes.load(&options.scene)?;
     if options.hand != Hand::Programme && !options.also.is_empty() {
         return Err(Error::Option {

@@ -7,8 +7,9 @@ pub mod start;
 use super::haptic;
 use super::out::{self, note, say, tell};
 use super::port::PortOption;
+use super::whole::{Named, Overwrite};
 use clap::Subcommand;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use touchstone_control::Si;
@@ -97,6 +98,8 @@ enum BoardAction {
         /// The file to write.
         #[arg(long, value_name = "CSV")]
         out: PathBuf,
+        #[command(flatten)]
+        overwrite: Overwrite,
     },
 }
 
@@ -143,7 +146,15 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
             return state("restarting");
         }
         BoardAction::Fault => return fault(&mut client),
-        BoardAction::Ring { out } => return ring(&mut client, out),
+        BoardAction::Ring { out, overwrite } => {
+            let place = Named {
+                path: out,
+                option: "--out",
+                replaces: overwrite.force,
+            };
+            place.check()?;
+            return ring(&mut client, &place);
+        }
     }
     state(status_of(&mut client)?.phase.name())
 }
@@ -356,7 +367,7 @@ const RING_COLUMNS: [&str; 7] = [
     "state",
 ];
 
-fn ring(client: &mut Client, out: &Path) -> Result<()> {
+fn ring(client: &mut Client, place: &Named<'_>) -> Result<()> {
     // All of it before a file is begun: a cut connection leaves nothing half-written.
     let mut records: Vec<RingRecord> = Vec::new();
     loop {
@@ -373,11 +384,9 @@ fn ring(client: &mut Client, out: &Path) -> Result<()> {
             break;
         }
     }
-    write_ring(out, &records).map_err(|error| Error::Io {
-        path: out.to_owned(),
-        problem: error.to_string(),
-        fix: "choose another file with --out".into(),
-    })?;
+    let text = ring_csv(&records).map_err(|error| place.error(&error.into()))?;
+    place.write(text)?;
+    let out = place.path;
     out::result(
         || serde_json::json!({ "file": out.display().to_string(), "ticks": records.len() }),
         || {
@@ -387,7 +396,7 @@ fn ring(client: &mut Client, out: &Path) -> Result<()> {
     )
 }
 
-fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {
+fn ring_csv(records: &[RingRecord]) -> csv::Result<Vec<u8>> {
     let mut file = csv::Writer::from_writer(Vec::new());
     file.write_record(RING_COLUMNS)?;
     for record in records {
@@ -403,12 +412,26 @@ fn write_ring(out: &Path, records: &[RingRecord]) -> csv::Result<()> {
         ])?;
     }
     let text = file.into_inner().map_err(csv::IntoInnerError::into_error)?;
-    Ok(super::whole::write(out, text)?)
+    Ok(text)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// As of a monitor.
+    #[test]
+    fn others_read_what_a_ring_has() {
+        let nothing = RingRecord::default();
+        let mut records = vec![nothing; 30_000];
+        records.push(RingRecord {
+            force: -1,
+            current_q: 3,
+            ..nothing
+        });
+        crate::whole::is_read_by_others("ring.csv", &ring_csv(&records).unwrap());
+    }
+
     use touchstone_control::Si;
     use touchstone_protocol::Board;
 

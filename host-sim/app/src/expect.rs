@@ -2,6 +2,7 @@
 
 use super::check::{Check, name};
 use super::out::{json, shown};
+use super::whole::{Named, is_of_same_command};
 use super::{baseline, number};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -37,7 +38,7 @@ pub struct Expectations {
     /// Share of its value by which a measure may be worse than in the baseline.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, requires = "baseline", allow_negative_numbers = true, value_parser = number::not_negative("a share, 0.01 for 1 %"))]
     margin: f64,
-    /// Writes demands and results as JUnit, one test for each demand.
+    /// Writes demands and results as JUnit, one test for each demand; replaces an earlier file of its own, and no other.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }
@@ -82,7 +83,10 @@ impl Expectations {
                 fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out, --baseline or --strict-passive".to_owned(),
             });
         }
-        Ok(())
+        match &self.junit {
+            Some(file) => junit_file(file).check(),
+            None => Ok(()),
+        }
     }
 
     /// Checks runs against the demands. `strict`: also refuses a run whose user's port gave energy.
@@ -228,18 +232,23 @@ impl Checked {
             rest = others;
             report.add_test_suite(suite_of(suite, &first.run));
         }
-        let wrong = |problem: String| Error::Io {
-            path: file.to_owned(),
-            problem,
-            fix: "give --junit a file that can be written".to_owned(),
-        };
+        let place = junit_file(file);
         let text = report
             .to_string()
-            .map_err(|error| wrong(error.to_string()))?;
+            .map_err(|error| place.error(&std::io::Error::other(error)))?;
         if let Some(folder) = file.parent() {
-            std::fs::create_dir_all(folder).map_err(|error| wrong(error.to_string()))?;
+            std::fs::create_dir_all(folder).map_err(|error| place.error(&error))?;
         }
-        crate::whole::write(file, text).map_err(|error| wrong(error.to_string()))
+        place.write(text)
+    }
+}
+
+/// A JUnit file that this program wrote is replaced, so that a server can run the same line again and again.
+fn junit_file(path: &Path) -> Named<'_> {
+    Named {
+        path,
+        option: "--junit",
+        replaces: is_of_same_command(path, "<testsuites name=\"touchstone\""),
     }
 }
 

@@ -5,6 +5,8 @@ use super::board_page;
 use super::browser::open;
 use super::out::{note, result, tell};
 use super::report_options::program_name;
+use super::whole::{Named, is_of_same_command};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use touchstone_control::LawKind;
 use touchstone_device::Address;
@@ -15,6 +17,7 @@ use touchstone_live::page::{self, Content};
 use touchstone_live::space_loop::{SpaceChoice, SpaceObject};
 use touchstone_live::space_page;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::OMEGA3_AXIS;
 
@@ -165,20 +168,19 @@ fn without_files(scene: Scene) -> Result<Scene> {
 }
 
 fn write(path: &Path, page: &str) -> Result<()> {
-    let io = |error: std::io::Error| Error::Io {
-        path: path.to_owned(),
-        problem: error.to_string(),
-        fix: "give a file that can be written, with --out".to_owned(),
+    let place = Named {
+        path,
+        option: "--out",
+        replaces: is_of_same_command(path, page::MARK),
     };
-    match std::fs::read(path) {
-        Ok(before) if !before.starts_with(page::MARK.as_bytes()) => {
-            return Err(Error::Io {
-                path: path.to_owned(),
-                problem: "is there, and is no page of `touchstone live`".to_owned(),
-                fix: "give another file with --out, or remove it".to_owned(),
-            });
-        }
-        _ => {}
+    let is_other = matches!(output::is_free(path), Err(error) if error.kind() == ErrorKind::AlreadyExists)
+        && !place.replaces;
+    if is_other {
+        return Err(Error::Io {
+            path: path.to_owned(),
+            problem: "is there, and is no page of `touchstone live`".to_owned(),
+            fix: "give another file with --out, or remove it".to_owned(),
+        });
     }
-    crate::whole::write(path, page).map_err(io)
+    place.write(page)
 }

@@ -4,9 +4,10 @@ use super::device::note_silence;
 use super::number;
 use super::out::{self, is_read, print, say, tell};
 use super::port::PortOption;
+use super::whole::{Named, Overwrite};
 use std::fs::File;
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_control::Si;
@@ -16,6 +17,7 @@ use touchstone_link::counted::Counted;
 use touchstone_link::words::{name_of, page};
 use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 
 /// A line of a terminal is overwritten this often; without a terminal there is a line a second.
 const LIVE: Duration = Duration::from_millis(100);
@@ -34,6 +36,8 @@ pub struct Options {
     /// Keeps every record that arrives as CSV.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
@@ -46,13 +50,19 @@ pub struct Options {
 pub fn main(options: &Options) -> Result<()> {
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
     let stop = super::interrupt::noted()?;
+    let csv = options.csv.as_deref().map(|path| Named {
+        path,
+        option: "--csv",
+        replaces: options.overwrite.force,
+    });
+    csv.map_or(Ok(()), |place| place.check())?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
     if settings.limits.host_silence_s == Si::ZERO {
         note_silence(Si::ZERO);
     }
-    let mut table = match &options.csv {
-        Some(path) => Some(Table::new(path, settings.timing.rate_hz)?),
+    let mut table = match csv {
+        Some(place) => Some(Table::new(place, settings.timing.rate_hz)?),
         None => None,
     };
     let dropped_before = dropped(&mut client)?;
@@ -218,25 +228,38 @@ const COLUMNS: [&str; 13] = [
 ];
 
 /// The CSV of all records.
-struct Table {
+struct Table<'a> {
     file: csv::Writer<File>,
-    path: PathBuf,
+    place: Named<'a>,
     rate_hz: u32,
     first: Option<u32>,
+    /// Rows that are not in the file yet.
+    waiting: u32,
 }
 
-impl Table {
-    fn new(path: &Path, rate_hz: u32) -> Result<Self> {
-        let wrong = |error: csv::Error| io(path, &error);
-        let file = crate::whole::begun(path).map_err(|error| wrong(error.into()))?;
-        let mut file = csv::Writer::from_writer(file);
-        file.write_record(COLUMNS).map_err(wrong)?;
-        Ok(Self {
+/// Rows are written so many at once, in one piece: whatever ends the program leaves no torn row.
+const ROWS_AT_ONCE: u32 = 128;
+/// Room for twice as many, bytes.
+const ROOM: usize = 1 << 16;
+
+impl<'a> Table<'a> {
+    fn new(place: Named<'a>, rate_hz: u32) -> Result<Self> {
+        let file =
+            output::begun(place.path, place.replaces).map_err(|error| place.error(&error))?;
+        let file = csv::WriterBuilder::new()
+            .buffer_capacity(ROOM)
+            .from_writer(file);
+        let mut table = Self {
             file,
-            path: path.to_owned(),
+            place,
             rate_hz,
             first: None,
-        })
+            waiting: 0,
+        };
+        let begun = table.file.write_record(COLUMNS);
+        begun.map_err(|error| place.error(&error.into()))?;
+        table.flush()?;
+        Ok(table)
     }
 
     /// Numbers in full: the decimal text of a fixed-point number is exact.
@@ -263,26 +286,72 @@ impl Table {
             record.lateness_cycles.to_string(),
             decimal(f64::from(record.current_q_ma) / 1e3),
         ]);
-        written.map_err(|error| io(&self.path, &error))
+        written.map_err(|error| self.place.error(&error.into()))?;
+        self.waiting += 1;
+        match self.waiting < ROWS_AT_ONCE {
+            true => Ok(()),
+            false => self.flush(),
+        }
     }
 
     fn flush(&mut self) -> Result<()> {
+        self.waiting = 0;
         let flushed = self.file.flush();
-        flushed.map_err(|error| io(&self.path, &error.into()))
-    }
-}
-
-fn io(path: &Path, error: &csv::Error) -> Error {
-    Error::Io {
-        path: path.to_owned(),
-        problem: error.to_string(),
-        fix: "choose another file with --csv".into(),
+        flushed.map_err(|error| self.place.error(&error))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::COLUMNS;
+    use super::{COLUMNS, Named, Table, Telemetry};
+    use touchstone_protocol::Decimal;
+
+    /// 30,000 records of nothing, then one that pushes: no column is taken for integers, or for texts.
+    #[test]
+    fn others_read_what_a_monitor_keeps() {
+        use fixed::types::I8F24;
+        let nothing = Telemetry {
+            tick: 0,
+            count: 0,
+            penetration_rad: I8F24::ZERO,
+            since_change_rad: I8F24::ZERO,
+            force_n_m: I8F24::ZERO,
+            offset_rad: I8F24::ZERO,
+            energy_j: Decimal::lit("0"),
+            phase: touchstone_protocol::Phase::Armed,
+            fault: 0,
+            limits: 0,
+            cycles: 0,
+            lateness_cycles: 0,
+            current_q_ma: 0,
+            measuring: None,
+        };
+        let file = std::env::temp_dir().join(format!("touchstone-told-{}.csv", std::process::id()));
+        let place = Named {
+            path: &file,
+            option: "--csv",
+            replaces: true,
+        };
+        // A rate whose period is no short decimal.
+        let mut table = Table::new(place, 3000).unwrap();
+        for tick in 0..30_000 {
+            table.take(&Telemetry { tick, ..nothing }).unwrap();
+        }
+        let pushed = Telemetry {
+            tick: 30_000,
+            penetration_rad: I8F24::from_bits(12_345),
+            force_n_m: I8F24::from_bits(-1),
+            offset_rad: I8F24::from_bits(7),
+            energy_j: Decimal::lit("0.015625"),
+            current_q_ma: -4,
+            ..nothing
+        };
+        table.take(&pushed).unwrap();
+        table.flush().unwrap();
+        let text = std::fs::read(&file).unwrap();
+        std::fs::remove_file(&file).unwrap();
+        crate::whole::is_read_by_others("monitor.csv", &text);
+    }
 
     #[test]
     fn what_a_trace_has_too_bears_its_name() {

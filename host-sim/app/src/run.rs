@@ -3,12 +3,14 @@
 use super::expect::{self, Expectations};
 use super::out::{json, note, print, say, tell};
 use super::report_options::{ReportOptions, program};
-use super::{EXIT_CODES, SceneOptions, interrupt, space_scene};
+use super::{EXIT_CODES, SceneOptions, interrupt, progress, space_scene};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::report::{self, Colour, ReportInput, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
+use touchstone_sim::run::record::Run;
+use touchstone_sim::run::work::Work;
 use touchstone_sim::scene::{self, RestPath};
 
 /// Options of `run`.
@@ -71,7 +73,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if let Some(folder) = &options.out {
         report::check_folder(folder, &command, files.force)?;
     }
-    let runs = [run::run(&scene, options.out.is_some())?];
+    let runs = [played(&scene, options.out.is_some())?];
     // A shipped scene is in the program, not in a file.
     let mut inputs = vec![PathBuf::from(&options.scene)];
     inputs.retain(|_| !scene::names().contains(&options.scene.as_str()));
@@ -108,4 +110,16 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         note!("report  {}", written.page.display());
     }
     checked.conclude()
+}
+
+/// Runs the scene; where that may take long, with a bar.
+fn played(scene: &scene::Scene, with_trace: bool) -> Result<Run> {
+    let work = Work::of(scene);
+    if !work.is_long() {
+        return run::run(scene, with_trace);
+    }
+    let bar = progress::bar(work.ticks, "ticks");
+    let run = run::run_told(scene, with_trace, &mut |done| bar.set_position(done));
+    bar.finish_and_clear();
+    run
 }

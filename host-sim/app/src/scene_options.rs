@@ -4,6 +4,7 @@ use super::out::note;
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser};
 use touchstone_control::Choice as _;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::run::work::Work;
 use touchstone_sim::run::{self as runner, passivity};
 use touchstone_sim::scene::{Preset, Scene, choices, path_of};
 
@@ -164,6 +165,11 @@ pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
     runner::plan::control(scene)?;
     if let (true, Some(refusal)) = (strict, passivity::refusal(scene)?) {
         return Err(strictly(refusal));
+    }
+    let work = Work::of(scene);
+    work.check(scene)?;
+    if let Some(long) = work.note() {
+        note!("note: {long}");
     }
     let mut said = Vec::new();
     for message in runner::spoken_warnings(scene)? {

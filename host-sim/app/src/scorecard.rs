@@ -7,6 +7,7 @@ use super::out::{self, say, tell};
 use super::progress;
 use super::report_options::program;
 use super::wall_options::WallOptions;
+use super::whole::Named;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_control::Choice as _;
@@ -19,7 +20,7 @@ use touchstone_lab::scorecard::{
     rivals::{RIVALS, Rival},
 };
 use touchstone_lab::tune::{self, Effort};
-use touchstone_sim::error::{Error, Result};
+use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene};
 
 /// Options of `scorecard`.
@@ -47,7 +48,7 @@ pub struct Options {
     /// Writes a page, results.json and, with --tuned, the settings of every law to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replaces what another command left in the folder.
+    /// Replaces what another command left in the folder, and a programme that is there already.
     #[arg(long)]
     force: bool,
     /// Only writes the hand's motion, tick by tick for every grip, to this file: for a hand on a test stand or in the
@@ -140,6 +141,12 @@ fn deed(word: &str) -> std::result::Result<String, String> {
 
 /// Writes the hand's programme.
 fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
+    let place = Named {
+        path: file,
+        option: "--programme",
+        replaces: options.force,
+    };
+    place.check()?;
     let grip = options.grip.as_deref();
     let asked = |it: &Grip| grip.is_none_or(|grip| it.name() == grip);
     let grips: Vec<Grip> = GRIPS.into_iter().filter(asked).collect();
@@ -147,12 +154,7 @@ fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
     scene.wall.surface_rad += options.place.unwrap_or_default() * count_rad;
     let text = programme_csv(&scene, &grips, &options.deeds)?;
-    let written = crate::whole::write(file, &text);
-    written.map_err(|error| Error::Io {
-        path: file.to_owned(),
-        problem: error.to_string(),
-        fix: "choose another file with --programme".into(),
-    })?;
+    place.write(&text)?;
     let ticks = text.lines().count() - 1;
     out::result(
         || serde_json::json!({"file": file.display().to_string(), "ticks": ticks}),

@@ -3,6 +3,7 @@
 
 use super::Cli;
 use super::out::{print, tell};
+use super::whole::{Named, is_of_same_command};
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
@@ -62,9 +63,10 @@ pub fn completions(options: &Completions) -> Result<()> {
 pub fn man(options: &Man) -> Result<()> {
     match &options.folder {
         Some(folder) => {
-            std::fs::create_dir_all(folder)
-                .and_then(|()| clap_mangen::generate_to(Cli::command(), folder))
-                .map_err(|error| io(folder, &error))?;
+            std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
+            let mut command = Cli::command().disable_help_subcommand(true);
+            command.build();
+            pages(&command, folder)?;
             tell!("{}", folder.join("touchstone.1").display());
             Ok(())
         }
@@ -84,6 +86,23 @@ fn io(path: &Path, error: &std::io::Error) -> Error {
         problem: error.to_string(),
         fix: "give another folder".to_owned(),
     }
+}
+
+/// The page of a command, after those of its own commands; pages that this program wrote before are replaced.
+fn pages(command: &clap::Command, folder: &Path) -> Result<()> {
+    for own in command.get_subcommands().filter(|own| !own.is_hide_set()) {
+        pages(own, folder)?;
+    }
+    let man = clap_mangen::Man::new(command.clone());
+    let file = folder.join(man.get_filename());
+    let mut text = Vec::new();
+    man.render(&mut text).map_err(|error| io(&file, &error))?;
+    let place = Named {
+        path: &file,
+        option: "its folder",
+        replaces: is_of_same_command(&file, ".TH touchstone"),
+    };
+    place.write(text)
 }
 
 #[cfg(test)]

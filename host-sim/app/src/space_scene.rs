@@ -20,7 +20,7 @@ pub const SHIPPED: (&str, &str, &str) = (
 /// The scene of this shipped name, or of a file that has `dof`; `None` of every other name or file.
 pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     let path = Path::new(file);
-    let read = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SETTINGS);
+    let read = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SCENE);
     let text = match read {
         Ok(text) => text,
         Err(_) if file == SHIPPED.0 => SHIPPED.2.to_owned(),

@@ -7,6 +7,7 @@ use super::out::{self, json, say, tell};
 use super::progress;
 use super::report_options::program;
 use super::wall_options::WallOptions;
+use super::whole::{Named, is_of_same_command};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::report::{self, Block, Section, pages};
@@ -40,12 +41,13 @@ pub struct Options {
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
     /// Writes the settings to this file where they hold (exit code 3 where they do not), for `touchstone config import` and for `--settings`.
+    /// Of a file that is there, only settings of the same law and scene are replaced.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Writes a page with scorecard, Pareto table and its plot, results.json and the settings to this folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replaces what another command left in the folder, and writes settings that do not hold every device within every limit.
+    /// Replaces what another command left in file and folder, and writes settings that do not hold every device within every limit.
     #[arg(long)]
     force: bool,
 }
@@ -56,6 +58,13 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     refuse_late(&scene)?;
     let rival = Rival::named(&options.law)?;
     let command = super::command_line();
+    let mark = format!("# {} for {}:", rival.about, scene.name);
+    let place = options.out.as_deref().map(|path| Named {
+        path,
+        option: "--out",
+        replaces: options.force || is_of_same_command(path, &mark),
+    });
+    place.map_or(Ok(()), |place| place.check())?;
     if let Some(folder) = &options.report {
         report::check_folder(folder, &command, options.force)?;
         interrupt::clean_up()?;
@@ -89,12 +98,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let row = &card.rows[0];
     let cause = of_row(&tuned.scene, row, &tuned.reference);
     let kept = cause.is_none() || options.force;
-    if let Some(file) = options.out.as_ref().filter(|_| kept) {
-        crate::whole::write(file, &text).map_err(|error| Error::Io {
-            path: file.clone(),
-            problem: error.to_string(),
-            fix: "choose another file".to_owned(),
-        })?;
+    if let Some(place) = place.filter(|_| kept) {
+        place.write(&text)?;
     }
     if let Some(folder) = options.report.as_ref().filter(|_| kept) {
         written(options, folder, &command, &tuned, &card, &points, &text)?;

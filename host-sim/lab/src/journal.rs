@@ -26,6 +26,9 @@ impl Journal {
     /// A file that cannot be read or written, holds other rows, or belongs to a program that is at work.
     pub fn open<R: DeserializeOwned>(path: &Path) -> Result<(Self, Vec<R>)> {
         let wrong = |error: io::Error| problem(path, error.to_string());
+        if std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_symlink()) {
+            return Err(problem(path, "is a link, which is not followed".to_owned()));
+        }
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -113,6 +116,56 @@ fn problem(path: &Path, problem: String) -> Error {
         path: path.to_owned(),
         problem,
         fix: "give another place, or remove the file".to_owned(),
+    }
+}
+
+/// What does not apply is `NaN` in a table, so that a column of decimals is one from its first row on: a reader that sees nothing but empty
+/// cells at first takes it for a column of texts.
+pub mod or_nan {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    fn number(read: Option<f64>) -> Option<f64> {
+        read.filter(|number| !number.is_nan())
+    }
+
+    /// For a field's `serialize_with`.
+    ///
+    /// # Errors
+    /// The format's.
+    pub fn serialize<S: Serializer>(value: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_f64(value.unwrap_or(f64::NAN))
+    }
+
+    /// For a field's `deserialize_with`; takes an empty cell as well.
+    ///
+    /// # Errors
+    /// The format's.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+        Option::deserialize(from).map(number)
+    }
+
+    /// The same for a list.
+    pub mod each {
+        use super::{Deserialize, Deserializer, Serializer, number};
+
+        /// As [`super::serialize`].
+        ///
+        /// # Errors
+        /// The format's.
+        pub fn serialize<S: Serializer>(values: &[Option<f64>], to: S) -> Result<S::Ok, S::Error> {
+            to.collect_seq(values.iter().map(|value| value.unwrap_or(f64::NAN)))
+        }
+
+        /// As [`super::deserialize`].
+        ///
+        /// # Errors
+        /// The format's.
+        pub fn deserialize<'de, D: Deserializer<'de>>(
+            from: D,
+        ) -> Result<Vec<Option<f64>>, D::Error> {
+            let read: Vec<Option<f64>> = Vec::deserialize(from)?;
+            Ok(read.into_iter().map(number).collect())
+        }
     }
 }
 

@@ -9,7 +9,7 @@ class BoardLink {
   static peer = "the port";
   static lost = "NO PORT IS OPEN: press Connect. What a device does that was armed is not known here: its power switch is the stop that always works.";
   constructor(on) {
-    Object.assign(this, { on, port: null, writer: null, heard: performance.now(), wanted: null, trying: false });
+    Object.assign(this, { on, port: null, writer: null, heard: performance.now(), wanted: null, trying: false, refused: false });
     $("connect").hidden = false;
     $("connect").addEventListener("click", () => this.choose());
     unpacked().then((module) => WebAssembly.instantiate(module, {})).then((instance) => {
@@ -52,6 +52,8 @@ class BoardLink {
       await port.open({ baudRate: BAUD, bufferSize: 65536 });
       Object.assign(this, { port, writer: port.writable.getWriter(), heard: performance.now() });
       $("connect").disabled = true;
+      if (this.refused) complain("");
+      this.refused = false;
       wasm.live_board_opened(performance.now());
       this.on.open();
       this.flush();
@@ -64,7 +66,12 @@ class BoardLink {
     const was = this.port;
     this.port = this.writer = null;
     $("connect").disabled = false;
-    if (!was) return;
+    if (!was) {
+      // It is tried again by itself.
+      this.refused = true;
+      complain(`The port does not open: ${why} Does another program or page have it, or is its cable out?`);
+      return;
+    }
     port.close().catch(() => {});
     put(why);
     wasm.live_board_closed();

@@ -22,7 +22,9 @@ impl std::fmt::Display for MeshError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NoArea => f.write_str("no triangle has an area"),
-            Self::Vertex { triangle } => write!(f, "triangle {triangle} has a vertex that is none"),
+            Self::Vertex { triangle } => {
+                write!(f, "triangle {triangle} has a vertex that is no number")
+            }
         }
     }
 }

@@ -6,6 +6,8 @@ use std::collections::HashMap;
 
 /// A mesh below this across is likely in another unit, m.
 const LEAST_M: f64 = 1e-3;
+/// So is one that is so many times as long as what the device reaches.
+const MOST_TIMES: f64 = 100.0;
 
 /// How the edges of triangles meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -16,6 +18,22 @@ pub struct Edges {
     pub same_way: usize,
     /// Triangles that have the corners of another one, in whatever order.
     pub doubled: usize,
+}
+
+/// Triangles that hang together.
+struct Part {
+    from: Vector,
+    volume_m3: f64,
+    least: Vector,
+    most: Vector,
+}
+
+impl Part {
+    fn is_around(&self, other: &Self) -> bool {
+        let [low, high] = [self.least, self.most].map(|at| at.to_array());
+        let [least, most] = [other.least, other.most].map(|at| at.to_array());
+        (0..3).all(|axis| low[axis] <= least[axis] && most[axis] <= high[axis])
+    }
 }
 
 impl Mesh {
@@ -32,6 +50,63 @@ impl Mesh {
             a.dot(b.cross(c))
         };
         self.faces.iter().map(|face| six(face.corners)).sum::<f64>() / 6.0
+    }
+
+    /// Volume and box of each of its parts, which share no corner with each other.
+    fn parts(&self) -> Vec<Part> {
+        let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
+        // Each corner's way to the first one of its part.
+        let mut above: Vec<usize> = Vec::new();
+        let root = |above: &mut Vec<usize>, mut at: usize| {
+            while above[at] != at {
+                above[at] = above[above[at]];
+                at = above[at];
+            }
+            at
+        };
+        let mut first_corners = Vec::with_capacity(self.faces.len());
+        for face in &self.faces {
+            let corners = face.corners.map(|corner| {
+                let key = corner.to_array().map(|value| (value + 0.0).to_bits());
+                let number = *numbers.entry(key).or_insert(above.len());
+                if number == above.len() {
+                    above.push(number);
+                }
+                root(&mut above, number)
+            });
+            let least = corners.into_iter().min().unwrap_or(0);
+            corners.into_iter().for_each(|corner| above[corner] = least);
+            first_corners.push(least);
+        }
+        let mut parts: HashMap<usize, Part> = HashMap::new();
+        for (face, corner) in self.faces.iter().zip(first_corners) {
+            let part = parts.entry(root(&mut above, corner)).or_insert(Part {
+                from: face.corners[0],
+                volume_m3: 0.0,
+                least: face.corners[0],
+                most: face.corners[0],
+            });
+            let [a, b, c] = face.corners.map(|corner| corner - part.from);
+            part.volume_m3 += a.dot(b.cross(c)) / 6.0;
+            for corner in face.corners {
+                part.least = part.least.min(corner);
+                part.most = part.most.max(corner);
+            }
+        }
+        parts.into_values().collect()
+    }
+
+    /// Parts whose volume is negative, and that are no hollow in another part; how many parts there are.
+    fn inside_out(&self) -> (usize, usize) {
+        let parts = self.parts();
+        let is_hollow = |part: &Part| {
+            let around = |other: &&Part| other.volume_m3 > 0.0 && other.is_around(part);
+            parts.iter().any(|other| around(&other))
+        };
+        let turned = parts
+            .iter()
+            .filter(|part| part.volume_m3 < 0.0 && !is_hollow(part));
+        (turned.count(), parts.len())
     }
 
     /// How its edges meet.
@@ -110,9 +185,16 @@ impl Mesh {
                 "its volume is {:.3} cm³: it is inside out, and nothing is felt from outside; flip its normals",
                 1e6 * volume
             ));
+        } else if edges.same_way == 0
+            && let (turned @ 1.., parts) = self.inside_out()
+        {
+            notes.push(format!(
+                "{turned} of its {parts} parts are inside out by their volume, and nothing of them is felt from outside; flip their normals"
+            ));
         }
         let [least, most] = self.bounds_m();
         let [low, high] = workspace_m;
+        let reach_m = (Vector::from_array(high) - Vector::from_array(low)).length();
         let mm = |metres: [f64; 3]| metres.map(|value| format!("{:.1}", 1e3 * value)).join(", ");
         if self.size_m() < LEAST_M {
             notes.push(format!(
@@ -128,6 +210,11 @@ impl Mesh {
             notes.push(format!(
                 "its box from ({}) to ({}) mm encloses the device's whole workspace: is --stl-unit-m its unit?",
                 mm(least), mm(most)
+            ));
+        } else if self.size_m() > MOST_TIMES * reach_m {
+            notes.push(format!(
+                "it is {:.0} m across, where the device reaches {reach_m:.3} m: is --stl-unit-m its unit?",
+                self.size_m()
             ));
         }
         notes

@@ -77,6 +77,9 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
         return Ok(binary(&bytes[HEAD..]));
     }
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    // Zeros at the end are what a file was padded with.
+    let last = plain.iter().rposition(|byte| *byte != 0);
+    let plain = &plain[..last.map_or(0, |at| at + 1)];
     if bytes.is_empty() {
         return Err("the file is empty".to_owned());
     }
@@ -137,6 +140,11 @@ fn binary(records: &[u8]) -> Triangles {
         found.triangle([3, 6, 9].map(|at| [number(at), number(at + 1), number(at + 2)]));
     }
     found
+}
+
+/// White space, with the vertical tab that C counts as such.
+fn is_space(byte: &u8) -> bool {
+    byte.is_ascii_whitespace() || *byte == b'\x0b'
 }
 
 /// The words of a text with their lines; any of LF, CR, CRLF ends one.
@@ -212,15 +220,12 @@ impl<'a> Iterator for Words<'a> {
     type Item = Word<'a>;
 
     fn next(&mut self) -> Option<Word<'a>> {
-        while self.bytes.get(self.at)?.is_ascii_whitespace() {
+        while is_space(self.bytes.get(self.at)?) {
             self.line += usize::from(self.ends_line());
             self.at += 1;
         }
         let rest = &self.bytes[self.at..];
-        let length = rest
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(rest.len());
+        let length = rest.iter().position(is_space).unwrap_or(rest.len());
         self.at += length;
         Some(Word {
             bytes: &rest[..length],

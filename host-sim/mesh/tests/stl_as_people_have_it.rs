@@ -1,69 +1,18 @@
 //! STL files as people have them: ways to write text, several solids, other formats under the name; and 10,000 files
 //! by a generator.
 
-use std::path::Path;
-use touchstone_mesh::Mesh;
+#[path = "../../../tests/made/choices.rs"]
+mod choices;
+#[path = "../../../tests/made/stl.rs"]
+mod stl;
 
-/// Twelve triangles of a block, corners counter-clockwise from outside.
-fn block(low: [f64; 3], high: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
-    let corner = |n: usize| {
-        [0, 1, 2].map(|axis| {
-            if n >> axis & 1 == 1 {
-                high[axis]
-            } else {
-                low[axis]
-            }
-        })
-    };
-    [
-        [0, 2, 1],
-        [1, 2, 3],
-        [4, 5, 6],
-        [5, 7, 6],
-        [0, 1, 4],
-        [1, 5, 4],
-        [2, 6, 3],
-        [3, 6, 7],
-        [0, 4, 2],
-        [2, 4, 6],
-        [1, 3, 5],
-        [3, 7, 5],
-    ]
-    .map(|triangle: [usize; 3]| triangle.map(corner))
-    .to_vec()
-}
+use choices::Seeded;
+use std::path::Path;
+use stl::{binary, block, is_read, made, solid};
+use touchstone_mesh::Mesh;
 
 fn slab() -> Vec<[[f64; 3]; 3]> {
     block([-60.0, -60.0, -20.0], [60.0, 60.0, 0.0])
-}
-
-fn solid(name: &str, triangles: &[[[f64; 3]; 3]]) -> String {
-    let vertex = |[x, y, z]: &[f64; 3]| format!("      vertex {x:e} {y:e} {z:e}\n");
-    let facets: String = triangles
-        .iter()
-        .map(|corners| {
-            let corners: String = corners.iter().map(vertex).collect();
-            format!("  facet normal 0 0 0\n    outer loop\n{corners}    endloop\n  endfacet\n")
-        })
-        .collect();
-    format!("solid {name}\n{facets}endsolid {name}\n")
-}
-
-fn binary(head: &[u8], count: u32, triangles: &[[[f64; 3]; 3]]) -> Vec<u8> {
-    let mut bytes = vec![b' '; 80];
-    bytes[..head.len()].copy_from_slice(head);
-    bytes.extend(count.to_le_bytes());
-    for corners in triangles {
-        bytes.extend([0; 12]);
-        bytes.extend(
-            corners
-                .iter()
-                .flatten()
-                .flat_map(|value| (*value as f32).to_le_bytes()),
-        );
-        bytes.extend([0; 2]);
-    }
-    bytes
 }
 
 fn read(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
@@ -84,6 +33,8 @@ fn text_reads_the_same_however_it_is_written() {
                 .replace("vertex", "Vertex"),
         ),
         ("space", format!("  \n\t{plain}")),
+        ("vertical-tab", format!("\u{b}{plain}")),
+        ("padded", format!("{plain}\n\0\0\0")),
         ("crlf", plain.replace('\n', "\r\n")),
         ("cr", plain.replace('\n', "\r")),
         ("tabs", plain.replace("  ", "\t")),
@@ -242,6 +193,12 @@ fn what_is_odd_is_noted_by_its_number() {
         .enumerate()
         .map(|(n, t)| if n < 6 { turned(t) } else { t })
         .collect();
+    let button = block([-10.0, -10.0, 5.0], [10.0, 10.0, 25.0]);
+    let hollow = block([-10.0, -10.0, -15.0], [10.0, 10.0, -5.0]);
+    let turned_all = |solid: Vec<_>| solid.into_iter().map(turned).collect::<Vec<_>>();
+    // A hollow in a block is as it should be.
+    let with_hollow = [slab(), turned_all(hollow)].concat();
+    assert_eq!(notes("hollow", &with_hollow), Vec::<String>::new());
     let ball_far_out = block([-1.0, -1.0, -1e6], [1.0, 1.0, -999_998.0]);
     for (name, triangles, expected) in [
         (
@@ -288,6 +245,16 @@ fn what_is_odd_is_noted_by_its_number() {
         ("metres", moved(0.0, 1e-3), "it is 0.1709 mm across"),
         ("micron", moved(0.0, 1e-4), "it is 0.0171 mm across"),
         (
+            "one-of-two",
+            [slab(), turned_all(button)].concat(),
+            "1 of its 2 parts are inside out",
+        ),
+        (
+            "kilometres",
+            moved(0.0, 1e6),
+            "it is 170880 m across, where the device reaches 0.208 m",
+        ),
+        (
             "huge",
             moved(1e5, 1e4),
             "encloses the device's whole workspace",
@@ -301,63 +268,11 @@ fn what_is_odd_is_noted_by_its_number() {
     }
 }
 
-/// Numbers by a seed.
-struct Seeded(u64);
-
-impl Seeded {
-    fn below(&mut self, most: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % most
-    }
-}
-
-/// Files made by structure and then damaged: each is read or refused in one line.
 #[test]
 fn ten_thousand_damaged_files_are_read_or_refused_in_a_line() {
     let mut seeded = Seeded(51);
-    let [mut good, mut refused] = [0, 0];
-    for number in 0..10_000 {
-        let size = |seeded: &mut Seeded| [1e-30, 1.0, 60.0, 1e30, 3e38][seeded.below(5)];
-        let [low, high] =
-            [0, 1].map(|_| [0; 3].map(|_| size(&mut seeded) * (seeded.below(7) as f64 - 3.0)));
-        let triangles = block(low, high);
-        let mut bytes = match seeded.below(2) {
-            0 => solid(["", "part", "facet normal"][seeded.below(3)], &triangles).into_bytes(),
-            _ => binary(b"solid", 12, &triangles),
-        };
-        for _ in 0..seeded.below(4) {
-            let at = seeded.below(bytes.len().max(1)).min(bytes.len());
-            match seeded.below(5) {
-                0 => bytes.truncate(at),
-                1 => bytes.insert(at, seeded.below(256) as u8),
-                2 => drop(bytes.splice(at..at, *b" solid ")),
-                3 => bytes.extend_from_within(at..),
-                _ => bytes[at..]
-                    .iter_mut()
-                    .take(1)
-                    .for_each(|byte| *byte ^= 1 << (number % 8)),
-            }
-        }
-        match read("campaign", &bytes) {
-            Ok(mesh) => {
-                let _ = mesh.notes([[-0.1; 3], [0.1; 3]]);
-                good += 1;
-            }
-            Err(error) => {
-                assert!(
-                    !error.contains('\n') && error.len() < 400,
-                    "{number}: {error}"
-                );
-                refused += 1;
-            }
-        }
-    }
+    let read = (0..10_000).filter(|_| is_read(&made(&mut seeded))).count();
+    println!("{read} of 10000 were read");
     // Both ways are tried, or the generator is worth nothing.
-    assert!(
-        good > 1000 && refused > 1000,
-        "{good} read, {refused} refused"
-    );
+    assert!((1000..9000).contains(&read), "{read} were read");
 }

@@ -7,7 +7,9 @@ use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Longest scene, file of settings, survey, bytes.
+/// Longest scene, bytes: a hundred thousand keys, which takes a second to refuse.
+pub const MOST_OF_SCENE: u64 = 1_000_000;
+/// Longest file of settings, survey, bytes.
 pub const MOST_OF_SETTINGS: u64 = 4_000_000;
 /// Longest file of results, program of a board, bytes.
 pub const MOST_OF_RESULTS: u64 = 64_000_000;

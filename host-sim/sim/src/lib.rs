@@ -9,5 +9,6 @@
 
 pub mod error;
 pub mod input;
+pub mod output;
 pub mod run;
 pub mod scene;

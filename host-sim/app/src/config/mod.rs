@@ -5,6 +5,7 @@ pub mod toml_file;
 
 use super::out::{self, note, print, say, tell};
 use super::port::PortOption;
+use super::whole::{Named, Overwrite};
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use touchstone_device::Client;
@@ -44,6 +45,8 @@ enum Action {
     Export {
         /// The file; without it, standard output.
         file: Option<PathBuf>,
+        #[command(flatten)]
+        overwrite: Overwrite,
     },
     /// Takes settings from TOML: all are checked before any is changed. Settings that the file leaves out do not
     /// change.
@@ -96,7 +99,15 @@ pub fn main(options: &Options) -> Result<()> {
             note_weaker(&before, &after, client.identity().board);
             changed(&before, &after)
         }
-        Action::Export { file } => export(&mut connect()?, file.as_deref()),
+        Action::Export { file, overwrite } => {
+            let place = file.as_deref().map(|path| Named {
+                path,
+                option: "its name",
+                replaces: overwrite.force,
+            });
+            place.map_or(Ok(()), |place| place.check())?;
+            export(&mut connect()?, place)
+        }
         Action::Import {
             file,
             dry_run,
@@ -194,13 +205,13 @@ pub fn set(client: &mut Client, setting: &Setting) -> Result<(DeviceSettings, De
     Ok((before, after))
 }
 
-fn export(client: &mut Client, file: Option<&Path>) -> Result<()> {
+fn export(client: &mut Client, place: Option<Named<'_>>) -> Result<()> {
     let text = toml_file::write(&client.settings()?, client.identity());
-    let Some(file) = file else {
+    let Some(place) = place else {
         return print(format_args!("{text}"));
     };
-    crate::whole::write(file, text).map_err(|error| io(file, &error))?;
-    tell!("{}: {} settings", file.display(), FIELDS.len());
+    place.write(text)?;
+    tell!("{}: {} settings", place.path.display(), FIELDS.len());
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
 use crate::out::{self, say, tell};
+use crate::whole::{Named, Overwrite};
 use crate::{interrupt, number};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -35,6 +36,8 @@ pub struct Options {
     /// Writes the axis of the least damping as a scene of one axis, for `touchstone tune`.
     #[arg(long, value_name = "FILE.toml")]
     scene: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// The wall of that scene, N/mm.
     #[arg(long, value_name = "N_PER_MM", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
     k_desired: f64,
@@ -57,6 +60,16 @@ pub fn main(options: &Options) -> Result<ExitCode> {
             problem: "a real device has its own time".into(),
             fix: "give --device simulated, or leave it out".into(),
         });
+    }
+    let named = |path, option| Named {
+        path,
+        option,
+        replaces: options.overwrite.force,
+    };
+    let out = options.out.as_deref().map(|path| named(path, "--out"));
+    let scene = options.scene.as_deref().map(|path| named(path, "--scene"));
+    for place in out.iter().chain(&scene) {
+        place.check()?;
     }
     let stop = interrupt::noted()?;
     let simulated_hz = options
@@ -139,23 +152,14 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         least,
         most,
     );
-    let written = |file: &PathBuf, text: String| {
-        crate::whole::write(file, text).map_err(|error| Error::Io {
-            path: file.clone(),
-            problem: error.to_string(),
-            fix: "give another file".into(),
-        })
-    };
-    if let Some(file) = &options.out {
-        let text = survey.to_toml().map_err(|error| Error::Io {
-            path: file.clone(),
-            problem: error.to_string(),
-            fix: "report it".into(),
-        })?;
-        written(file, text)?;
+    if let Some(place) = out {
+        let text = survey
+            .to_toml()
+            .map_err(|error| place.error(&std::io::Error::other(error)))?;
+        place.write(text)?;
     }
     let mut of_lever = None;
-    if let Some(file) = &options.scene {
+    if let Some(place) = scene {
         let (axis, mechanics) = found
             .iter()
             .min_by(|a, b| {
@@ -176,7 +180,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
             rate_hz,
             k_desired_n_per_m: 1e3 * options.k_desired,
         });
-        written(file, text)?;
+        place.write(text)?;
         of_lever = Some(lever.length_m);
     }
     told(options, &found, missed, of_lever)?;

@@ -6,6 +6,7 @@ use super::device_wall::{ChosenWall, WallOptions};
 use super::scorecard::{self, HandProgramme, PressedGrip};
 use super::trace::DeviceTrace;
 use crate::out::{note, tell};
+use crate::whole::Named;
 use crate::{interrupt, number};
 use std::fmt;
 use std::path::PathBuf;
@@ -130,6 +131,12 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     }
     let command = crate::command_line();
     options.scored.check(simulated, options.seconds)?;
+    let csv = options.csv.as_deref().map(|path| Named {
+        path,
+        option: "--csv",
+        replaces: options.scored.force,
+    });
+    csv.map_or(Ok(()), |place| place.check())?;
     if let Some(folder) = &options.scored.out {
         report::check_folder(folder, &command, options.scored.force)?;
     }
@@ -237,8 +244,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         !over && !stop.load(Ordering::Relaxed)
     };
     let report = play(&mut device, &mut wall, &limits, rate_hz, &mut *pace, more);
-    if let Some(file) = &options.csv {
-        trace.write(file, rate_hz)?;
+    if let Some(place) = csv {
+        trace.write(&place, rate_hz)?;
     }
     let card = kept.then(|| {
         let run = scorecard::PlayedOnDevice {

@@ -60,8 +60,8 @@ pub struct ScoreOptions {
     /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or the scorecard's programme.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replaces what another command left in the folder.
-    #[arg(long, requires = "out")]
+    /// Replaces what another command left in the folder, and a file of --csv that is there already.
+    #[arg(long)]
     pub force: bool,
     /// Motion of a simulated hand.
     #[arg(long, value_enum, default_value_t)]

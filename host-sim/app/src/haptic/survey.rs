@@ -2,6 +2,7 @@
 
 use super::choice::{HapticKind, WhichDevice};
 use crate::out::{self, tell};
+use crate::whole::{Named, Overwrite};
 use crate::{interrupt, number};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -18,6 +19,8 @@ pub struct Options {
     /// The file to write.
     #[arg(long, value_name = "FILE.toml")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Duration of the survey; move the effector through its whole workspace meanwhile.
     #[arg(long, value_name = "N", default_value_t = 20.0, allow_negative_numbers = true, value_parser = number::up_to(3600.0, "of seconds"))]
     seconds: f64,
@@ -39,6 +42,12 @@ pub fn main(options: &Options) -> Result<()> {
             fix: "survey an omega.3".into(),
         });
     }
+    let place_of_file = Named {
+        path: &options.out,
+        option: "--out",
+        replaces: options.overwrite.force,
+    };
+    place_of_file.check()?;
     let stop = interrupt::noted()?;
     let (mut omega, _) = options.which.omega3()?;
     let place = omega.sheet().name.clone();
@@ -55,13 +64,10 @@ pub fn main(options: &Options) -> Result<()> {
     let survey = Survey::of(&mut omega, poses);
     omega.release().map_err(|fault| fault.at(&place))?;
     let survey = survey.map_err(|fault| fault.at(&place))?;
-    let wrong = |problem: String| Error::Io {
-        path: options.out.clone(),
-        problem,
-        fix: "give another file with --out".into(),
-    };
-    let text = survey.to_toml().map_err(|error| wrong(error.to_string()))?;
-    crate::whole::write(&options.out, text).map_err(|error| wrong(error.to_string()))?;
+    let text = survey
+        .to_toml()
+        .map_err(|error| place_of_file.error(&std::io::Error::other(error)))?;
+    place_of_file.write(text)?;
     out::result(
         || {
             serde_json::json!({

@@ -1,9 +1,9 @@
 //! Every tick of a run on a haptic device, kept in memory that was there before the motors were on, and written after they are off.
 
-use std::path::Path;
+use crate::whole::Named;
 use touchstone_device::servo::ServoTick;
 use touchstone_lab::report::csv::decimal;
-use touchstone_sim::error::{Error, Result};
+use touchstone_sim::error::Result;
 
 /// Places and forces along the three axes.
 const COLUMNS: [&str; 7] = [
@@ -42,12 +42,8 @@ impl DeviceTrace {
     }
 
     /// Writes the trace. Missed ticks are left out, but time goes on: neighbouring rows are then further apart.
-    pub fn write(&self, path: &Path, rate_hz: u32) -> Result<()> {
-        let wrong = |error: csv::Error| Error::Io {
-            path: path.to_owned(),
-            problem: error.to_string(),
-            fix: "choose another file with --csv".into(),
-        };
+    pub fn write(&self, place: &Named<'_>, rate_hz: u32) -> Result<()> {
+        let wrong = |error: csv::Error| place.error(&error.into());
         let mut file = csv::Writer::from_writer(Vec::new());
         file.write_record(COLUMNS).map_err(wrong)?;
         for tick in &self.ticks {
@@ -60,7 +56,7 @@ impl DeviceTrace {
         }
         let text = file
             .into_inner()
-            .map_err(|error| wrong(error.into_error().into()))?;
-        crate::whole::write(path, text).map_err(|error| wrong(error.into()))
+            .map_err(|error| place.error(&error.into_error()))?;
+        place.write(text)
     }
 }

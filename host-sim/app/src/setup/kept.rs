@@ -7,9 +7,12 @@ use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::identify::{Estimate, Mechanics};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 
 /// Name of the progress file.
 const NAME: &str = "setup.json";
+/// What a setup writes beside it.
+const FILES: [&str; 3] = [super::BEFORE, "knob.toml", "law.toml"];
 
 /// The finished steps.
 pub struct Kept {
@@ -47,6 +50,21 @@ pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
     ]
 }
 
+/// Refuses a folder that has a file of a setup's names, and is no setup's.
+fn untouched(folder: &Path) -> Result<()> {
+    let taken = FILES
+        .into_iter()
+        .find(|name| output::is_free(&folder.join(name)).is_err());
+    match taken {
+        None => Ok(()),
+        Some(name) => Err(Error::Io {
+            path: folder.join(name),
+            problem: "is there, and no setup wrote it".into(),
+            fix: "choose another folder with --out, or move it away".into(),
+        }),
+    }
+}
+
 impl Kept {
     /// Reads the folder's progress; makes the folder if needed.
     pub fn open(folder: &Path) -> Result<Self> {
@@ -59,7 +77,10 @@ impl Kept {
                 problem: error.to_string(),
                 fix: "remove it, or choose another folder with --out".into(),
             })?,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Map::new(),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                untouched(folder)?;
+                Map::new()
+            }
             Err(error) => return Err(io(&file, &error)),
         };
         Ok(Self { file, done })
@@ -136,7 +157,7 @@ impl Kept {
     /// Writes the progress all at once or not at all: a cut of power leaves the state before.
     fn write(&self) -> Result<()> {
         let text = format!("{:#}\n", Value::Object(self.done.clone()));
-        crate::whole::write(&self.file, text).map_err(|error| io(&self.file, &error))
+        output::write(&self.file, text).map_err(|error| io(&self.file, &error))
     }
 }
 

@@ -31,6 +31,7 @@ use touchstone_protocol::settings::fields::field;
 use touchstone_protocol::settings::kept as kept_start;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Phase, Request, Unkept};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 use touchstone_sim::scene::Scene;
 
 /// Options of `setup`.
@@ -248,7 +249,7 @@ fn uncogged(
 const BEFORE: &str = "before.toml";
 
 fn write(file: &Path, text: &str) -> Result<()> {
-    crate::whole::write(file, text).map_err(|error| io(file, &error))
+    output::write(file, text).map_err(|error| io(file, &error))
 }
 
 /// Connects; if no device answers and the board is known, after writing its firmware.

@@ -18,6 +18,8 @@ mod setup;
 mod silence;
 mod spun;
 mod start;
+#[cfg(target_os = "linux")]
+mod writers;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

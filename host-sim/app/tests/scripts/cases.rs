@@ -71,7 +71,10 @@ fn said_of(here: &Path, file: &str) -> Said {
         "--seconds",
         "2",
     ];
-    run_in(here, &[&run[..], &["--csv", "ticks.csv"]].concat())
+    run_in(
+        here,
+        &[&run[..], &["--csv", "ticks.csv", "--force"]].concat(),
+    )
 }
 
 fn check(here: &Path, file: &Path, right: &Right) {

@@ -1,9 +1,13 @@
-"""Reads CSV files as pandas, Polars and DuckDB do without a word from anybody, and compares types and values with Python's own reading of
+"""Reads CSV files as pandas, Polars, DuckDB, R and LibreOffice do without a word from anybody, and compares types and values with Python's own reading of
 every cell. Prints a line for each file and reader; ends with 1 where one differs, with 9 where no reader is installed."""
 
 import csv
 import math
+import os
+import shutil
+import subprocess
 import sys
+import tempfile
 
 
 def cells(path):
@@ -33,7 +37,9 @@ def columns(path):
 def pandas_reads(path):
     import pandas
 
-    table = pandas.read_csv(path, comment="#", float_precision="round_trip")
+    # Today's reader is exact by itself, and says so to whoever asks for it.
+    EXACT = {} if int(pandas.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
+    table = pandas.read_csv(path, comment="#", **EXACT)
     return {name: (table[name].dtype.kind == "f", table[name].tolist()) for name in table}
 
 
@@ -54,14 +60,89 @@ def duckdb_reads(path):
     return {name: (kinds[at] == "DOUBLE", [row[at] for row in rows]) for at, name in enumerate(table.columns)}
 
 
+R_SCRIPT = r"""
+t <- read.csv(commandArgs(TRUE)[1], comment.char = "#", check.names = FALSE)
+cat(paste(names(t), sapply(t, function(x) class(x)[1]), sep = "\t"), sep = "\n")
+cat("\n--\n")
+shown <- lapply(t, function(x) if (is.double(x)) sprintf("%a", x) else as.character(x))
+write.table(as.data.frame(shown), sep = "\t", quote = FALSE, row.names = FALSE, col.names = FALSE)
+"""
+
+
+def r_reads(path):
+    with tempfile.NamedTemporaryFile("w", suffix=".R") as script:
+        script.write(R_SCRIPT)
+        script.flush()
+        ran = subprocess.run(["Rscript", script.name, path], capture_output=True, text=True, check=True)
+    head, rows = ran.stdout.split("\n--\n")
+    kinds = [line.split("\t") for line in head.splitlines()]
+    rows = [row.split("\t") for row in rows.splitlines()]
+
+    def value(cell):
+        if cell in ("NA", "NaN"):
+            return None
+        try:
+            return float.fromhex(cell) if "p" in cell and "0x" in cell else float(cell)
+        except ValueError:
+            return cell
+
+    return {name: (kind == "numeric", [value(row[at]) for row in rows]) for at, (name, kind) in enumerate(kinds)}
+
+
+def calc_reads(path):
+    # A cell of a spreadsheet is a number or a text; its flat file has every number in full.
+    import xml.etree.ElementTree as tree
+
+    with tempfile.TemporaryDirectory() as folder:
+        place = os.path.join(folder, "table.csv")
+        shutil.copy(path, place)
+        # Comma, double quotes, UTF-8, from the first line, English (United States), numbers are recognised.
+        rule = "--infilter=CSV:44,34,76,1,,1033,false,true,false"
+        profile = f"-env:UserInstallation=file://{folder}/profile"
+        subprocess.run(
+            ["soffice", profile, "--headless", rule, "--convert-to", "fods", "--outdir", folder, place],
+            capture_output=True,
+            check=True,
+        )
+        table = tree.parse(os.path.join(folder, "table.fods")).getroot()
+    office, of_table = "{urn:oasis:names:tc:opendocument:xmlns:office:1.0}", "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
+    rows = []
+    for row in table.iter(f"{of_table}table-row"):
+        cells = []
+        for cell in row.iter(f"{of_table}table-cell"):
+            kind, text = cell.get(f"{office}value-type"), "".join(cell.itertext()).strip()
+            value = float(cell.get(f"{office}value")) if kind in ("float", "percentage", "currency") else text or None
+            cells += [value] * min(int(cell.get(f"{of_table}number-columns-repeated", 1)), 64)
+        rows += [cells] * (int(row.get(f"{of_table}number-rows-repeated", 1)) if any(cell is not None for cell in cells) else 1)
+    rows = [row for row in rows if any(cell is not None for cell in row)]
+    start = next(at for at, row in enumerate(rows) if not str(row[0]).startswith("#"))
+    head, rows = [name for name in rows[start] if name is not None], rows[start + 1 :]
+    column = lambda at: [row[at] if at < len(row) else None for row in rows]
+    # A spreadsheet has one kind of number, and writes `NaN` as text.
+    number = lambda cell: None if isinstance(cell, str) and cell.lower() == "nan" else cell
+    return {name: (True, [number(cell) for cell in column(at)]) for at, name in enumerate(head)}
+
+
 def same(a, b):
     if b is None:
         return math.isnan(a)
+    if isinstance(b, str):
+        return False
     b = float(b)
     return a == b or (math.isnan(a) and math.isnan(b))
 
 
-def differences(path, read):
+def same_in_r(a, b):
+    """R's reader adds digits in a longer format and rounds once more: now and then the neighbour."""
+    return same(a, b) or isinstance(b, float) and math.nextafter(a, b) == b
+
+
+def same_in_calc(a, b):
+    """A spreadsheet's file has fifteen digits, the last one of two, and twenty decimals."""
+    return same(a, b) or isinstance(b, float) and abs(a - b) <= max(1e-14 * abs(a), 1e-20)
+
+
+def differences(path, read, same=same):
     expected, decimal = columns(path)
     found = read(path)
     if list(found) != list(expected):
@@ -82,15 +163,24 @@ def main(paths):
     for name, read in [("pandas", pandas_reads), ("polars", polars_reads), ("duckdb", duckdb_reads)]:
         try:
             __import__(name)
-            readers.append((name, read))
+            readers.append((name, read, same))
         except ImportError:
             print(f"skipped: {name} is not installed; pip install {name}")
+    programs = [
+        ("R", "Rscript", "r-base-core", r_reads, same_in_r),
+        ("LibreOffice", "soffice", "libreoffice-calc-nogui", calc_reads, same_in_calc),
+    ]
+    for name, program, package, read, close in programs:
+        if shutil.which(program):
+            readers.append((name, read, close))
+        else:
+            print(f"skipped: {name} is not installed; apt-get install {package}")
     if not readers:
         return 9
     for path in paths:
-        for name, read in readers:
+        for name, read, close in readers:
             try:
-                found = list(differences(path, read))
+                found = list(differences(path, read, close))
             except Exception as error:  # A reader that refuses a file is a finding, whatever it raises.
                 found = [f"{type(error).__name__}: {error}".splitlines()[0]]
             print(f"{path}: {name}: {'; '.join(found) or 'as written'}")

@@ -1,4 +1,4 @@
-//! CSV files of the program have the right types and values in pandas, Polars and DuckDB.
+//! CSV files of the program have the right types and values in pandas, Polars, DuckDB, R and LibreOffice.
 
 use crate::{folder, names, run_in};
 use std::path::Path;
@@ -17,7 +17,7 @@ endsolid far
 ";
 
 #[test]
-fn pandas_polars_and_duckdb_read_what_was_written() {
+fn other_tools_read_what_was_written() {
     let here = folder("readers");
     let mut files = Vec::new();
     run_in(&here, &["run", "thesis-knob", "-q", "--out", "run"]).ended(0);
@@ -59,6 +59,13 @@ fn pandas_polars_and_duckdb_read_what_was_written() {
     ];
     run_in(&here, &[&sweep[..], &axes[..], &measures[..]].concat()).ended(0);
     files.push("sweep/cells.csv".to_owned());
+    let programme = ["scorecard", "thesis-knob", "--grip", "light", "-q"];
+    run_in(
+        &here,
+        &[&programme[..], &["--programme", "programme.csv"]].concat(),
+    )
+    .ended(0);
+    files.push("programme.csv".to_owned());
     std::fs::write(here.join("far.stl"), NEVER_MET).unwrap();
     // 30,000 rows of zero: what looks at the first ten thousand must not take them for integers.
     for (object, seconds, file) in [("far.stl", "8", "far.csv"), ("plane", "1", "plane.csv")] {
@@ -83,7 +90,7 @@ fn pandas_polars_and_duckdb_read_what_was_written() {
     let said = String::from_utf8_lossy(&output.stdout);
     println!("{said}");
     match output.status.code() {
-        Some(9) => println!("skipped: none of pandas, Polars and DuckDB is installed"),
+        Some(9) => println!("skipped: none of the readers is installed"),
         code => assert_eq!(
             code,
             Some(0),

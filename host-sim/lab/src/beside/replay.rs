@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};
 
@@ -235,7 +236,13 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
         let _ = writeln!(text, "{}", row.join(","));
     }
     let file = folder.join(HAND_FILE);
-    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&file, text));
+    // Of a folder with results it was listed, or asked for; in any other it is somebody's.
+    let written = std::fs::create_dir_all(folder).and_then(|()| {
+        match folder.join("results.json").is_file() {
+            true => output::write(&file, text),
+            false => output::write_new(&file, text),
+        }
+    });
     written.map_err(|error| Error::Io {
         path: file.clone(),
         problem: error.to_string(),

@@ -118,11 +118,14 @@ pub struct BoundaryCell {
     pub times_critical: f64,
     /// How the run ended.
     pub ended: TunedEnding,
-    /// Largest deviation at rest, share; empty where a press does not rest.
+    /// Largest deviation at rest, share; `NaN` in the table where a press does not rest.
+    #[serde(with = "crate::journal::or_nan")]
     pub displayed_error: Option<f64>,
-    /// Deviation of the modulus of a hand that moves, share; empty where the wall was left.
+    /// Deviation of the modulus of a hand that moves, share; `NaN` where the wall was left.
+    #[serde(with = "crate::journal::or_nan")]
     pub modulus_error: Option<f64>,
     /// Phase of the moving hand, degrees.
+    #[serde(with = "crate::journal::or_nan")]
     pub phase_deg: Option<f64>,
     /// What `certify` says of the three grips.
     pub certificate: Option<certify::Verdict>,

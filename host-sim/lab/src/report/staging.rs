@@ -110,6 +110,16 @@ impl Staging {
                 ));
             }
         }
+        // A folder of the report that is a link would lead the files elsewhere.
+        for file in files {
+            let within = file.parent().unwrap_or(file).ancestors();
+            for folder in within.filter(|it| !it.as_os_str().is_empty()) {
+                if self.target.join(folder).is_symlink() {
+                    let problem = format!("{} is a link, which is not followed", folder.display());
+                    return Err(io::Error::new(io::ErrorKind::NotADirectory, problem));
+                }
+            }
+        }
         for file in files {
             fs::create_dir_all(self.target.join(file).parent().unwrap_or(&self.target))?;
         }

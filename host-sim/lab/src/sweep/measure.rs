@@ -103,7 +103,8 @@ pub struct Row(
     pub String,
     /// The verdict, or [`REFUSED`].
     pub String,
-    /// The measures; what does not apply or is not finite is empty.
+    /// The measures; what does not apply or is not finite is `NaN` in the table.
+    #[serde(default, with = "crate::journal::or_nan::each")]
     pub Vec<Option<f64>>,
 );
 

@@ -11,6 +11,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 
 /// Name of the plan's file.
 pub const PLAN: &str = "sweep.json";
@@ -89,7 +90,7 @@ impl Store {
             known = None;
         }
         if known.is_none() {
-            std::fs::write(&plan, format!("{asked:#}\n"))
+            output::write(&plan, format!("{asked:#}\n"))
                 .map_err(|error| unwritable(&plan, &error))?;
         }
         let (journal, rows) = Journal::open(&folder.join(JOURNAL))?;

@@ -114,6 +114,15 @@ where
     Ok(Box::new(Moving { crossing, state }))
 }
 
+/// In how many parts a tick is crossed, at most.
+pub(super) fn parts(scene: &Scene) -> u64 {
+    if is_irregular(scene) {
+        // Until the command comes, and after it.
+        return 2 * u64::from(PARTS.ilog2());
+    }
+    1 + u64::from(scene.timing.computational_delay_s > 0.0)
+}
+
 /// Whether ticks or commands come late by chance.
 fn is_irregular(scene: &Scene) -> bool {
     let timing = &scene.timing;

@@ -22,6 +22,7 @@ mod traced;
 pub mod train;
 pub mod verdict;
 pub mod wall;
+pub mod work;
 
 use crate::error::{Error, Result};
 use crate::scene::Scene;
@@ -34,6 +35,7 @@ use terms::Terms;
 use touchstone_control::{Settings, Warning};
 use touchstone_world::plant::Kinematics as _;
 use traced::Traced;
+use work::Work;
 
 pub use tick::{Recorder, Tick};
 
@@ -107,14 +109,33 @@ pub fn cycle_recorded<C: Crossing>(
 pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
     let judge = Judge::new(Terms::of(scene));
     let (judge, trace) = if with_trace {
-        watch(scene, Traced::new(judge, scene.wall.surface_rad))?.into_parts()
+        watch(scene, Traced::of(scene, judge)?)?.into_parts()
     } else {
         (watch(scene, judge)?, None)
     };
-    Ok(Run {
-        summary: Summary::of(scene, &judge),
+    Ok(run_of(scene, &judge, trace))
+}
+
+/// The same run, and how many of its ticks are done is told every few thousand of them: for one that takes long.
+///
+/// # Errors
+/// As [`run()`].
+pub fn run_told(scene: &Scene, with_trace: bool, done: &mut dyn FnMut(u64)) -> Result<Run> {
+    let judge = Judge::new(Terms::of(scene));
+    let (judge, trace) = if with_trace {
+        let inner = Traced::of(scene, judge)?;
+        watch(scene, tick::Told { inner, done })?.inner.into_parts()
+    } else {
+        (watch(scene, tick::Told { inner: judge, done })?.inner, None)
+    };
+    Ok(run_of(scene, &judge, trace))
+}
+
+fn run_of(scene: &Scene, judge: &Judge, trace: Option<record::Trace>) -> Run {
+    Run {
+        summary: Summary::of(scene, judge),
         trace,
-    })
+    }
 }
 
 /// Runs a scene under a recorder and gives the recorder back.
@@ -131,6 +152,7 @@ pub fn watch<R: Recorder>(scene: &Scene, mut recorder: R) -> Result<R> {
 /// # Errors
 /// Same as [`run()`].
 pub fn simulate(scene: &Scene, recorder: Option<&mut dyn Recorder>) -> Result<()> {
+    Work::of(scene).check(scene)?;
     let mut plan = Plan::of(scene)?;
     plan.mechanics.advance(
         plan.control.as_mut(),

@@ -42,3 +42,21 @@ pub trait Recorder {
     /// Takes down a tick; they come in order.
     fn record(&mut self, tick: &Tick);
 }
+
+/// Ticks between two words of how far a run is.
+const TOLD_EVERY: u64 = 1024;
+
+/// A recorder beside which somebody is told how many ticks are done.
+pub(super) struct Told<'a, R> {
+    pub inner: R,
+    pub done: &'a mut dyn FnMut(u64),
+}
+
+impl<R: Recorder> Recorder for Told<'_, R> {
+    fn record(&mut self, tick: &Tick) {
+        if tick.index.is_multiple_of(TOLD_EVERY) {
+            (self.done)(tick.index);
+        }
+        self.inner.record(tick);
+    }
+}

@@ -3,6 +3,9 @@
 use super::judge::Judge;
 use super::record::Trace;
 use super::tick::{Recorder, Tick};
+use super::work::Work;
+use crate::error::Result;
+use crate::scene::Scene;
 
 #[derive(Debug, Clone)]
 pub(super) struct Traced {
@@ -12,12 +15,17 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    pub fn new(judge: Judge, surface_rad: f64) -> Self {
-        Self {
+    /// A trace of a scene.
+    ///
+    /// # Errors
+    /// One that memory would not hold.
+    pub fn of(scene: &Scene, judge: Judge) -> Result<Self> {
+        Work::of(scene).check_trace(scene)?;
+        Ok(Self {
             judge,
             trace: Trace::default(),
-            surface_rad,
-        }
+            surface_rad: scene.wall.surface_rad,
+        })
     }
 
     pub fn into_parts(self) -> (Judge, Option<Trace>) {

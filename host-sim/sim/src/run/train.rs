@@ -20,6 +20,15 @@ pub struct Train {
     pub substeps: u32,
     /// Reasons for this number of substeps, one a line; empty where one is enough.
     pub reasons: Vec<String>,
+    /// Field of the scene that asks for so many.
+    pub cause: Option<&'static str>,
+}
+
+/// How many substeps something asks for.
+struct Wish {
+    count: f64,
+    path: &'static str,
+    reason: String,
 }
 
 /// Fastest motion for which cogging is resolved, rad/s: faster than a hand turns a knob.
@@ -52,12 +61,13 @@ impl Train {
                 friction: friction(scene),
                 harmonics,
             };
-            let (substeps, reasons) = substeps(scene, &links, &shaft);
+            let (substeps, reasons, cause) = substeps(scene, &links, &shaft);
             Self {
                 links,
                 shaft,
                 substeps,
                 reasons,
+                cause,
             }
         })
     }
@@ -174,64 +184,95 @@ fn friction(scene: &Scene) -> Friction {
     }
 }
 
-/// How many substeps, and why.
-fn substeps(scene: &Scene, links: &Links, shaft: &Shaft) -> (u32, Vec<String>) {
+/// How many substeps, why, and which field asks for them.
+fn substeps(
+    scene: &Scene,
+    links: &Links,
+    shaft: &Shaft,
+) -> (u32, Vec<String>, Option<&'static str>) {
     let gap = links.transmission.filter(|it| it.gap > 0.0);
     if shaft.is_smooth() && gap.is_none() {
-        return (1, Vec::new());
+        return (1, Vec::new(), None);
     }
     if let Some(plant) = &scene.plant {
         let reason = format!("{} substeps, as plant.substeps says", plant.substeps);
-        return (plant.substeps, vec![reason]);
+        return (plant.substeps, vec![reason], Some("plant.substeps"));
     }
-    let period = scene.timing.period_s();
-    let knob = links.transmission.map_or(0.0, |it| it.knob_inertia);
-    let motor = links.device.inertia - knob;
-    let mut wishes: Vec<(f64, String)> = Vec::new();
-    match shaft.friction {
-        Friction::None => {}
-        Friction::Dry { .. } => wishes.push((
-            32.0,
-            "friction beside it is set-valued at the end of each: 32".to_owned(),
-        )),
-        Friction::Bristles(lugre) => {
-            let rate = libm::sqrt(lugre.stiffness / motor);
-            let reason = format!("bristles of friction at {rate:.0} 1/s, a tenth of a radian each");
-            wishes.push((10.0 * rate * period, reason));
-        }
-    }
-    for harmonic in &shaft.harmonics {
-        let what = if harmonic.per_rev == 1.0 {
-            "one period a turn"
-        } else {
-            "device.cogging"
-        };
-        let own = libm::sqrt(harmonic.amplitude * harmonic.per_rev / motor);
-        let reason =
-            format!("{what}: an oscillation at {own:.0} 1/s, a twentieth of a radian each");
-        wishes.push((20.0 * own * period, reason));
-        let passing = harmonic.per_rev * FAST_RAD_PER_S;
-        let reason = format!("{what}: passed at {FAST_RAD_PER_S} rad/s, a fifth of a radian each");
-        wishes.push((5.0 * passing * period, reason));
-    }
-    if let Some(transmission) = gap {
-        let rate = libm::sqrt(transmission.stiffness * (1.0 / motor + 1.0 / knob));
-        let reason = format!(
-            "device.transmission: contact across the play at {rate:.0} 1/s, a twentieth of a radian each"
-        );
-        wishes.push((20.0 * rate * period, reason));
-    }
-    let wanted = wishes.iter().map(|(count, _)| *count).fold(4.0, f64::max);
+    let wishes = wishes(scene, links, shaft);
+    let wanted = wishes.iter().map(|wish| wish.count).fold(4.0, f64::max);
     let count = wanted.min(MOST).ceil();
-    let mut reasons: Vec<String> = wishes
-        .into_iter()
-        .filter(|(count, _)| *count == wanted)
-        .map(|(_, reason)| reason)
-        .collect();
+    let largest = wishes.into_iter().filter(|wish| wish.count == wanted);
+    let (mut reasons, paths): (Vec<_>, Vec<_>) =
+        largest.map(|wish| (wish.reason, wish.path)).unzip();
     if wanted > MOST {
         reasons.push(format!(
             "{wanted:.0} would be needed, {MOST} are taken: plant.substeps gives more"
         ));
     }
-    (count as u32, reasons)
+    (count as u32, reasons, paths.first().copied())
+}
+
+fn wishes(scene: &Scene, links: &Links, shaft: &Shaft) -> Vec<Wish> {
+    let period = scene.timing.period_s();
+    let knob = links.transmission.map_or(0.0, |it| it.knob_inertia);
+    let motor = links.device.inertia - knob;
+    let mut wishes: Vec<Wish> = Vec::new();
+    let mut wish = |count, path, reason| {
+        wishes.push(Wish {
+            count,
+            path,
+            reason,
+        });
+    };
+    match shaft.friction {
+        Friction::None => {}
+        Friction::Dry { .. } => wish(
+            32.0,
+            "device.friction.kinetic_n_m",
+            "friction beside it is set-valued at the end of each: 32".to_owned(),
+        ),
+        Friction::Bristles(lugre) => {
+            let rate = libm::sqrt(lugre.stiffness / motor);
+            wish(
+                10.0 * rate * period,
+                "device.friction.bristle_stiffness_n_m_per_rad",
+                format!("bristles of friction at {rate:.0} 1/s, a tenth of a radian each"),
+            );
+        }
+    }
+    for harmonic in &shaft.harmonics {
+        let (what, torque, periods) = if harmonic.per_rev == 1.0 {
+            let torque = "device.imbalance.torque_n_m";
+            ("one period a turn", torque, torque)
+        } else {
+            (
+                "device.cogging",
+                "device.cogging.torque_n_m",
+                "device.cogging.periods_per_rev",
+            )
+        };
+        let own = libm::sqrt(harmonic.amplitude * harmonic.per_rev / motor);
+        wish(
+            20.0 * own * period,
+            torque,
+            format!("{what}: an oscillation at {own:.0} 1/s, a twentieth of a radian each"),
+        );
+        let passing = harmonic.per_rev * FAST_RAD_PER_S;
+        wish(
+            5.0 * passing * period,
+            periods,
+            format!("{what}: passed at {FAST_RAD_PER_S} rad/s, a fifth of a radian each"),
+        );
+    }
+    if let Some(transmission) = links.transmission.filter(|it| it.gap > 0.0) {
+        let rate = libm::sqrt(transmission.stiffness * (1.0 / motor + 1.0 / knob));
+        wish(
+            20.0 * rate * period,
+            "device.transmission.spring_n_m_per_rad",
+            format!(
+                "device.transmission: contact across the play at {rate:.0} 1/s, a twentieth of a radian each"
+            ),
+        );
+    }
+    wishes
 }

@@ -25,7 +25,7 @@ impl Scene {
             return Scene::parse(text, Path::new(&format!("scenes/{name}.toml")));
         }
         let path = PathBuf::from(name_or_path);
-        let text = input::text(&path, input::MOST_OF_SETTINGS).map_err(|error| {
+        let text = input::text(&path, input::MOST_OF_SCENE).map_err(|error| {
             let names = shipped::names();
             let fix = match (error.kind(), unknown::nearest(name_or_path, &names)) {
                 (std::io::ErrorKind::NotFound, Some(near)) => {

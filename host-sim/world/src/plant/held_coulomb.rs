@@ -149,6 +149,12 @@ impl HeldCoulomb {
         })
     }
 
+    /// Power series that a tick with stops takes, at most and events apart; one for a plant that is not stiff.
+    #[must_use]
+    pub fn series(&self) -> u64 {
+        (self.sliding.interval_s() / self.piece_s).ceil().max(1.0) as u64
+    }
+
     /// Torque on the device at rest, friction apart: the held torque and the pad's.
     #[inline(always)]
     fn torque_at_rest(&self, strain: f64, v_h: f64, torque: f64) -> f64 {

@@ -13,7 +13,8 @@ const GAP_S: f64 = 0.1;
 
 impl Recording {
     /// Notes on oddities of a recording; empty for a good one.
-    pub(super) fn odd(&self) -> Vec<String> {
+    #[must_use]
+    pub fn odd(&self) -> Vec<String> {
         [self.gap(), self.bursts(), self.wraps(), self.speed()]
             .into_iter()
             .flatten()
@@ -37,7 +38,7 @@ impl Recording {
         let usual = self.interval_s();
         let is_burst = self.times_s().len() > 10 && usual < 0.25 * mean && mean < GAP_S;
         is_burst.then(|| {
-            format!("samples come in bursts, {usual:.6} s apart where {mean:.6} s is the mean: are the times those of the transfer?")
+            format!("samples come in bursts, {usual:.3e} s apart where {mean:.3e} s is the mean: are the times those of the transfer?")
         })
     }
 

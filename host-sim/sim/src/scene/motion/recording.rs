@@ -22,6 +22,8 @@ const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
 
 /// Most samples: an hour at 1 kHz.
 const MOST_SAMPLES: usize = 3_600_000;
+/// A clock that falls from less is none that wrapped, in its own unit: the smallest counts to this.
+const LEAST_OF_COUNTER: f64 = 255.0;
 /// Shortest recording, s.
 const SHORTEST_S: f64 = 1e-5;
 /// Largest angle, rad.
@@ -191,7 +193,13 @@ impl Recording {
                     line(),
                     &time.name,
                     problem,
-                    "sort the rows by time and remove repeated ones",
+                    // All of what a counter had is gone at once.
+                    match t < 0.5 * previous && previous >= LEAST_OF_COUNTER {
+                        true => {
+                            "where a counter wrapped, add its range to what follows; else sort the rows by time"
+                        }
+                        false => "sort the rows by time and remove repeated ones",
+                    },
                 ));
             }
             previous = t;

@@ -1,0 +1,16 @@
+#![no_main]
+//! Bytes of the wire: as they are, and as damages of whole frames.
+
+#[path = "../../tests/made/choices.rs"]
+mod choices;
+#[path = "../../tests/made/wire.rs"]
+mod made;
+
+use choices::Given;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    made::messages(bytes);
+    made::looked_into(bytes);
+    made::messages(&made::made(&mut Given(bytes)));
+});

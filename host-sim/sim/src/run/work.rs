@@ -1,0 +1,253 @@
+//! What a run will cost, before it runs: ticks, steps of the plant in each, and which setting asks for so many.
+
+use super::crossed;
+use super::train::Train;
+use crate::error::Result;
+use crate::scene::{Integrator, Scene};
+use touchstone_world::plant::HeldCoulomb;
+
+/// Nominal time of a tick beside its plant, s: sensor, law, record; of a slow machine.
+const TICK_S: f64 = 0.5e-6;
+/// Of a substep of a train or of an integrator, s: 1/7 of it on a fast machine, and most of it where angles are huge.
+const SUBSTEP_S: f64 = 0.35e-6;
+/// Of a power series between two stops of a device with friction in a hand, s.
+const SERIES_S: f64 = 2.0e-6;
+/// A run that may take longer than this is said before it runs, s.
+pub const LONG_S: f64 = 1.0;
+/// One that may take longer is refused, s: a day.
+pub const MOST_S: f64 = 86_400.0;
+/// Longest trace that is kept, ticks: its fourteen columns take 2.2 GB.
+pub const MOST_OF_TRACE: u64 = 20_000_000;
+
+/// The work of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Work {
+    /// Ticks of the run.
+    pub ticks: u64,
+    /// Steps of the plant in a tick, at most.
+    pub steps: u64,
+    /// What it takes on a slow machine, s. A fast one needs a third.
+    pub seconds: f64,
+    /// Field of the scene that asks for so much.
+    path: &'static str,
+    /// Why it does.
+    reason: Option<String>,
+}
+
+impl Work {
+    /// The work of a scene.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let (steps, step_s, cause) = steps(scene);
+        let ticks = scene.timing.ticks();
+        // Where most of a run is its ticks, their number is what asks for it.
+        let (path, reason) = cause
+            .filter(|_| steps > 32)
+            .map_or(("timing.duration_s", None), |(path, reason)| {
+                (path, Some(reason))
+            });
+        Self {
+            ticks,
+            steps,
+            seconds: ticks as f64 * (TICK_S + step_s * steps as f64),
+            path,
+            reason,
+        }
+    }
+
+    /// Whether it is said before it is done.
+    #[must_use]
+    pub fn is_long(&self) -> bool {
+        self.seconds > LONG_S
+    }
+
+    /// How long it takes, and what asks for it, where it is [long](Self::is_long).
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        self.is_long().then(|| {
+            let path = self.path;
+            let why = match &self.reason {
+                Some(reason) => format!(" ({path}: {reason})"),
+                None => String::new(),
+            };
+            format!(
+                "a run of this scene may take {}: {}{why}",
+                spoken(self.seconds),
+                self.counted()
+            )
+        })
+    }
+
+    /// Refuses what would take longer than [`MOST_S`].
+    ///
+    /// # Errors
+    /// The field that asks for it, how much it is, and what takes less.
+    pub fn check(&self, scene: &Scene) -> Result<()> {
+        if self.seconds <= MOST_S {
+            return Ok(());
+        }
+        let problem = match &self.reason {
+            Some(reason) => format!(
+                "{} may take {}: {reason}",
+                self.counted(),
+                spoken(self.seconds)
+            ),
+            None => format!("{} may take {}", self.counted(), spoken(self.seconds)),
+        };
+        let fix = match self.path {
+            "timing.duration_s" => "give less, or a lower timing.rate_hz; a day is the limit",
+            "plant.substeps" => "give fewer, or a shorter timing.duration_s; a day is the limit",
+            _ => {
+                "give less of it, plant.substeps, or a shorter timing.duration_s; a day is the limit"
+            }
+        };
+        Err(scene.error(self.path, problem, fix))
+    }
+
+    /// Refuses a trace beyond [`MOST_OF_TRACE`], which memory would not hold.
+    ///
+    /// # Errors
+    /// How long it is, and how long it may be.
+    pub fn check_trace(&self, scene: &Scene) -> Result<()> {
+        if self.ticks <= MOST_OF_TRACE {
+            return Ok(());
+        }
+        let problem = format!(
+            "a trace of {} ticks is longer than the {MOST_OF_TRACE} that are kept",
+            self.ticks
+        );
+        let most_s = MOST_OF_TRACE as f64 / f64::from(scene.timing.rate_hz);
+        let fix = format!("give at most {most_s}, or run it without --out");
+        Err(scene.error("timing.duration_s", problem, fix))
+    }
+
+    fn counted(&self) -> String {
+        match self.steps {
+            1 => format!("{} ticks", self.ticks),
+            steps => format!("{} ticks of {steps} steps", self.ticks),
+        }
+    }
+}
+
+/// A time in words, to two digits.
+fn spoken(seconds: f64) -> String {
+    let (number, unit) = match seconds {
+        s if s < 100.0 => (s, "s"),
+        s if s < 6000.0 => (s / 60.0, "min"),
+        s if s < 172_800.0 => (s / 3600.0, "h"),
+        s => (s / 86_400.0, "days"),
+    };
+    match number < 10.0 {
+        true => format!("{number:.1} {unit}"),
+        false => format!("{number:.0} {unit}"),
+    }
+}
+
+/// Steps of a tick at most, what one takes, and what asks for more than one.
+fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
+    let parts = crossed::parts(scene);
+    if let Some(train) = Train::of(scene) {
+        let cause = train.cause.zip(train.reasons.first().cloned());
+        return (u64::from(train.substeps) + parts - 1, SUBSTEP_S, cause);
+    }
+    if let Some(plant) = &scene.plant
+        && plant.integrator != Integrator::Exact
+    {
+        let cause = ("plant.substeps", "as many as it says".to_owned());
+        return (
+            u64::from(plant.substeps) + parts - 1,
+            SUBSTEP_S,
+            Some(cause),
+        );
+    }
+    if let (Some(hand), true) = (crossed::hand(scene), scene.device.friction.is_some())
+        && let Ok(plant) = HeldCoulomb::new(&crossed::device(scene), &hand, scene.timing.period_s())
+    {
+        let series = plant.series();
+        let path = match scene.operator.hand {
+            Some(_) => "operator.hand.pad_stiffness_n_m_per_rad",
+            None => "device.inertia_kg_m2",
+        };
+        let reason = format!(
+            "device and pad move so fast beside a tick that friction needs {series} series"
+        );
+        // Nearly every tick of a plant that is not stiff is one matrix.
+        let step_s = if series > 2 { SERIES_S } else { SUBSTEP_S };
+        return (series + parts - 1, step_s, Some((path, reason)));
+    }
+    (parts, SUBSTEP_S, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::{run, simulate};
+    use crate::scene::{Preset, names};
+
+    fn of(name: &str, sets: &[&str]) -> Scene {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let scene = Scene::load(name).unwrap().with_preset(Preset::Shipped);
+        scene.unwrap().with_overrides(&sets).unwrap()
+    }
+
+    #[test]
+    fn no_shipped_scene_is_long() {
+        for name in names() {
+            if let Ok(scene) = Scene::load(name) {
+                let work = Work::of(&scene);
+                assert!(work.note().is_none(), "{name}: {work:?}");
+                work.check(&scene).unwrap();
+                work.check_trace(&scene).unwrap();
+            }
+        }
+    }
+
+    #[test]
+    fn long_work_is_said_with_what_asks_for_it() {
+        let stiff = "device.friction.bristle_stiffness_n_m_per_rad=1e6";
+        let note = Work::of(&of("thesis-knob", &[stiff])).note().unwrap();
+        assert!(
+            note.contains("bristle_stiffness_n_m_per_rad: bristles of friction at")
+                && note.contains(" steps"),
+            "{note}"
+        );
+        let asked = ["plant.integrator=runge-kutta-4", "plant.substeps=9000"];
+        let note = Work::of(&of("thesis-knob", &asked)).note().unwrap();
+        assert!(
+            note.contains("(plant.substeps: as many as it says)"),
+            "{note}"
+        );
+        let hour = Work::of(&of("thesis-knob", &["timing.duration_s=3600"]));
+        assert!(hour.note().unwrap().ends_with(" ticks"), "{hour:?}");
+    }
+
+    #[test]
+    fn more_than_a_day_is_refused_in_a_line_before_it_begins() {
+        let day = "timing.duration_s=86400";
+        for (more, place) in [
+            (
+                "device.friction.bristle_stiffness_n_m_per_rad=1e7",
+                "device.friction.bristle",
+            ),
+            ("plant.substeps=100000", "plant.substeps"),
+        ] {
+            let asked = [day, more, "device.cogging.torque_n_m=1e-3"];
+            let error = simulate(&of("thesis-knob", &asked), None)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains(place) && error.contains(" may take "),
+                "{error}"
+            );
+            assert_eq!(error.lines().count(), 1, "{error}");
+        }
+        // A day of an ordinary knob is no more than minutes; its trace is too much.
+        let scene = of("thesis-knob", &[day]);
+        Work::of(&scene).check(&scene).unwrap();
+        let error = run(&scene, true).unwrap_err().to_string();
+        assert!(
+            error.contains("86400000 ticks") && error.contains("--out"),
+            "{error}"
+        );
+    }
+}

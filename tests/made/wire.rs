@@ -1,0 +1,85 @@
+//! Bytes of the wire: whole frames of both sides, damaged, and bytes that are none. Nothing panics, no message is made up.
+
+use super::choices::Choices;
+use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
+use touchstone_protocol::reply::{FromDevice, version_of_hello};
+use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_protocol::{
+    Board, Counters, DeviceCommand, DeviceSettings, Reply, Request, ToDevice,
+};
+
+/// A whole frame of one of many messages.
+fn frame_of(seeded: &mut impl Choices) -> Vec<u8> {
+    let mut buffer = [0; FRAME_MAX];
+    let id = seeded.below(256) as u8;
+    let request = |request| ToDevice { id, request };
+    let field = &FIELDS[seeded.below(FIELDS.len())];
+    let frame = match seeded.below(4) {
+        0 => frame::encode(&request(Request::Get { path: field.path }), &mut buffer),
+        1 => frame::encode(&request(Request::Command(DeviceCommand::Arm)), &mut buffer),
+        2 => {
+            let settings = DeviceSettings::defaults(Board::NucleoG474re);
+            frame::encode(&request(Request::SetAll(settings)), &mut buffer)
+        }
+        _ => {
+            let counters = Counters {
+                ticks: seeded.below(65_536) as u32,
+                ..Counters::default()
+            };
+            let answer = Ok(Reply::Counters(counters));
+            frame::encode(&FromDevice::Answer { id, answer }, &mut buffer)
+        }
+    };
+    frame.expect("every message fits").to_vec()
+}
+
+/// Some frames, with damages.
+pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for _ in 0..1 + seeded.below(3) {
+        bytes.extend(frame_of(seeded));
+    }
+    for _ in 0..seeded.below(4) {
+        let at = seeded.below(bytes.len());
+        match seeded.below(4) {
+            0 => bytes[at] ^= 1 << seeded.below(8),
+            1 => bytes.insert(at, seeded.below(256) as u8),
+            2 => bytes.truncate(at + 1),
+            _ => bytes.extend_from_within(at..),
+        }
+    }
+    bytes
+}
+
+/// Takes bytes as both sides do; how many messages came of them, each of which is the same again when it is sent.
+pub fn messages(bytes: &[u8]) -> usize {
+    let (mut decoder, mut count) = (Decoder::new(), 0);
+    for &byte in bytes {
+        if let Some(Ok(payload)) = decoder.push(byte) {
+            count += usize::from(looked_into(payload));
+        }
+    }
+    count
+}
+
+/// A payload, as whoever has no frame around it sees it.
+pub fn looked_into(payload: &[u8]) -> bool {
+    let mut buffer = [0; 4 * FRAME_MAX];
+    let mut is_message = false;
+    if let Some(message) = frame::message::<ToDevice<'_>>(payload) {
+        let again = postcard::to_slice(&message, &mut buffer)
+            .expect("room")
+            .to_vec();
+        assert_eq!(frame::message::<ToDevice<'_>>(&again), Some(message));
+        is_message = true;
+    }
+    if let Some(message) = frame::message::<FromDevice>(payload) {
+        let again = postcard::to_slice(&message, &mut buffer)
+            .expect("room")
+            .to_vec();
+        assert_eq!(frame::message::<FromDevice>(&again), Some(message));
+        is_message = true;
+    }
+    let _ = version_of_hello(payload);
+    is_message
+}
