@@ -20,7 +20,7 @@ use crate::{analogue, board, pwm};
 /// How many telemetry records may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
 pub const QUEUED: usize = 16;
 
-/// What an interrupt reads for a tick, beside the encoder.
+/// The readings of an interrupt for a tick, apart from the encoder.
 pub struct Readings {
     /// The timer's break has pulled.
     pub hardware_break: bool,
@@ -32,7 +32,7 @@ pub struct Readings {
 
 /// Everything that a control tick remembers. The thread gives orders and looks through [`CONTROL`].
 pub struct Control {
-    /// What decides.
+    /// The device's logic, which makes all decisions.
     pub device: Device,
     /// The device's clock: ticks since the start.
     pub tick: u32,
@@ -44,7 +44,7 @@ pub struct Control {
     pub accepted: Option<bool>,
     /// Telemetry that waits for the port, oldest first.
     pub telemetry: Deque<Telemetry, QUEUED>,
-    /// One telemetry record every so many ticks; 0 for none.
+    /// Number of control ticks for each telemetry record; 0 for no telemetry.
     pub decimation: u16,
     /// Telemetry records that the queue had no room for.
     pub dropped: u32,
@@ -52,7 +52,7 @@ pub struct Control {
     pub cycles_max: u32,
     /// Most cycles of lateness.
     pub lateness_max: u32,
-    /// The start by itself.
+    /// The unattended start.
     #[cfg(feature = "g474re")]
     pub autostart: Autostart,
     since_sent: u16,
@@ -75,7 +75,8 @@ fn heard() -> bool {
     heard
 }
 
-/// The device's tick, once in a control tick. A function, as what is told to it is to be built in its place and not copied there.
+/// The device's tick, called once in a control tick. It is a function of its own so that its input is built in place
+/// and not copied.
 #[inline(always)]
 fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     #[cfg(not(feature = "g474re"))]
@@ -85,9 +86,9 @@ fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     device.tick_around(input, unsafe { AROUND.mine() })
 }
 
-/// The control tick's state, which lies in a static of its own; nothing before the start.
+/// The control tick's state, in a static; `None` before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
-/// What there is to touch beside the wall. As large as the ring is, so it never moves either.
+/// Things to touch in addition to the wall. As large as the ring is, so it never moves either.
 #[cfg(feature = "g474re")]
 pub static AROUND: Guarded<touchstone_drive::around::Around> =
     Guarded::new(touchstone_drive::around::Around::new());
@@ -95,7 +96,7 @@ pub static AROUND: Guarded<touchstone_drive::around::Around> =
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
 impl Control {
-    /// Before the first tick.
+    /// The state before the first tick.
     pub fn new(device: Device, settings: &DeviceSettings) -> Self {
         Self {
             device,
@@ -120,7 +121,7 @@ impl Control {
         }
     }
 
-    /// One tick.
+    /// Runs one tick.
     #[inline]
     pub fn tick(&mut self, readings: &Readings) {
         if readings.brown_out && !self.brown_out_told {
@@ -212,7 +213,7 @@ impl Control {
         }
     }
 
-    /// The tick took so many cycles.
+    /// Records how many cycles the tick took.
     #[inline]
     pub fn ended(&mut self, cycles: u32) {
         self.duration = cycles;
@@ -240,7 +241,7 @@ impl Control {
         }
     }
 
-    /// Other settings, and what was made of them: they count from the next calibration.
+    /// Takes other settings and the coefficients computed from them, which are used from the next calibration on.
     pub fn prepare(&mut self, settings: &DeviceSettings, config: Config) {
         self.device.prepare(config);
         self.next_encoder = settings.encoder.kind;

@@ -18,7 +18,7 @@ const SETTLE: u32 = 60;
 /// Polls of a flag before the encoder counts as silent: a frame takes 512 cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
-/// Takes the port.
+/// Takes the port into use.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }
@@ -138,7 +138,7 @@ fn settle(since: u32) {
     let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }
 
-/// Takes away what a frame that was given up left behind: at most the four bytes of the queue.
+/// Removes what an abandoned frame left in the queue: at most four bytes.
 fn drain() {
     for _ in 0..4 {
         if !SPI3.sr().read().rxne() {

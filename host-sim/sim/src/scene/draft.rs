@@ -25,7 +25,7 @@ const BASE: &str = "base";
 #[derive(Debug, Clone)]
 pub(crate) struct Draft {
     pub fields: BTreeMap<String, Value>,
-    /// Tables that were written, empty ones too: `[encoder]` alone asks for an encoder.
+    /// Tables in the text, empty ones too: `[encoder]` alone adds an encoder.
     pub tables: BTreeSet<String>,
     pub origin: Origin,
 }
@@ -244,7 +244,7 @@ impl Draft {
         }
     }
 
-    /// All that is wrong with single fields.
+    /// All problems of single fields.
     fn problems(&self) -> Vec<Problem> {
         // A motion of unknown kind is reported itself; which fields it should have is then unknown too.
         let motion = self
